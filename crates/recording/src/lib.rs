@@ -1,0 +1,1 @@
+//! Turns recorded files into evenly sampled, filtered joint motions with efforts.

@@ -1,0 +1,1 @@
+//! Moves the arm in software: trajectories in, recordings out, with encoder, noise and friction.
