@@ -1,1 +1,30 @@
 //! Dense linear algebra that knows no robot: least squares, rank decisions, singular values.
+//!
+//! The only crate that names faer. nalgebra's dynamic SVD is silently wrong on low-rank matrices
+//! (dimforge/nalgebra#1172), and regressors of arms are exactly such matrices.
+//!
+//! | question | function |
+//! | --- | --- |
+//! | `min |A x - y|`, rows in blocks, states merged | [`AccumulatedQr`] |
+//! | rank with its gap | [`rank_of_columns`] |
+//! | which columns depend on which, in a stated order | [`eliminate_in_order`] |
+//!
+//! ```
+//! use armident_numeric::AccumulatedQr;
+//!
+//! // a line through three points
+//! let mut rows = AccumulatedQr::new(2);
+//! rows.push_rows(&[vec![0.0, 1.0, 1.0], vec![1.0, 1.0, 3.0], vec![2.0, 1.0, 5.0]]);
+//! let line = rows.solve(1e-9)?;
+//! assert!((line.solution[0] - 2.0).abs() < 1e-12 && (line.solution[1] - 1.0).abs() < 1e-12);
+//! # Ok::<(), armident_numeric::NumericError>(())
+//! ```
+
+mod accumulate;
+mod least_squares;
+mod rank;
+
+pub use accumulate::AccumulatedQr;
+pub use faer::Mat;
+pub use least_squares::{LeastSquares, NumericError};
+pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};

@@ -1,0 +1,178 @@
+//! The joint-effort regressor: `τ = Y(q, q̇, q̈) π`, linear in the standard parameters and in any
+//! linear combinations of them, the minimal constants among them.
+
+use armident_kinematics::InertialParameters;
+use nalgebra::Vector3;
+
+use crate::arm::RigidArm;
+use crate::constants::{BodyConstants, links_from_constants};
+use crate::newton_euler::{LinkMotion, Sweep};
+use crate::real::{BATCH, Batch, Real, load_batch, store_batch};
+
+const TEN: usize = InertialParameters::COUNT;
+
+/// Effort of one unit of each of the ten parameters of a link, felt at a joint whose axis has the
+/// direction `u` and whose motion moves the link's origin by `a = u × s` per radian (both in the
+/// link's frame). For a translational joint the axis pushes: `force_axis = u`, `moment_axis = 0`.
+#[inline(always)]
+fn link_row<T: Real>(
+    motion: &LinkMotion<T>,
+    moment_axis: &Vector3<T>,
+    force_axis: &Vector3<T>,
+) -> [T; TEN] {
+    let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a } = motion;
+    // F = m a + dw x mc + w x (w x mc),  N = I dw + w x I w + mc x a
+    let (f, u) = (force_axis, moment_axis);
+    // f . (dw x mc + w x (w x mc)) = mc . (f x dw + w (w.f) - f (w.w)); u . (mc x a) = mc . (a x u)
+    let on_moment = f.cross(dw) + w * w.dot(f) - f * w.dot(w) + a.cross(u);
+    // u . (w x I w) = (u x w) . I w
+    let t = u.cross(w);
+    [
+        f.dot(a),
+        on_moment.x,
+        on_moment.y,
+        on_moment.z,
+        u.x * dw.x + t.x * w.x,
+        u.x * dw.y + u.y * dw.x + t.x * w.y + t.y * w.x,
+        u.x * dw.z + u.z * dw.x + t.x * w.z + t.z * w.x,
+        u.y * dw.y + t.y * w.y,
+        u.y * dw.z + u.z * dw.y + t.y * w.z + t.z * w.y,
+        u.z * dw.z + t.z * w.z,
+    ]
+}
+
+/// Row of joint `joint` for the sample in `sweep`: entry `10 i + k` belongs to parameter `k` of link
+/// `i`; `row` has length `10 n`, entries of links before the joint are zero.
+#[inline(always)]
+pub fn regressor_row_into<T: Real>(arm: &RigidArm, sweep: &Sweep<T>, joint: usize, row: &mut [T]) {
+    let zero = T::splat(0.0);
+    row[..TEN * joint].fill(zero);
+    let none = Vector3::from_element(zero);
+    let mut u = Vector3::new(zero, zero, T::splat(1.0));
+    let mut s = none;
+    let turns = arm.joints[joint].kind.is_rotational();
+    for i in joint..arm.dof() {
+        if i > joint {
+            let pose = &sweep.poses[i];
+            u = pose.to_child(&u);
+            s = pose.to_child(&(s + pose.s));
+        }
+        let entries = if turns {
+            link_row(&sweep.motions[i], &u, &u.cross(&s))
+        } else {
+            link_row(&sweep.motions[i], &none, &u)
+        };
+        row[TEN * i..TEN * (i + 1)].copy_from_slice(&entries);
+    }
+}
+
+/// Regressor of one sample in the standard parameters: n rows of `10 n` entries, row-major.
+///
+/// Identity: `Y π = τ` of [`crate::inverse_dynamics`], `π` the links' [`InertialParameters::to_array`]
+/// one after another.
+pub fn standard_regressor<T: Real>(arm: &RigidArm, q: &[T], dq: &[T], ddq: &[T]) -> Vec<T> {
+    let n = arm.dof();
+    let mut sweep = Sweep::new(n);
+    sweep.run(arm, q, dq, ddq);
+    let mut all = vec![T::splat(0.0); n * TEN * n];
+    for (joint, row) in all.chunks_mut(TEN * n).enumerate() {
+        regressor_row_into(arm, &sweep, joint, row);
+    }
+    all
+}
+
+/// Columns that are fixed linear combinations of the standard parameters.
+#[derive(Debug, Clone)]
+pub struct ParameterColumns {
+    /// per column: (index into the `10 n` standard parameters, coefficient), zeros left out
+    columns: Vec<Vec<(usize, f64)>>,
+}
+
+impl ParameterColumns {
+    /// One column for each set of body constants: the effort of an arm that has these constants.
+    ///
+    /// With "this constant 1, all others 0" the columns are those of the minimal set.
+    pub fn from_constants(arm: &RigidArm, constants: &[Vec<BodyConstants>]) -> Self {
+        let columns = constants
+            .iter()
+            .map(|set| {
+                let links = links_from_constants(&arm.joints, set);
+                let numbers = links.iter().flat_map(InertialParameters::to_array);
+                numbers.enumerate().filter(|(_, value)| *value != 0.0).collect()
+            })
+            .collect();
+        Self { columns }
+    }
+
+    /// The `10 n` standard parameters themselves.
+    pub fn standard(dof: usize) -> Self {
+        Self { columns: (0..TEN * dof).map(|k| vec![(k, 1.0)]).collect() }
+    }
+
+    /// Number of columns.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether there is no column.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// A standard-parameter row mapped to these columns; `out` has one entry per column.
+    #[inline(always)]
+    pub fn map_row<T: Real>(&self, row: &[T], out: &mut [T]) {
+        for (out, column) in out.iter_mut().zip(&self.columns) {
+            *out = column
+                .iter()
+                .fold(T::splat(0.0), |sum, &(k, factor)| sum + row[k] * T::splat(factor));
+        }
+    }
+
+    /// Regressor of one sample: n rows of `len()` entries, row-major.
+    pub fn regressor(&self, arm: &RigidArm, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
+        let standard = standard_regressor(arm, q, dq, ddq);
+        let mut all = vec![0.0; arm.dof() * self.len()];
+        for (row, out) in standard.chunks(TEN * arm.dof()).zip(all.chunks_mut(self.len().max(1))) {
+            self.map_row(row, out);
+        }
+        all
+    }
+
+    /// Columns of one joint over a whole motion, `[column][sample]`, for the columns in `wanted`.
+    ///
+    /// Eight samples at a time; memory is the result alone.
+    pub fn of_motion(
+        &self,
+        arm: &RigidArm,
+        joint: usize,
+        q: &[Vec<f64>],
+        dq: &[Vec<f64>],
+        ddq: &[Vec<f64>],
+        wanted: &[usize],
+    ) -> Vec<Vec<f64>> {
+        let n = arm.dof();
+        let samples = q[0].len();
+        let chosen = Self { columns: wanted.iter().map(|&c| self.columns[c].clone()).collect() };
+        let mut result = vec![vec![0.0; samples]; wanted.len()];
+        let zero = Batch::from([0.0; BATCH]);
+        let mut sweep = Sweep::new(n);
+        let (mut qb, mut vb, mut ab) = (vec![zero; n], vec![zero; n], vec![zero; n]);
+        let mut row = vec![zero; TEN * n];
+        let mut out = vec![zero; wanted.len()];
+        for start in (0..samples).step_by(BATCH) {
+            for j in 0..n {
+                qb[j] = load_batch(&q[j], start);
+                vb[j] = load_batch(&dq[j], start);
+                ab[j] = load_batch(&ddq[j], start);
+            }
+            sweep.run(arm, &qb, &vb, &ab);
+            regressor_row_into(arm, &sweep, joint, &mut row);
+            chosen.map_row(&row, &mut out);
+            for (column, value) in result.iter_mut().zip(&out) {
+                store_batch(*value, column, start);
+            }
+        }
+        result
+    }
+}

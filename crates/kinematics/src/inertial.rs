@@ -1,0 +1,186 @@
+//! The ten standard inertial parameters of one rigid body, and how they move between frames.
+
+use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
+
+/// Mass, first moment and inertia about the frame **origin** of one rigid body, in one frame.
+///
+/// The vector order is `m, mcx, mcy, mcz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz`; products of inertia carry
+/// the sign of the tensor (as in URDF).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InertialParameters {
+    /// Mass [kg].
+    pub mass_kg: f64,
+    /// Mass times centre of mass [kg m].
+    pub first_moment_kgm: Vector3<f64>,
+    /// Inertia tensor about the frame origin [kg m2], symmetric.
+    pub inertia_origin_kgm2: Matrix3<f64>,
+}
+
+impl InertialParameters {
+    /// Number of standard parameters of a body.
+    pub const COUNT: usize = 10;
+
+    /// A body without mass.
+    pub fn zero() -> Self {
+        Self {
+            mass_kg: 0.0,
+            first_moment_kgm: Vector3::zeros(),
+            inertia_origin_kgm2: Matrix3::zeros(),
+        }
+    }
+
+    /// From mass [kg], centre of mass [m] and inertia about the centre of mass [kg m2], one frame.
+    pub fn from_com(mass_kg: f64, com_m: Vector3<f64>, inertia_com_kgm2: Matrix3<f64>) -> Self {
+        Self {
+            mass_kg,
+            first_moment_kgm: mass_kg * com_m,
+            inertia_origin_kgm2: inertia_com_kgm2 + mass_kg * steiner(com_m),
+        }
+    }
+
+    /// Centre of mass [m]; the origin for a body without mass.
+    pub fn com_m(&self) -> Vector3<f64> {
+        if self.mass_kg == 0.0 { Vector3::zeros() } else { self.first_moment_kgm / self.mass_kg }
+    }
+
+    /// Inertia about the centre of mass [kg m2], axes of the frame.
+    pub fn inertia_com_kgm2(&self) -> Matrix3<f64> {
+        self.inertia_origin_kgm2 - self.mass_kg * steiner(self.com_m())
+    }
+
+    /// The same body seen from another frame; `pose` places this frame in the other one.
+    #[must_use]
+    pub fn expressed_in(&self, pose: &Isometry3<f64>) -> Self {
+        let rotation = pose.rotation.to_rotation_matrix();
+        let (turned, t) = (rotation * self.first_moment_kgm, pose.translation.vector);
+        // parallel axes in terms of first moments, so that a body without mass needs no special case
+        let shift = Matrix3::identity() * (2.0 * t.dot(&turned))
+            - (t * turned.transpose() + turned * t.transpose());
+        let inertia = rotation * self.inertia_origin_kgm2 * rotation.transpose();
+        Self {
+            mass_kg: self.mass_kg,
+            first_moment_kgm: turned + self.mass_kg * t,
+            inertia_origin_kgm2: symmetrized(inertia) + self.mass_kg * steiner(t) + shift,
+        }
+    }
+
+    /// Sum of two bodies glued together, both seen from the same frame.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass_kg: self.mass_kg + other.mass_kg,
+            first_moment_kgm: self.first_moment_kgm + other.first_moment_kgm,
+            inertia_origin_kgm2: self.inertia_origin_kgm2 + other.inertia_origin_kgm2,
+        }
+    }
+
+    /// The ten numbers in the order of the type's documentation.
+    pub fn to_array(&self) -> [f64; 10] {
+        let (c, i) = (&self.first_moment_kgm, &self.inertia_origin_kgm2);
+        [
+            self.mass_kg,
+            c.x,
+            c.y,
+            c.z,
+            i[(0, 0)],
+            i[(0, 1)],
+            i[(0, 2)],
+            i[(1, 1)],
+            i[(1, 2)],
+            i[(2, 2)],
+        ]
+    }
+
+    /// Inverse of [`Self::to_array`].
+    pub fn from_array(p: &[f64; 10]) -> Self {
+        Self {
+            mass_kg: p[0],
+            first_moment_kgm: Vector3::new(p[1], p[2], p[3]),
+            inertia_origin_kgm2: Matrix3::new(p[4], p[5], p[6], p[5], p[7], p[8], p[6], p[8], p[9]),
+        }
+    }
+
+    /// Smallest eigenvalue of the pseudo-inertia, the 4x4 matrix `[[tr(I)/2 1 - I, mc], [mc', m]]`.
+    ///
+    /// A body made of non-negative mass has none below zero (Wensing, Kim, Slotine 2018, eq. 6-11).
+    pub fn smallest_pseudo_inertia_eigenvalue(&self) -> f64 {
+        let i = &self.inertia_origin_kgm2;
+        let density = Matrix3::identity() * (0.5 * i.trace()) - i;
+        let mut pseudo = SMatrix::<f64, 4, 4>::zeros();
+        pseudo.fixed_view_mut::<3, 3>(0, 0).copy_from(&density);
+        pseudo.fixed_view_mut::<3, 1>(0, 3).copy_from(&self.first_moment_kgm);
+        pseudo.fixed_view_mut::<1, 3>(3, 0).copy_from(&self.first_moment_kgm.transpose());
+        pseudo[(3, 3)] = self.mass_kg;
+        pseudo.symmetric_eigenvalues().min()
+    }
+
+    /// Whether some distribution of non-negative mass has these parameters (to round-off).
+    pub fn is_physical(&self) -> bool {
+        let scale = self.inertia_origin_kgm2.amax().max(self.mass_kg.abs());
+        self.smallest_pseudo_inertia_eigenvalue() >= -1e-9 * scale
+    }
+}
+
+/// `Σ(a) = (a·a) 1 - a aᵀ`, the inertia of a unit point mass at `a` about the origin.
+fn steiner(a: Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::identity() * a.norm_squared() - a * a.transpose()
+}
+
+fn symmetrized(m: Matrix3<f64>) -> Matrix3<f64> {
+    (m + m.transpose()) * 0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::UnitQuaternion;
+
+    fn body() -> InertialParameters {
+        InertialParameters::from_com(
+            2.5,
+            Vector3::new(0.1, -0.2, 0.3),
+            Matrix3::new(0.05, 0.002, -0.001, 0.002, 0.06, 0.003, -0.001, 0.003, 0.04),
+        )
+    }
+
+    #[test]
+    fn transport_there_and_back_is_the_identity_and_keeps_the_invariants() {
+        let pose = Isometry3::from_parts(
+            Vector3::new(0.4, 0.5, -0.6).into(),
+            UnitQuaternion::from_euler_angles(0.3, -1.1, 2.0),
+        );
+        let there = body().expressed_in(&pose);
+        let back = there.expressed_in(&pose.inverse());
+        for (a, b) in back.to_array().iter().zip(body().to_array()) {
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
+        // eigenvalues of the inertia about the centre of mass do not depend on the frame
+        let (mut e0, mut e1) = (
+            body().inertia_com_kgm2().symmetric_eigenvalues().as_slice().to_vec(),
+            there.inertia_com_kgm2().symmetric_eigenvalues().as_slice().to_vec(),
+        );
+        e0.sort_by(f64::total_cmp);
+        e1.sort_by(f64::total_cmp);
+        for (a, b) in e0.iter().zip(e1) {
+            assert!((a - b).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn array_order_round_trips() {
+        let numbers: [f64; 10] = std::array::from_fn(|i| i as f64 + 1.0);
+        assert_eq!(InertialParameters::from_array(&numbers).to_array(), numbers);
+    }
+
+    #[test]
+    fn the_triangle_inequality_decides_what_is_physical() {
+        assert!(body().is_physical());
+        // link 1 of the Stanford arm as printed in Fig. 2 of Lin 1992: 0.276 + 0.255 < 0.71
+        let printed = InertialParameters::from_com(
+            9.29,
+            Vector3::new(0.0, 0.1105, 0.0175),
+            Matrix3::from_diagonal(&Vector3::new(0.276, 0.255, 0.71)),
+        );
+        assert!(!printed.is_physical());
+    }
+}

@@ -1,0 +1,113 @@
+//! Masses and inertias of the links.
+
+use nalgebra::Matrix3;
+use roxmltree::Node;
+
+use super::notes::{Concerned, Notes};
+use super::pose::{UrdfVersion, read_pose};
+use super::tree::{Tree, child};
+use super::xml::UrdfText;
+use crate::error::UrdfError;
+use crate::{InertialDescription, LinkDescription};
+
+/// How far principal moments may miss the conditions of a body, relative to the largest:
+/// files print few digits, and thin plates and rods lie on the border.
+const INERTIA_TOLERANCE: f64 = 1e-6;
+
+/// One link, with notes on an inertia that no body has.
+pub(super) fn read_link(
+    text: &UrdfText<'_>,
+    node: Node<'_, '_>,
+    link: &urdf_rs::Link,
+    version: UrdfVersion,
+    name: &str,
+    notes: &mut Notes,
+) -> Result<LinkDescription, UrdfError> {
+    let line = text.line(node);
+    // urdf-rs gives zeros for a link without <inertial>
+    let inertial = match child(node, "inertial") {
+        None => None,
+        Some(element) => {
+            let urdf = &link.inertial;
+            let origin = child(element, "origin");
+            let (com_in_link_m, rpy_rad) = read_pose(text, origin, &urdf.origin, version)?;
+            let i = &urdf.inertia;
+            let inertial = InertialDescription {
+                mass_kg: urdf.mass.value,
+                com_in_link_m,
+                rpy_rad,
+                inertia_kgm2: [i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz],
+            };
+            let concerned =
+                Concerned { kind: "link", name: name.to_owned(), line: text.line(element) };
+            note_inertia(&inertial, concerned, notes);
+            Some(inertial)
+        }
+    };
+    Ok(LinkDescription { name: name.to_owned(), inertial, line })
+}
+
+fn note_inertia(inertial: &InertialDescription, concerned: Concerned, notes: &mut Notes) {
+    let inertia = &inertial.inertia_kgm2;
+    if inertial.mass_kg == 0.0 && inertia.iter().any(|&entry| entry != 0.0) {
+        notes.add(
+            "mass-zero-inertia",
+            concerned.clone(),
+            "the mass is 0 but the inertia is not; both are used as written",
+        );
+    }
+    if let Some(fault) = inertia_fault(inertia) {
+        let sentence = format!("no body has this inertia: {fault}; it is used as written");
+        notes.add("inertia-unphysical", concerned, sentence);
+    }
+}
+
+/// Why no distribution of mass has this inertia about its centre of mass [kg m2]: principal
+/// moments must not be negative and none may exceed the sum of the others.
+fn inertia_fault(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> Option<String> {
+    let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let scale = tensor.amax();
+    if scale == 0.0 {
+        return None;
+    }
+    // scaled, so that tiny and huge entries neither vanish nor overflow
+    let mut moments: [f64; 3] = (tensor / scale).symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let [least, middle, most] = moments;
+    let shown = moments.map(|moment| format!("{:.4e}", moment * scale)).join(", ");
+    let relation = if least < -INERTIA_TOLERANCE {
+        "one is negative"
+    } else if most - least - middle > INERTIA_TOLERANCE * most {
+        "the largest exceeds the sum of the others"
+    } else {
+        return None;
+    };
+    Some(format!("of its principal moments {shown} kg m2 {relation}"))
+}
+
+/// Notes the bodies that move but have no `<inertial>`.
+///
+/// A mere frame, such as a tool point fixed to a link with mass, is no body: a link counts if
+/// nothing fixed to it has an `<inertial>` either, or if it has a shape.
+pub(super) fn note_massless_bodies(
+    tree: &Tree<'_>,
+    nodes: &[Node<'_, '_>],
+    links: &[LinkDescription],
+    is_fixed: impl Fn(usize) -> bool,
+    notes: &mut Notes,
+) {
+    let group = tree.rigid_groups(is_fixed);
+    let mut group_has_inertial = vec![false; links.len()];
+    for (i, link) in links.iter().enumerate() {
+        group_has_inertial[group[i]] |= link.inertial.is_some();
+    }
+    for (i, link) in links.iter().enumerate() {
+        let moves = group[i] != tree.root;
+        let has_shape =
+            child(nodes[i], "visual").or_else(|| child(nodes[i], "collision")).is_some();
+        if moves && link.inertial.is_none() && (has_shape || !group_has_inertial[group[i]]) {
+            let concerned = Concerned { kind: "link", name: link.name.clone(), line: link.line };
+            notes.add("no-inertial", concerned, "no `<inertial>`; treated as without mass");
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Orthogonal accumulation of least-squares rows: the state is one triangle, whatever the number of
+//! rows.
+
+use faer::Mat;
+
+use crate::least_squares::{LeastSquares, NumericError, solve_triangle};
+
+/// The triangle `R` of the QR factors of all rows `[A | y]` pushed so far.
+///
+/// Blocks of rows may be pushed in any order and states merged in any order: the answer is the same
+/// to round-off (orthogonal transformations, no normal equations). Memory is `(p + 1)²` numbers for
+/// `p` unknowns, cost `2 (p + 1)²` operations a row.
+#[derive(Debug, Clone)]
+pub struct AccumulatedQr {
+    unknowns: usize,
+    triangle: Mat<f64>,
+    rows: usize,
+}
+
+impl AccumulatedQr {
+    /// Rows reduced at a time: long enough for blocked reflections, short enough for the cache.
+    pub const BLOCK_ROWS: usize = 512;
+
+    /// An empty state for `unknowns` columns.
+    pub fn new(unknowns: usize) -> Self {
+        Self { unknowns, triangle: Mat::zeros(unknowns + 1, unknowns + 1), rows: 0 }
+    }
+
+    /// Number of unknowns `p`.
+    pub fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// Rows pushed so far.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds the rows of `A` given by columns, with their right-hand side.
+    ///
+    /// # Panics
+    /// When the number of columns is not `p` or the lengths differ.
+    pub fn push_columns(&mut self, columns: &[Vec<f64>], rhs: &[f64]) {
+        assert_eq!(columns.len(), self.unknowns, "one column per unknown");
+        assert!(columns.iter().all(|c| c.len() == rhs.len()), "columns of one length");
+        let mut start = 0;
+        while start < rhs.len() {
+            let end = (start + Self::BLOCK_ROWS).min(rhs.len());
+            self.push(end - start, |row, column| {
+                columns.get(column).map_or(rhs[start + row], |c| c[start + row])
+            });
+            start = end;
+        }
+        self.rows += rhs.len();
+    }
+
+    /// Adds single rows, each of `p` coefficients and a right-hand side.
+    ///
+    /// # Panics
+    /// When a row does not have `p + 1` entries.
+    pub fn push_rows(&mut self, rows: &[Vec<f64>]) {
+        assert!(rows.iter().all(|r| r.len() == self.unknowns + 1), "rows of p + 1 entries");
+        for block in rows.chunks(Self::BLOCK_ROWS) {
+            self.push(block.len(), |row, column| block[row][column]);
+        }
+        self.rows += rows.len();
+    }
+
+    /// Adds all rows of another state, every one scaled by `weight`, its unknown `k` being
+    /// unknown `columns[k]` here.
+    ///
+    /// # Panics
+    /// When `columns` does not name one of this state's unknowns for each of the other's.
+    pub fn merge_weighted(&mut self, other: &Self, columns: &[usize], weight: f64) {
+        assert_eq!(columns.len(), other.unknowns, "one target column per unknown");
+        let mut scattered = Mat::<f64>::zeros(other.unknowns + 1, self.unknowns + 1);
+        for row in 0..=other.unknowns {
+            for (from, &to) in columns.iter().chain(std::iter::once(&self.unknowns)).enumerate() {
+                scattered[(row, to)] += weight * other.triangle[(row, from)];
+            }
+        }
+        self.push(other.unknowns + 1, |row, column| scattered[(row, column)]);
+        self.rows += other.rows;
+    }
+
+    /// Adds all rows of another state of the same unknowns.
+    pub fn merge(&mut self, other: &Self) {
+        self.merge_weighted(other, &(0..other.unknowns).collect::<Vec<_>>(), 1.0);
+    }
+
+    fn push(&mut self, rows: usize, entry: impl Fn(usize, usize) -> f64) {
+        let p = self.unknowns + 1;
+        let stacked =
+            Mat::from_fn(
+                p + rows,
+                p,
+                |i, j| {
+                    if i < p { self.triangle[(i, j)] } else { entry(i - p, j) }
+                },
+            );
+        let factors = stacked.qr();
+        let r = factors.thin_R();
+        // the library leaves reflectors below the diagonal
+        self.triangle = Mat::from_fn(p, p, |i, j| if i <= j { r[(i, j)] } else { 0.0 });
+    }
+
+    /// Solves `A x ≈ y` with relative rank cut `rank_cut` on unit-norm columns.
+    ///
+    /// # Errors
+    /// [`NumericError`] when a number is not finite.
+    pub fn solve(&self, rank_cut: f64) -> Result<LeastSquares, NumericError> {
+        solve_triangle(&self.triangle, self.rows, rank_cut)
+    }
+
+    /// `|A x - y|²` for any `x` of length `p`, from the triangle alone.
+    pub fn residual_sum_of_squares(&self, x: &[f64]) -> f64 {
+        let p = self.unknowns;
+        (0..=p)
+            .map(|i| {
+                let fitted: f64 = (i..p).map(|j| self.triangle[(i, j)] * x[j]).sum();
+                (fitted - self.triangle[(i, p)]).powi(2)
+            })
+            .sum()
+    }
+
+    /// Norm of column `k` of `A`.
+    pub fn column_norm(&self, k: usize) -> f64 {
+        (0..=k).map(|i| self.triangle[(i, k)].powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(rows: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let t: Vec<f64> = (0..rows).map(|i| i as f64 * 0.01).collect();
+        let a = vec![
+            t.iter().map(|t| t.sin()).collect(),
+            t.iter().map(|t| 100.0 * (1.7 * t).cos()).collect(),
+            vec![1.0; rows],
+        ];
+        let y = t.iter().map(|t| 2.0 * t.sin() - (1.7 * t).cos() + 0.3 * (9.0 * t).sin()).collect();
+        (a, y)
+    }
+
+    #[test]
+    fn any_partition_of_the_rows_gives_the_same_answer() {
+        let (a, y) = columns(3000);
+        let mut whole = AccumulatedQr::new(3);
+        whole.push_columns(&a, &y);
+        let mut parts = AccumulatedQr::new(3);
+        for (start, end) in [(1700, 3000), (0, 3), (3, 1700)] {
+            let mut part = AccumulatedQr::new(3);
+            let block: Vec<Vec<f64>> = a.iter().map(|c| c[start..end].to_vec()).collect();
+            part.push_columns(&block, &y[start..end]);
+            parts.merge(&part);
+        }
+        let (x, z) = (whole.solve(1e-9).unwrap(), parts.solve(1e-9).unwrap());
+        for (a, b) in x.solution.iter().zip(&z.solution) {
+            assert!((a - b).abs() < 1e-12);
+        }
+        assert_eq!(parts.rows(), 3000);
+    }
+
+    #[test]
+    fn the_residual_from_the_triangle_is_the_residual_of_the_rows() {
+        let (a, y) = columns(700);
+        let mut qr = AccumulatedQr::new(3);
+        qr.push_columns(&a, &y);
+        let x = [1.5, -0.02, 0.4];
+        let direct: f64 = (0..700)
+            .map(|i| (a[0][i] * x[0] + a[1][i] * x[1] + a[2][i] * x[2] - y[i]).powi(2))
+            .sum();
+        assert!((qr.residual_sum_of_squares(&x) / direct - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,205 @@
+//! Butterworth low-pass without phase: forward and backward.
+
+use std::f64::consts::PI;
+
+use sci_rs::na::DVector;
+use sci_rs::signal::filter::design::{
+    DigitalFilter, FilterBandType, FilterOutputType, Sos, butter_dyn,
+};
+use sci_rs::signal::filter::{odd_ext_dyn, sosfilt_dyn, sosfilt_zi_dyn};
+
+use crate::error::{Fault, RecordingError};
+
+/// Order of the low-pass where nothing else is asked for. Forward and backward it counts twice.
+pub const DEFAULT_ORDER: usize = 4;
+/// Highest order.
+pub const HIGHEST_ORDER: usize = 8;
+/// Lowest cutoff as a share of the sample rate.
+pub const LOWEST_CUTOFF_SHARE: f64 = 1e-4;
+/// The cutoff must stay below this share of the sample rate.
+pub const CUTOFF_SHARE_BOUND: f64 = 0.49;
+
+/// A Butterworth low-pass run forward and backward over a signal, so that it delays nothing.
+///
+/// Agrees with `scipy.signal.sosfiltfilt(butter(order, cutoff_hz, fs=rate_hz, output="sos"), x)`:
+/// the cutoff is where one pass has half the power (both passes together a quarter), the ends are
+/// continued by odd extension, the state starts in the steady state of the first value. A signal
+/// shorter than the usual extension is extended by one sample less than its length.
+#[derive(Debug, Clone)]
+pub struct ZeroPhaseLowPass {
+    order: usize,
+    cutoff_hz: f64,
+    rate_hz: f64,
+    /// Sections in the steady state of a constant input of 1.
+    steady_sections: Vec<Sos<f64>>,
+}
+
+impl ZeroPhaseLowPass {
+    /// A filter of this order for signals with `rate_hz` samples per second.
+    ///
+    /// # Errors
+    /// An order outside 1 to [`HIGHEST_ORDER`]; a cutoff below [`LOWEST_CUTOFF_SHARE`] of the
+    /// sample rate or not below [`CUTOFF_SHARE_BOUND`] of it.
+    pub fn new(order: usize, cutoff_hz: f64, rate_hz: f64) -> Result<Self, RecordingError> {
+        let fault = |fault| RecordingError::new(fault, "low-pass filter");
+        if !(1..=HIGHEST_ORDER).contains(&order) {
+            return Err(fault(Fault::OrderOutOfRange { order, highest: HIGHEST_ORDER }));
+        }
+        let (lowest_hz, below_hz) = (LOWEST_CUTOFF_SHARE * rate_hz, CUTOFF_SHARE_BOUND * rate_hz);
+        // written so that NaN is refused
+        let possible = cutoff_hz >= lowest_hz && cutoff_hz < below_hz && rate_hz.is_finite();
+        let sections = if possible { sections(order, cutoff_hz / rate_hz) } else { None };
+        let Some(mut steady_sections) = sections else {
+            return Err(fault(Fault::CutoffOutOfRange { cutoff_hz, rate_hz, lowest_hz, below_hz }));
+        };
+        sosfilt_zi_dyn::<_, _, Sos<f64>>(steady_sections.iter_mut());
+        Ok(Self { order, cutoff_hz, rate_hz, steady_sections })
+    }
+
+    /// The filtered signal, as long as the given one.
+    pub fn filter(&self, signal: &[f64]) -> Vec<f64> {
+        let Some(longest_pad) = signal.len().checked_sub(1) else { return Vec::new() };
+        // not sci-rs' own sosfiltfilt: it panics on signals no longer than the pad
+        let pad = self.default_pad().min(longest_pad);
+        let extended = odd_ext_dyn(DVector::from_column_slice(signal), pad, 0);
+        let forward = self.pass(extended.as_slice().iter());
+        let backward = self.pass(forward.iter().rev());
+        backward[pad..pad + signal.len()].iter().rev().copied().collect()
+    }
+
+    /// One pass, started in the steady state of the first value.
+    fn pass<'a>(&self, mut signal: impl Iterator<Item = &'a f64> + Clone) -> Vec<f64> {
+        let first = signal.clone().next().copied().unwrap_or_default();
+        let mut sections = self.steady_sections.clone();
+        for section in &mut sections {
+            section.zi0 *= first;
+            section.zi1 *= first;
+        }
+        sosfilt_dyn(&mut signal, &mut sections)
+    }
+
+    /// Samples of extension at each end: three times the number of coefficients.
+    fn default_pad(&self) -> usize {
+        let first_order_sections = self.order % 2;
+        3 * (2 * self.steady_sections.len() + 1 - first_order_sections)
+    }
+
+    /// Noise-equivalent bandwidth of both passes together \[Hz\]: the integral of |H|⁴ from 0 to
+    /// half the sample rate. White noise of variance s² comes out with s² times this, divided by
+    /// half the sample rate.
+    pub fn effective_bandwidth_hz(&self) -> f64 {
+        let cutoff = (PI * self.cutoff_hz / self.rate_hz).tan();
+        let power = |share: f64| {
+            // of the bilinear transform; the tangent of a right angle is large enough here
+            let ratio = (PI * share).tan() / cutoff;
+            (1.0 + ratio.powi(2 * self.order as i32)).powi(-2)
+        };
+        // |H|⁴ is periodic in the frequency, where the trapezoidal rule converges geometrically
+        let points_per_cutoff = 32.0;
+        let intervals = (0.5 * self.rate_hz / self.cutoff_hz * points_per_cutoff).ceil() as usize;
+        let inner: f64 =
+            (1..intervals).map(|k| power(0.5 * k as f64 / intervals as f64)).sum();
+        let ends = 0.5 * (power(0.0) + power(0.5));
+        self.rate_hz * 0.5 / intervals as f64 * (inner + ends)
+    }
+
+    /// Share of independent samples in filtered white noise: 2 bandwidth / rate.
+    pub fn independent_share(&self) -> f64 {
+        2.0 * self.effective_bandwidth_hz() / self.rate_hz
+    }
+
+    /// Order of one pass.
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// Cutoff \[Hz\].
+    pub fn cutoff_hz(&self) -> f64 {
+        self.cutoff_hz
+    }
+
+    /// Samples per second of the signals this filter is for.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+}
+
+fn sections(order: usize, cutoff_share: f64) -> Option<Vec<Sos<f64>>> {
+    let filter = butter_dyn(
+        order,
+        vec![cutoff_share],
+        Some(FilterBandType::Lowpass),
+        Some(false),
+        Some(FilterOutputType::Sos),
+        Some(1.0),
+    );
+    match filter {
+        DigitalFilter::Sos(filter) => Some(filter.sos),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_lines_and_delays_nothing() {
+        let filter = ZeroPhaseLowPass::new(4, 5.0, 200.0).unwrap();
+        let line: Vec<f64> = (0..300).map(|k| 2.0 - 0.1 * f64::from(k)).collect();
+        for (got, want) in filter.filter(&line).iter().zip(&line) {
+            assert!((got - want).abs() < 1e-9);
+        }
+        let mut pulse = vec![0.0; 301];
+        pulse[150] = 1.0;
+        let filtered = filter.filter(&pulse);
+        for k in 0..100 {
+            assert!((filtered[150 - k] - filtered[150 + k]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn any_length_is_filtered() {
+        let filter = ZeroPhaseLowPass::new(4, 5.0, 200.0).unwrap();
+        for length in 0..40 {
+            let filtered = filter.filter(&vec![1.5; length]);
+            assert_eq!(filtered.len(), length);
+            assert!(filtered.iter().all(|value| (value - 1.5).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn a_pulse_carries_the_effective_bandwidth() {
+        // sum of the squared impulse response = bandwidth / (rate / 2), by Parseval
+        for (order, cutoff_hz) in [(1, 20.0), (2, 3.0), (4, 10.0), (5, 60.0), (8, 90.0)] {
+            let filter = ZeroPhaseLowPass::new(order, cutoff_hz, 200.0).unwrap();
+            let mut pulse = vec![0.0; 4001];
+            pulse[2000] = 1.0;
+            let energy: f64 = filter.filter(&pulse).iter().map(|value| value * value).sum();
+            assert!((energy / filter.independent_share() - 1.0).abs() < 1e-9, "{order} {cutoff_hz}");
+        }
+    }
+
+    #[test]
+    fn impossible_filters_say_what_is_possible() {
+        let hint = |order, cutoff_hz, rate_hz| {
+            let error = ZeroPhaseLowPass::new(order, cutoff_hz, rate_hz).unwrap_err();
+            format!("{error} / {}", error.hint().unwrap())
+        };
+        assert_eq!(
+            hint(4, 98.0, 200.0),
+            "a cutoff of 98 Hz is not possible at 200 samples per second / \
+             choose a cutoff from 0.02 Hz to below 98 Hz"
+        );
+        assert_eq!(
+            hint(0, 5.0, 200.0),
+            "0 is not a possible order of the low-pass filter / choose an order from 1 to 8"
+        );
+        for cutoff_hz in [0.0, -1.0, f64::NAN, f64::INFINITY, 0.01] {
+            assert!(hint(4, cutoff_hz, 200.0).contains("not possible"));
+        }
+        for rate_hz in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(hint(4, 1.0, rate_hz).contains("not possible"));
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! The header of a CSV recording: which column is what.
+
+use crate::error::{Fault, RecordingError};
+use crate::recording::Quantity;
+
+/// What the columns of a file are.
+pub(crate) struct Header {
+    /// Index of the column `t`.
+    pub(crate) time: usize,
+    /// The joints in order of first appearance.
+    pub(crate) joints: Vec<String>,
+    /// The columns that are read.
+    pub(crate) channels: Vec<Channel>,
+    /// Names of all columns, trimmed.
+    pub(crate) columns: Vec<String>,
+    /// Names of the columns that are not read.
+    pub(crate) ignored: Vec<String>,
+    /// One sentence for each thing the user should look at.
+    pub(crate) notes: Vec<String>,
+}
+
+/// One column of a joint.
+pub(crate) struct Channel {
+    /// Index of the column.
+    pub(crate) column: usize,
+    /// Index into [`Header::joints`].
+    pub(crate) joint: usize,
+    pub(crate) quantity: Quantity,
+}
+
+/// Names that people give to these quantities, lower case, without signs.
+const SYNONYMS: [(Quantity, &[&str]); 6] = [
+    (Quantity::Position, &["position", "positions", "pos", "angle", "angles", "q", "theta"]),
+    (
+        Quantity::Velocity,
+        &["velocity", "velocities", "vel", "speed", "qd", "dq", "qdot", "omega", "rate"],
+    ),
+    (
+        Quantity::Acceleration,
+        &["acceleration", "accelerations", "acc", "accel", "qdd", "ddq", "qddot", "alpha"],
+    ),
+    (
+        Quantity::Effort,
+        &["effort", "efforts", "torque", "torques", "trq", "tau", "force", "eff", "moment"],
+    ),
+    (Quantity::Current, &["current", "currents", "cur", "amps", "i"]),
+    (Quantity::Voltage, &["voltage", "voltages", "volt", "volts", "u"]),
+];
+
+/// Names that people give to time stamps, lower case, without signs.
+const TIME_NAMES: [&str; 14] = [
+    "t",
+    "time",
+    "ts",
+    "times",
+    "timestamp",
+    "timestamps",
+    "stamp",
+    "ros time",
+    "header stamp",
+    "seconds",
+    "sec",
+    "secs",
+    "clock",
+    "elapsed",
+];
+
+impl Header {
+    /// Reads the trimmed column names.
+    ///
+    /// # Errors
+    /// No column `t`, no joint column, or a column that occurs twice.
+    pub(crate) fn new(columns: Vec<String>, source: &str) -> Result<Self, RecordingError> {
+        let Some(time) = columns.iter().position(|name| name == "t") else {
+            let similar = columns.iter().find(|name| looks_like_time(name)).cloned();
+            let fault = Fault::NoTimeColumn { similar, columns };
+            return Err(RecordingError::new(fault, source).on_line(1));
+        };
+        let (mut joints, mut channels) = (Vec::<String>::new(), Vec::new());
+        let (mut ignored, mut notes, mut unexplained) = (Vec::new(), Vec::new(), Vec::new());
+        for (column, name) in columns.iter().enumerate() {
+            let channel = joint_channel(name);
+            if name != "t" && channel.is_none() {
+                let label = if name.is_empty() {
+                    format!("(column {} has no name)", column + 1)
+                } else {
+                    name.clone()
+                };
+                match renamed(name) {
+                    Some(better) => notes.push(format!(
+                        "column `{name}` is not read; if it is one of the channels, rename it to \
+                         `{better}`"
+                    )),
+                    None => unexplained.push(label.clone()),
+                }
+                ignored.push(label);
+                continue;
+            }
+            if let Some(first) = columns[..column].iter().position(|earlier| earlier == name) {
+                let fault = Fault::DuplicateColumn { first: first + 1, second: column + 1 };
+                return Err(RecordingError::new(fault, source).on_line(1).in_column(name));
+            }
+            if let Some((joint, quantity)) = channel {
+                let joint = joints.iter().position(|known| known == joint).unwrap_or_else(|| {
+                    joints.push(joint.to_owned());
+                    joints.len() - 1
+                });
+                channels.push(Channel { column, joint, quantity });
+            }
+        }
+        if channels.is_empty() {
+            let rename =
+                columns.iter().find_map(|name| renamed(name).map(|better| (name.clone(), better)));
+            let fault = Fault::NoJointColumns { rename, columns };
+            return Err(RecordingError::new(fault, source).on_line(1));
+        }
+        if !unexplained.is_empty() {
+            notes.push(format!("columns not read: {}", unexplained.join(", ")));
+        }
+        Ok(Self { time, joints, channels, columns, ignored, notes })
+    }
+}
+
+/// Joint and quantity of a column `<joint>/<quantity>`; the joint may contain slashes.
+fn joint_channel(column: &str) -> Option<(&str, Quantity)> {
+    let (joint, suffix) = column.rsplit_once('/')?;
+    let joint_is_clean = !joint.is_empty() && joint.trim() == joint && !joint.contains(['\r', '\n']);
+    Quantity::from_suffix(suffix).filter(|_| joint_is_clean).map(|quantity| (joint, quantity))
+}
+
+/// The name that a column would need, if its last part is a usual word for a quantity:
+/// `elbow/torque` -> `elbow/effort`, `elbow_pos` -> `elbow/position`.
+fn renamed(column: &str) -> Option<String> {
+    let (joint, word) = column.rsplit_once('/').or_else(|| column.rsplit_once(['_', '.', ' ']))?;
+    let joint = joint.trim();
+    if joint.is_empty() {
+        return None;
+    }
+    let word = plain(word);
+    let word = word.split(' ').next()?;
+    let (quantity, _) = SYNONYMS.iter().find(|(_, names)| names.contains(&word))?;
+    Some(format!("{joint}/{quantity}"))
+}
+
+fn looks_like_time(column: &str) -> bool {
+    let name = plain(column);
+    TIME_NAMES.contains(&name.as_str())
+        || name.split(' ').next().is_some_and(|first| TIME_NAMES.contains(&first))
+}
+
+/// Lower case, every run of other characters than letters and digits one space: `Time [s]` ->
+/// `time s`.
+fn plain(name: &str) -> String {
+    let spaced: String =
+        name.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { ' ' }).collect();
+    spaced.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_segment_is_the_quantity() {
+        assert_eq!(joint_channel("left/arm/elbow/effort"), Some(("left/arm/elbow", Quantity::Effort)));
+        assert_eq!(joint_channel("/effort"), None);
+        assert_eq!(joint_channel("elbow/Effort"), None);
+        assert_eq!(joint_channel("effort"), None);
+    }
+
+    #[test]
+    fn usual_names_are_recognised() {
+        for (found, better) in [
+            ("elbow/torque", "elbow/effort"),
+            ("elbow/pos", "elbow/position"),
+            ("elbow/angle [rad]", "elbow/position"),
+            ("elbow/Position", "elbow/position"),
+            ("elbow_vel", "elbow/velocity"),
+            ("arm.elbow.ddq", "arm.elbow/acceleration"),
+        ] {
+            assert_eq!(renamed(found).as_deref(), Some(better));
+        }
+        for name in ["supply_temperature", "/torque", "", "position"] {
+            assert_eq!(renamed(name), None, "{name}");
+        }
+        for name in ["time", "Time [s]", "# t", "%time", "header.stamp", "t_s", "timestamp_ns"] {
+            assert!(looks_like_time(name), "{name}");
+        }
+        for name in ["torque", "elbow/position", ""] {
+            assert!(!looks_like_time(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! A recording as it was taken: time stamps and the channels of each joint.
+
+use std::fmt;
+
+use crate::error::{Fault, RecordingError};
+
+/// Fewest samples that make a recording.
+pub const MIN_SAMPLES: usize = 8;
+
+/// What a channel of a joint holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Quantity {
+    /// Joint position, rad (revolute) or m (prismatic).
+    Position,
+    /// Joint velocity, rad/s or m/s.
+    Velocity,
+    /// Joint acceleration, rad/s² or m/s².
+    Acceleration,
+    /// Joint torque or force on the joint side, N m or N.
+    Effort,
+    /// Motor current, A.
+    Current,
+    /// Motor voltage, V.
+    Voltage,
+}
+
+impl Quantity {
+    /// All quantities, in the order in which they are written.
+    pub const ALL: [Self; 6] = [
+        Self::Position,
+        Self::Velocity,
+        Self::Acceleration,
+        Self::Effort,
+        Self::Current,
+        Self::Voltage,
+    ];
+
+    /// The last part of a column's name: `position` in `elbow/position`.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Effort => "effort",
+            Self::Current => "current",
+            Self::Voltage => "voltage",
+        }
+    }
+
+    /// The quantity of a column suffix, exactly as [`suffix`](Self::suffix) writes it.
+    pub fn from_suffix(suffix: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.suffix() == suffix)
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.suffix())
+    }
+}
+
+/// The channels of one joint, each as long as the time stamps. SI units: rad, N m for a revolute
+/// joint; m, N for a prismatic one.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct JointChannels {
+    /// Name of the joint, as in the URDF.
+    pub name: String,
+    /// Position \[rad or m\].
+    pub position: Option<Vec<f64>>,
+    /// Velocity \[rad/s or m/s\].
+    pub velocity: Option<Vec<f64>>,
+    /// Acceleration \[rad/s² or m/s²\].
+    pub acceleration: Option<Vec<f64>>,
+    /// Torque or force on the joint side \[N m or N\].
+    pub effort: Option<Vec<f64>>,
+    /// Motor current \[A\].
+    pub current: Option<Vec<f64>>,
+    /// Motor voltage \[V\].
+    pub voltage: Option<Vec<f64>>,
+}
+
+impl JointChannels {
+    /// A joint of this name without channels.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..Self::default() }
+    }
+
+    /// The samples of one quantity.
+    pub fn channel(&self, quantity: Quantity) -> Option<&[f64]> {
+        match quantity {
+            Quantity::Position => self.position.as_deref(),
+            Quantity::Velocity => self.velocity.as_deref(),
+            Quantity::Acceleration => self.acceleration.as_deref(),
+            Quantity::Effort => self.effort.as_deref(),
+            Quantity::Current => self.current.as_deref(),
+            Quantity::Voltage => self.voltage.as_deref(),
+        }
+    }
+
+    /// The place of one quantity, to fill it or to take it out.
+    pub fn channel_mut(&mut self, quantity: Quantity) -> &mut Option<Vec<f64>> {
+        match quantity {
+            Quantity::Position => &mut self.position,
+            Quantity::Velocity => &mut self.velocity,
+            Quantity::Acceleration => &mut self.acceleration,
+            Quantity::Effort => &mut self.effort,
+            Quantity::Current => &mut self.current,
+            Quantity::Voltage => &mut self.voltage,
+        }
+    }
+
+    /// The recorded quantities with their samples, in the order of [`Quantity::ALL`].
+    pub fn channels(&self) -> impl Iterator<Item = (Quantity, &[f64])> {
+        Quantity::ALL
+            .into_iter()
+            .filter_map(|quantity| self.channel(quantity).map(|values| (quantity, values)))
+    }
+}
+
+/// Time stamps and joint channels of one recording, as recorded: nothing is filtered or resampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Where it comes from: a path, or a description.
+    pub source: String,
+    /// Time stamps \[s\], strictly increasing, not necessarily even, not necessarily from 0.
+    pub time_s: Vec<f64>,
+    /// The joints in order of first appearance.
+    pub joints: Vec<JointChannels>,
+    /// What was found doubtful or was repaired, one sentence each.
+    pub notes: Vec<String>,
+    /// Columns of the file that were not read.
+    pub ignored_columns: Vec<String>,
+}
+
+impl Recording {
+    /// A recording without notes.
+    ///
+    /// # Errors
+    /// See [`check`](Self::check).
+    pub fn new(
+        source: impl Into<String>,
+        time_s: Vec<f64>,
+        joints: Vec<JointChannels>,
+    ) -> Result<Self, RecordingError> {
+        let recording = Self {
+            source: source.into(),
+            time_s,
+            joints,
+            notes: Vec::new(),
+            ignored_columns: Vec::new(),
+        };
+        recording.check()?;
+        Ok(recording)
+    }
+
+    /// Checks what everything that uses a recording relies on.
+    ///
+    /// # Errors
+    /// Fewer than [`MIN_SAMPLES`] samples, stamps that do not increase strictly, values that are
+    /// not finite, a channel whose length is not that of the stamps, a joint without a channel,
+    /// twice, or with a name that cannot stand in a header.
+    pub fn check(&self) -> Result<(), RecordingError> {
+        let fault = |fault| RecordingError::new(fault, &self.source);
+        let expected = self.time_s.len();
+        if expected < MIN_SAMPLES {
+            return Err(fault(Fault::TooFewSamples { found: expected, required: MIN_SAMPLES }));
+        }
+        self.check_finite("t", &self.time_s)?;
+        if let Some(pair) = self.time_s.windows(2).find(|pair| pair[1] <= pair[0]) {
+            return Err(fault(Fault::TimeBackwards { previous_s: pair[0], found_s: pair[1] })
+                .in_column("t"));
+        }
+        if self.joints.is_empty() {
+            return Err(fault(Fault::NoJointColumns { rename: None, columns: vec!["t".into()] }));
+        }
+        for (index, joint) in self.joints.iter().enumerate() {
+            let name = &joint.name;
+            if name.is_empty() || name.trim() != name || name.contains(['\r', '\n']) {
+                return Err(fault(Fault::BadJointName { name: name.clone() }));
+            }
+            if self.joints[..index].iter().any(|earlier| earlier.name == *name) {
+                return Err(fault(Fault::DuplicateJoint { joint: name.clone() }));
+            }
+            if joint.channels().next().is_none() {
+                return Err(fault(Fault::NoChannels { joint: name.clone() }));
+            }
+            for (quantity, values) in joint.channels() {
+                let column = format!("{name}/{quantity}");
+                if values.len() != expected {
+                    let found = values.len();
+                    return Err(fault(Fault::LengthMismatch { expected, found }).in_column(&column));
+                }
+                self.check_finite(&column, values)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_finite(&self, column: &str, values: &[f64]) -> Result<(), RecordingError> {
+        let Some(first) = values.iter().find(|value| !value.is_finite()) else { return Ok(()) };
+        let count = values.iter().filter(|value| !value.is_finite()).count();
+        let fault = Fault::NotFinite { text: first.to_string(), count };
+        Err(RecordingError::new(fault, &self.source).in_column(column))
+    }
+
+    /// The channels of the joint of this name.
+    pub fn joint(&self, name: &str) -> Option<&JointChannels> {
+        self.joints.iter().find(|joint| joint.name == name)
+    }
+
+    /// The joint names in order.
+    pub fn joint_names(&self) -> Vec<&str> {
+        self.joints.iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(n: usize) -> Vec<f64> {
+        (0..n).map(|k| k as f64 * 0.01).collect()
+    }
+
+    fn joint(name: &str, n: usize) -> JointChannels {
+        JointChannels { position: Some(ramp(n)), ..JointChannels::new(name) }
+    }
+
+    #[test]
+    fn finds_joints_by_name_in_order() {
+        let recording = Recording::new("x", ramp(9), vec![joint("b", 9), joint("a", 9)]).unwrap();
+        assert_eq!(recording.joint_names(), ["b", "a"]);
+        assert!(recording.joint("a").is_some());
+        assert!(recording.joint("c").is_none());
+        assert_eq!(recording.len(), 9);
+    }
+
+    #[test]
+    fn refuses_what_is_inconsistent() {
+        let place = |time_s, joints| {
+            let error = Recording::new("x", time_s, joints).unwrap_err();
+            (error.to_string(), error.place())
+        };
+        assert_eq!(
+            place(ramp(9), vec![joint("a", 8)]),
+            (
+                "the channel has 8 samples, the time stamps are 9".to_owned(),
+                "x, column `a/position`".to_owned()
+            )
+        );
+        let mut broken = joint("a", 9);
+        broken.effort = Some(vec![f64::NAN; 9]);
+        assert_eq!(
+            place(ramp(9), vec![broken]).0,
+            "the value is NaN; the recording has 9 such values"
+        );
+        assert_eq!(place(vec![0.0; 9], vec![joint("a", 9)]).1, "x, column `t`");
+        assert_eq!(place(ramp(9), vec![joint("a", 9), joint("a", 9)]).1, "x");
+        for name in ["", " a", "a\nb"] {
+            assert!(place(ramp(9), vec![joint(name, 9)]).0.contains("cannot be the name"));
+        }
+        assert!(place(ramp(9), vec![JointChannels::new("a")]).0.contains("no channel"));
+        assert!(place(ramp(3), vec![joint("a", 3)]).0.contains("too few"));
+        assert!(place(ramp(9), vec![]).0.contains("no joint column"));
+    }
+}

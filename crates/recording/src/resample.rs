@@ -1,0 +1,234 @@
+//! From uneven stamps to an even grid and back.
+
+use crate::error::{Fault, RecordingError};
+use crate::timing::Timing;
+
+/// Gaps up to this many median steps are bridged by the cubic through the two samples on either
+/// side, longer ones by a line.
+pub const BRIDGED_STEPS: f64 = 10.0;
+/// Grid samples per recorded sample above which a recording is mostly gap.
+const MOST_GRID_SAMPLES: f64 = 2.0;
+
+/// Local cubic interpolation from one set of times to another: the polynomial of third degree
+/// through the four nearest samples, two on either side; at the ends through the last four.
+/// It reproduces cubics exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interpolation {
+    /// Index of the first sample used and the weights of the samples from there on.
+    taps: Vec<(usize, [f64; 4])>,
+}
+
+impl Interpolation {
+    /// From samples at `from_s` to values at `to_s`, both increasing \[s\]. Between two samples
+    /// more than `longest_step_s` apart the values lie on a line, and no polynomial reaches across.
+    /// Before the first and after the last sample their values are held.
+    pub fn new(from_s: &[f64], to_s: &[f64], longest_step_s: f64) -> Self {
+        let n = from_s.len();
+        if n == 0 {
+            return Self { taps: Vec::new() };
+        }
+        let mut interval = 0;
+        // the stretch without long steps that the interval lies in: samples start..=end
+        let (mut start, mut end) = stretch(from_s, 0, longest_step_s);
+        let taps = to_s.iter().map(|&t| {
+            while interval + 2 < n && from_s[interval + 1] <= t {
+                interval += 1;
+                if interval > end {
+                    (start, end) = stretch(from_s, interval, longest_step_s);
+                }
+            }
+            let t = t.clamp(from_s[0], from_s[n - 1]);
+            let (first, last) = if interval == end && interval + 1 < n {
+                (interval, interval + 1)
+            } else {
+                let first = interval.saturating_sub(1).max(start).min((end + 1).saturating_sub(4).max(start));
+                (first, (first + 3).min(end))
+            };
+            // all four indices must exist; unused ones have weight 0
+            let base = first.min(n.saturating_sub(4));
+            let mut weights = [0.0; 4];
+            for i in first..=last {
+                weights[i - base] = (first..=last)
+                    .filter(|j| *j != i)
+                    .map(|j| (t - from_s[j]) / (from_s[i] - from_s[j]))
+                    .product();
+            }
+            (base, weights)
+        });
+        Self { taps: taps.collect() }
+    }
+
+    /// The values at the times asked for, from `values` at the sample times.
+    pub fn apply(&self, values: &[f64]) -> Vec<f64> {
+        let one = |(first, weights): &(usize, [f64; 4])| {
+            values.iter().skip(*first).zip(weights).map(|(value, weight)| value * weight).sum()
+        };
+        self.taps.iter().map(one).collect()
+    }
+}
+
+/// The stretch of samples around `index` that continues to the next long step.
+fn stretch(from_s: &[f64], index: usize, longest_step_s: f64) -> (usize, usize) {
+    let steps = from_s[index..].windows(2);
+    let length = steps.take_while(|pair| pair[1] - pair[0] <= longest_step_s).count();
+    (index, index + length)
+}
+
+/// The even grid of a recording, and the way back to its stamps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvenGrid {
+    timing: Timing,
+    rate_hz: f64,
+    stamps_s: Vec<f64>,
+    time_s: Vec<f64>,
+    /// Absent where the stamps are even already.
+    ways: Option<(Interpolation, Interpolation)>,
+}
+
+impl EvenGrid {
+    /// From the first to the last stamp, at the median rate to within half a step in the whole
+    /// duration, so that the grid ends on the last stamp. Even stamps are their own grid.
+    ///
+    /// # Errors
+    /// Fewer stamps than half of what the duration holds. `source` names the recording.
+    pub fn new(stamps_s: &[f64], source: &str) -> Result<Self, RecordingError> {
+        let timing = Timing::of(stamps_s);
+        let stamps_s = stamps_s.to_vec();
+        if timing.is_even {
+            let (rate_hz, time_s) = (timing.rate_hz, stamps_s.clone());
+            return Ok(Self { timing, rate_hz, stamps_s, time_s, ways: None });
+        }
+        let steps = (timing.duration_s / timing.median_step_s).round().max(1.0);
+        let samples = stamps_s.len();
+        if steps > MOST_GRID_SAMPLES * samples as f64 {
+            let fault = Fault::MostlyGaps { gaps: timing.gaps.len(), samples, expected: steps as usize };
+            return Err(RecordingError::new(fault, source).in_column("t"));
+        }
+        let (rate_hz, first_s) = (steps / timing.duration_s, stamps_s[0]);
+        let time_s: Vec<f64> =
+            (0..=steps as usize).map(|k| first_s + timing.duration_s * (k as f64 / steps)).collect();
+        let there = Interpolation::new(&stamps_s, &time_s, BRIDGED_STEPS * timing.median_step_s);
+        let back = Interpolation::new(&time_s, &stamps_s, f64::INFINITY);
+        Ok(Self { timing, rate_hz, stamps_s, time_s, ways: Some((there, back)) })
+    }
+
+    /// Values at the stamps brought to the grid; unchanged where the stamps are even.
+    pub fn resample(&self, at_stamps: &[f64]) -> Vec<f64> {
+        match &self.ways {
+            Some((there, _)) => there.apply(at_stamps),
+            None => at_stamps.to_vec(),
+        }
+    }
+
+    /// Values on the grid brought back to the stamps; unchanged where the stamps are even.
+    pub fn at_stamps(&self, on_grid: &[f64]) -> Vec<f64> {
+        match &self.ways {
+            Some((_, back)) => back.apply(on_grid),
+            None => on_grid.to_vec(),
+        }
+    }
+
+    /// How even the stamps are.
+    pub fn timing(&self) -> &Timing {
+        &self.timing
+    }
+
+    /// Samples per second of the grid.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Times of the grid \[s\].
+    pub fn time_s(&self) -> &[f64] {
+        &self.time_s
+    }
+
+    /// The original stamps \[s\].
+    pub fn stamps_s(&self) -> &[f64] {
+        &self.stamps_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cubic(t: f64) -> f64 {
+        0.4 - t + 0.8 * t * t - 0.3 * t * t * t
+    }
+
+    /// About 100 Hz, jittered by a tenth of the step.
+    fn jittered(n: i32) -> Vec<f64> {
+        (0..n).map(|k| f64::from(k) * 0.01 + 1e-3 * f64::from(k * 7919 % 13 - 6) / 6.0).collect()
+    }
+
+    #[test]
+    fn cubics_go_there_and_back_exactly() {
+        let mut stamps = jittered(300);
+        stamps.drain(50..56);
+        stamps.drain(100..101);
+        let grid = EvenGrid::new(&stamps, "x").unwrap();
+        assert!((grid.rate_hz() - 100.0).abs() < 1.0);
+        assert_eq!(grid.time_s()[0], stamps[0]);
+        assert!((grid.time_s()[grid.time_s().len() - 1] - stamps[stamps.len() - 1]).abs() < 1e-12);
+        let at_stamps: Vec<f64> = stamps.iter().map(|t| cubic(*t)).collect();
+        let on_grid = grid.resample(&at_stamps);
+        for (got, t) in on_grid.iter().zip(grid.time_s()) {
+            assert!((got - cubic(*t)).abs() < 1e-12);
+        }
+        for (got, want) in grid.at_stamps(&on_grid).iter().zip(&at_stamps) {
+            assert!((got - want).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn long_gaps_are_lines_and_nothing_reaches_across() {
+        let mut stamps = jittered(300);
+        let gap = 100..140;
+        stamps.drain(gap);
+        // a step hidden in the gap
+        let values: Vec<f64> = stamps.iter().map(|t| if *t < 1.2 { 1.0 } else { 3.0 }).collect();
+        let grid = EvenGrid::new(&stamps, "x").unwrap();
+        let (before_s, after_s) = (stamps[99], stamps[100]);
+        for (got, t) in grid.resample(&values).iter().zip(grid.time_s()) {
+            let line = 1.0 + 2.0 * ((t - before_s) / (after_s - before_s)).clamp(0.0, 1.0);
+            assert!((got - line).abs() < 1e-12, "{t}: {got} {line}");
+        }
+    }
+
+    #[test]
+    fn short_stretches_between_long_gaps() {
+        let from_s = [0.0, 1.0, 2.0, 50.0, 51.0, 90.0, 130.0, 131.0, 132.0, 133.0];
+        let to_s: Vec<f64> = (-5..140).map(f64::from).collect();
+        let values: Vec<f64> = from_s.iter().map(|t| 2.0 * t - 1.0).collect();
+        for (got, t) in Interpolation::new(&from_s, &to_s, 5.0).apply(&values).iter().zip(&to_s) {
+            assert!((got - (2.0 * t.clamp(0.0, 133.0) - 1.0)).abs() < 1e-9, "{t}: {got}");
+        }
+    }
+
+    #[test]
+    fn few_samples() {
+        assert!(Interpolation::new(&[], &[1.0], 1.0).apply(&[]).is_empty());
+        assert_eq!(Interpolation::new(&[0.0], &[-1.0, 0.0, 2.0], 1.0).apply(&[7.0]), [7.0; 3]);
+        let line = Interpolation::new(&[0.0, 2.0], &[0.5, 1.0], 9.0).apply(&[1.0, 3.0]);
+        assert_eq!(line, [1.5, 2.0]);
+    }
+
+    #[test]
+    fn even_recordings_pass_unchanged() {
+        let stamps: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.002).collect();
+        let grid = EvenGrid::new(&stamps, "x").unwrap();
+        let values: Vec<f64> = stamps.iter().map(|t| (t * 1e3).sin()).collect();
+        assert_eq!(grid.resample(&values), values);
+        assert_eq!(grid.at_stamps(&values), values);
+        assert_eq!(grid.time_s(), stamps);
+    }
+
+    #[test]
+    fn mostly_gaps_are_refused() {
+        let stamps: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01 + f64::from(k / 25) * 1e7).collect();
+        let error = EvenGrid::new(&stamps, "x.csv").unwrap_err();
+        assert!(error.to_string().starts_with("most of the recording is missing: 1 gaps leave 50"));
+        assert_eq!(error.place(), "x.csv, column `t`");
+    }
+}
