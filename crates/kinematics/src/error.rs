@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::IgnoredElement;
+
 /// Where a fault lies: file, line and the link or joint it belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UrdfPlace {
@@ -91,9 +93,11 @@ pub enum UrdfError {
     NoLinks {
         /// Line of `<robot>`.
         place: Box<UrdfPlace>,
+        /// A child of `<robot>` that may be a misspelt link or joint.
+        misspelt: Option<IgnoredElement>,
     },
     /// An attribute that must be present is not.
-    #[error("`<{tag}>` needs the attribute `{attribute}` ({expected}), found none")]
+    #[error("`<{tag}>` needs the attribute `{attribute}`{}, found none", bracketed(expected))]
     MissingAttribute {
         /// The element.
         place: Box<UrdfPlace>,
@@ -238,9 +242,11 @@ pub enum UrdfError {
         place: Box<UrdfPlace>,
         /// The links without a parent joint, in file order.
         roots: Vec<String>,
+        /// A child of `<robot>` that may be a misspelt link or joint.
+        misspelt: Option<IgnoredElement>,
     },
     /// The axis of a movable joint has no direction.
-    #[error("the axis must have a length, found `{found}`")]
+    #[error("the axis must be a vector longer than 1e-9, found `{found}`")]
     ZeroAxis {
         /// The `<axis>` element.
         place: Box<UrdfPlace>,
@@ -272,7 +278,7 @@ impl UrdfError {
             | Self::NotXml { place, .. }
             | Self::NotRobot { place, .. }
             | Self::Xacro { place, .. }
-            | Self::NoLinks { place }
+            | Self::NoLinks { place, .. }
             | Self::MissingAttribute { place, .. }
             | Self::BadValue { place, .. }
             | Self::ConflictingAttributes { place, .. }
@@ -300,11 +306,16 @@ impl UrdfError {
 fn io_reason(cause: &std::io::Error) -> String {
     use std::io::ErrorKind;
     match cause.kind() {
-        ErrorKind::NotFound => "there is none of this name".to_owned(),
+        ErrorKind::NotFound => "no such file".to_owned(),
         ErrorKind::PermissionDenied => "permission denied".to_owned(),
         ErrorKind::IsADirectory => "it is a directory".to_owned(),
         _ => cause.to_string(),
     }
+}
+
+fn bracketed(expected: &str) -> String {
+    // "attribute `name` (a name)" says nothing
+    if expected == "a name" { String::new() } else { format!(" ({expected})") }
 }
 
 fn arrows(names: &[String]) -> String {

@@ -83,8 +83,10 @@ pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, Recor
         }
     }
     let columns = header_names(&row).ok_or_else(|| fault(Fault::HeaderNotUtf8).on_line(1))?;
-    let separator = wrong_separator(&columns);
-    if let Some(separator) = separator {
+    if columns.iter().any(|name| name.contains('\r')) {
+        return Err(fault(Fault::NotCsv { format: "text whose lines end with CR alone" }));
+    }
+    if let Some(separator) = wrong_separator(&columns) {
         let below = rows.read_byte_record(&mut row).map_err(csv_fault)?;
         let decimal_commas = below && row.len() > 1;
         return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(1));
@@ -98,6 +100,11 @@ pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, Recor
         }
         let line = rows.position().line() - 1;
         if let Err(error) = table.push(&row, line) {
+            let breaks = row.as_slice().iter().filter(|byte| **byte == b'\n').count() as u64;
+            let error = match breaks {
+                0 => error,
+                _ => fault(Fault::UnclosedQuote).on_line(line - breaks),
+            };
             // the first fault of the file is the one to tell
             return Err(table.not_finite().unwrap_or(error));
         }
@@ -171,12 +178,21 @@ impl<'a> Table<'a> {
     }
 
     /// The number in a field; NaN and infinities are counted.
-    fn number(&mut self, row: &ByteRecord, column: usize, line: u64) -> Result<f64, RecordingError> {
+    fn number(
+        &mut self,
+        row: &ByteRecord,
+        column: usize,
+        line: u64,
+    ) -> Result<f64, RecordingError> {
         let field = row.get(column).unwrap_or_default().trim_ascii();
         let value = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok());
         let shown = || String::from_utf8_lossy(field).chars().take(40).collect::<String>();
         let Some(value) = value else {
-            return Err(RecordingError::new(Fault::NotANumber { text: shown() }, self.source)
+            let fault = match field {
+                [] => Fault::EmptyField,
+                _ => Fault::NotANumber { text: shown() },
+            };
+            return Err(RecordingError::new(fault, self.source)
                 .on_line(line)
                 .in_column(&self.header.columns[column]));
         };
@@ -216,8 +232,9 @@ impl<'a> Table<'a> {
         if found < required {
             return Err(fault(Fault::TooFewSamples { found, required }));
         }
-        let median_step = Timing::of(&self.time_s).median_step_s;
-        if let Some((unit, factor)) = not_seconds(median_step) {
+        let median_step_s = Timing::of(&self.time_s).median_step_s;
+        if let Some((unit, factor)) = not_seconds(median_step_s) {
+            let median_step = format!("{median_step_s:.3e}").parse().unwrap_or(median_step_s);
             let fault = fault(Fault::NotSeconds { median_step, unit, factor });
             return Err(fault.in_column("t"));
         }
@@ -247,6 +264,7 @@ fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
     match median_step {
         step if step >= 5e5 => Some(("nanoseconds", 1e-9)),
         step if step >= 5e2 => Some(("microseconds", 1e-6)),
+        1.0 => Some(("sample numbers or milliseconds", 1e-3)),
         step if step >= LONGEST_STEP_S => Some(("milliseconds", 1e-3)),
         step if step <= SHORTEST_STEP_S => Some(("days", 86_400.0)),
         _ => None,
@@ -285,7 +303,9 @@ fn other_format(start: &[u8]) -> Option<&'static str> {
         (b"PK\x03\x04", "a ZIP archive or a spreadsheet"),
         (b"\x89HDF", "an HDF5 file"),
     ];
-    FORMATS.into_iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, format)| format)
+    let known = FORMATS.into_iter().find(|(magic, _)| start.starts_with(magic));
+    let binary = || start.contains(&0).then_some("binary data");
+    known.map(|(_, format)| format).or_else(binary)
 }
 
 /// Writes a CSV file: `t` and the channels. Numbers have as many digits as bring back the same
@@ -297,9 +317,7 @@ pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Re
     let path = path.as_ref();
     recording.check()?;
     let fault = |doing| {
-        move |error| {
-            RecordingError::new(Fault::Io { doing, error }, &path.display().to_string())
-        }
+        move |error| RecordingError::new(Fault::Io { doing, error }, &path.display().to_string())
     };
     let file = File::create(path).map_err(fault("opened"))?;
     let mut writer = BufWriter::new(file);
@@ -331,9 +349,8 @@ pub fn write_csv_to(writer: impl Write, recording: &Recording) -> Result<(), Rec
         .into_iter()
         .chain(channels.iter().map(|(_, values)| *values))
         .collect();
-    let fault = |error| {
-        RecordingError::new(Fault::Io { doing: "written", error }, &recording.source)
-    };
+    let fault =
+        |error| RecordingError::new(Fault::Io { doing: "written", error }, &recording.source);
 
     let mut out = BufWriter::with_capacity(1 << 16, writer);
     let mut names = csv::Writer::from_writer(Vec::new());

@@ -39,6 +39,12 @@ impl RecordingError {
         self
     }
 
+    /// The same fault in another source.
+    pub(crate) fn of_source(mut self, source: &str) -> Self {
+        source.clone_into(&mut self.0.source_name);
+        self
+    }
+
     /// The kind of the fault with its numbers.
     pub fn fault(&self) -> &Fault {
         &self.0.fault
@@ -112,8 +118,10 @@ pub enum Fault {
         columns: Vec<String>,
     },
     /// Two columns have the same name.
-    #[error("the column occurs twice, as columns number {first} and {second}")]
+    #[error("the column `{name}` occurs twice, as columns number {first} and {second}")]
     DuplicateColumn {
+        /// Its name.
+        name: String,
         /// Number of the first, from 1.
         first: usize,
         /// Number of the second, from 1.
@@ -135,6 +143,12 @@ pub enum Fault {
         /// Fields of the row.
         found: usize,
     },
+    /// A field goes on over the end of its line.
+    #[error("a field begins with a quotation mark that is not closed on its line")]
+    UnclosedQuote,
+    /// A field has nothing in it.
+    #[error("the field is empty")]
+    EmptyField,
     /// A field is no number.
     #[error("`{text}` is not a number")]
     NotANumber {
@@ -167,7 +181,7 @@ pub enum Fault {
     },
     /// The stamps cannot be seconds.
     #[error(
-        "the time stamps are not in seconds: the median step is {median_step}, so they look like \
+        "the time stamps are not in seconds: the median step is {median_step:?}, so they look like \
          {unit}"
     )]
     NotSeconds {
@@ -179,7 +193,7 @@ pub enum Fault {
         factor: f64,
     },
     /// Too short for anything.
-    #[error("{found} samples are too few, {required} are the least")]
+    #[error("the recording has {found} sample{}, at least {required} are needed", plural(*.found))]
     TooFewSamples {
         /// Samples present.
         found: usize,
@@ -237,8 +251,8 @@ pub enum Fault {
     },
     /// More of the time span is gap than recorded.
     #[error(
-        "most of the recording is missing: {gaps} gaps leave {samples} samples where {expected} \
-         are due"
+        "most of the recording is missing: {gaps} gap{} among {samples} samples where {expected} \
+         are due", plural(*.gaps)
     )]
     MostlyGaps {
         /// Number of gaps.
@@ -307,10 +321,14 @@ impl Fault {
             Self::RaggedRow { expected, found } if found >= &(2 * expected - 1) => {
                 "decimal commas? write decimal points: `0.5`, not `0,5`".to_owned()
             }
+            Self::RaggedRow { expected, found } if found > expected => {
+                "is a name missing in the header, or a decimal comma in the row?".to_owned()
+            }
             Self::RaggedRow { .. } => "was the file cut off or written to while it was copied? \
                                        complete or delete the row"
                 .to_owned(),
-            Self::NotANumber { text } if text.is_empty() => {
+            Self::UnclosedQuote => "delete or close the quotation mark".to_owned(),
+            Self::EmptyField => {
                 "delete the row: a lost sample may be left out, its place is interpolated"
                     .to_owned()
             }
@@ -330,7 +348,10 @@ impl Fault {
             Self::RepeatedStamps { .. } => {
                 "write the stamps with more digits, or keep one row per stamp".to_owned()
             }
-            Self::NotSeconds { factor, .. } => format!("multiply the column `t` by {factor:e}"),
+            Self::NotSeconds { median_step: 1.0, .. } => {
+                "multiply the column `t` by the sampling period in seconds".to_owned()
+            }
+            Self::NotSeconds { factor, .. } => format!("multiply the column `t` by {factor:?}"),
             Self::TooFewSamples { .. } => "give a longer recording".to_owned(),
             Self::LengthMismatch { .. } => "give every channel one value per stamp".to_owned(),
             Self::BadJointName { .. } => {

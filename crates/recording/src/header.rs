@@ -97,8 +97,9 @@ impl Header {
                 continue;
             }
             if let Some(first) = columns[..column].iter().position(|earlier| earlier == name) {
-                let fault = Fault::DuplicateColumn { first: first + 1, second: column + 1 };
-                return Err(RecordingError::new(fault, source).on_line(1).in_column(name));
+                let name = name.clone();
+                let fault = Fault::DuplicateColumn { name, first: first + 1, second: column + 1 };
+                return Err(RecordingError::new(fault, source).on_line(1));
             }
             if let Some((joint, quantity)) = channel {
                 let joint = joints.iter().position(|known| known == joint).unwrap_or_else(|| {
@@ -124,7 +125,8 @@ impl Header {
 /// Joint and quantity of a column `<joint>/<quantity>`; the joint may contain slashes.
 fn joint_channel(column: &str) -> Option<(&str, Quantity)> {
     let (joint, suffix) = column.rsplit_once('/')?;
-    let joint_is_clean = !joint.is_empty() && joint.trim() == joint && !joint.contains(['\r', '\n']);
+    let joint_is_clean =
+        !joint.is_empty() && joint.trim() == joint && !joint.contains(['\r', '\n']);
     Quantity::from_suffix(suffix).filter(|_| joint_is_clean).map(|quantity| (joint, quantity))
 }
 
@@ -151,8 +153,10 @@ fn looks_like_time(column: &str) -> bool {
 /// Lower case, every run of other characters than letters and digits one space: `Time [s]` ->
 /// `time s`.
 fn plain(name: &str) -> String {
-    let spaced: String =
-        name.chars().map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { ' ' }).collect();
+    let spaced: String = name
+        .chars()
+        .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { ' ' })
+        .collect();
     spaced.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -162,7 +166,10 @@ mod tests {
 
     #[test]
     fn the_last_segment_is_the_quantity() {
-        assert_eq!(joint_channel("left/arm/elbow/effort"), Some(("left/arm/elbow", Quantity::Effort)));
+        assert_eq!(
+            joint_channel("left/arm/elbow/effort"),
+            Some(("left/arm/elbow", Quantity::Effort))
+        );
         assert_eq!(joint_channel("/effort"), None);
         assert_eq!(joint_channel("elbow/Effort"), None);
         assert_eq!(joint_channel("effort"), None);

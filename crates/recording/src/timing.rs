@@ -141,7 +141,8 @@ mod tests {
 
     #[test]
     fn jitter_and_drift_are_not_even() {
-        let jittered = (0..500).map(|k| f64::from(k) * 0.005 + 4e-4 * f64::from(k * 7919 % 13 - 6) / 6.0);
+        let jittered =
+            (0..500).map(|k| f64::from(k) * 0.005 + 4e-4 * f64::from(k * 7919 % 13 - 6) / 6.0);
         let timing = Timing::of(&rounded(jittered, 1e5));
         assert!(!timing.is_even);
         assert!(timing.jitter > 0.03 && timing.jitter < 0.15, "{}", timing.jitter);
@@ -156,8 +157,10 @@ mod tests {
 
     #[test]
     fn lost_samples_are_gaps_and_do_not_count_as_jitter() {
-        let stamps: Vec<f64> =
-            (0..400).filter(|k| !(100..105).contains(k) && *k != 200).map(|k| f64::from(k) * 0.01).collect();
+        let stamps: Vec<f64> = (0..400)
+            .filter(|k| !(100..105).contains(k) && *k != 200)
+            .map(|k| f64::from(k) * 0.01)
+            .collect();
         let timing = Timing::of(&stamps);
         assert_eq!(timing.gaps.len(), 1);
         assert!((timing.gaps[0].at_s - 0.99).abs() < 1e-12);

@@ -33,11 +33,24 @@ pub(super) fn check_element(
             None => {}
         }
     }
-    for &name in &unknown {
-        let absent = rule.attributes.iter().map(|a| a.name).filter(|&a| !node.has_attribute(a));
-        let meant = suggestion(most_similar(name, absent), |m| format!("`{m}`"));
-        let sentence = format!("attribute `{name}` of `<{}>` is not used{meant}", rule.tag);
+    let absent = || rule.attributes.iter().map(|a| a.name).filter(|&a| !node.has_attribute(a));
+    let mut note = |sentence: String| {
         notes.add("element-ignored", at_line(owner, text.line(node)), sentence);
+    };
+    let mut foreign = Vec::new();
+    for &name in &unknown {
+        match most_similar(name, absent()) {
+            Some(meant) => note(format!(
+                "attribute `{name}` of `<{}>` is not used; did you mean `{meant}`?",
+                rule.tag
+            )),
+            None => foreign.push(format!("`{name}`")),
+        }
+    }
+    match foreign.len() {
+        0 => {}
+        1 => note(format!("attribute {} of `<{}>` is not used", foreign[0], rule.tag)),
+        _ => note(format!("attributes {} of `<{}>` are not used", foreign.join(", "), rule.tag)),
     }
     check_children(text, node, rule, owner, notes)
 }
@@ -83,7 +96,8 @@ fn check_children(
         });
     }
     for (tag, line) in unknown {
-        let meant = suggestion(most_similar(&tag, absent().map(|c| c.tag)), |m| format!("`<{m}>`"));
+        let meant = most_similar(&tag, absent().map(|c| c.tag))
+            .map_or_else(String::new, |meant| format!("; did you mean `<{meant}>`?"));
         let sentence = format!("`<{tag}>` in `<{}>` is not used{meant}", rule.tag);
         notes.add("element-ignored", at_line(owner, line), sentence);
     }
@@ -92,10 +106,6 @@ fn check_children(
 
 fn at_line(owner: &Concerned, line: u32) -> Concerned {
     Concerned { line, ..owner.clone() }
-}
-
-fn suggestion(meant: Option<String>, quote: impl Fn(&str) -> String) -> String {
-    meant.map_or_else(String::new, |m| format!("; did you mean {}?", quote(&m)))
 }
 
 fn unknown_attributes<'a>(node: Node<'a, '_>, rule: &ElementRule) -> Vec<&'a str> {
@@ -115,7 +125,7 @@ fn check_value(
     if let Some(expression) = xacro_expression(value) {
         return Err(UrdfError::Xacro { place: place(), found: expression.to_owned() });
     }
-    let Some(advice) = fault(attribute.form, value) else { return Ok(()) };
+    let Some(advice) = fault(attribute.form, value, rule.tag) else { return Ok(()) };
     Err(UrdfError::BadValue {
         place: place(),
         tag: rule.tag,
@@ -127,7 +137,7 @@ fn check_value(
 }
 
 /// What to do about a value that does not have its form; `None` if it has.
-fn fault(form: Form, value: &str) -> Option<String> {
+fn fault(form: Form, value: &str, tag: &str) -> Option<String> {
     match form {
         Form::Text => None,
         Form::Name if value.trim().is_empty() => Some("give a name".to_owned()),
@@ -140,34 +150,38 @@ fn fault(form: Form, value: &str) -> Option<String> {
             || "use revolute for a rotation with limits, fixed if nothing moves".to_owned(),
             |near| format!("did you mean `{near}`?"),
         )),
-        Form::Number | Form::NotNegative | Form::Numbers(_) => {
-            let words: Vec<&str> = value.split_whitespace().collect();
-            let count = if let Form::Numbers(count) = form { count } else { 1 };
-            number_fault(&words).or_else(|| {
-                if words.len() != count {
-                    Some(format!("write {}, there are {} here", form.expected(), words.len()))
-                } else if form == Form::NotNegative && numbers::<1>(value)?[0] < 0.0 {
-                    Some("check the sign".to_owned())
-                } else {
-                    None
-                }
-            })
-        }
+        Form::Number | Form::NotNegative | Form::Numbers(_) => number_fault(form, value, tag),
     }
 }
 
-fn number_fault(words: &[&str]) -> Option<String> {
-    let finite = |word: &&&str| word.parse::<f64>().is_ok_and(f64::is_finite);
-    let word = words.iter().find(|w| !finite(w))?;
-    Some(if word.parse::<f64>().is_ok_and(f64::is_nan) {
-        "replace it by the value of the arm".to_owned()
-    } else if word.parse::<f64>().is_ok() {
-        "every number must be finite; for no limit leave the attribute out".to_owned()
-    } else if word.contains(',') {
-        "write a point for decimals and spaces between numbers, no commas".to_owned()
-    } else {
-        format!("`{word}` is not a number")
-    })
+fn number_fault(form: Form, value: &str, tag: &str) -> Option<String> {
+    let words: Vec<&str> = value.split_whitespace().collect();
+    let (count, counted) = match form {
+        Form::Numbers(count) => (count, form.expected()),
+        _ => (1, "one number"),
+    };
+    let is_finite = |word: &&&str| word.parse::<f64>().is_ok_and(f64::is_finite);
+    if let Some(word) = words.iter().find(|word| !is_finite(word)) {
+        return Some(match word.parse::<f64>() {
+            Ok(_) if tag == "limit" => "for no limit leave the attribute out".to_owned(),
+            Ok(_) => "numbers must be finite; give the value of the arm".to_owned(),
+            Err(_) if word.contains(',') => {
+                "write a point for decimals and spaces between numbers, no commas".to_owned()
+            }
+            Err(_) if word.contains("pi") => {
+                "write the number out, such as 3.141592653589793 for pi".to_owned()
+            }
+            Err(_) => format!("`{word}` is not a number"),
+        });
+    }
+    match words.len() {
+        0 => Some(format!("it is empty; write {counted}")),
+        n if n != count => Some(format!("write {counted}, there are {n} here")),
+        _ if form == Form::NotNegative && numbers::<1>(value)?[0] < 0.0 => {
+            Some("check the sign".to_owned())
+        }
+        _ => None,
+    }
 }
 
 /// The numbers of a value that was checked to have `N`.
@@ -203,8 +217,7 @@ pub(super) fn write_element(out: &mut String, node: Node<'_, '_>, rule: &Element
     out.push('>');
     for child in node.children() {
         let known = |c: &&ElementRule| Some(c.tag) == urdf_tag(child);
-        if let Some(rule) =
-            rule.children.iter().filter(|c| c.reader == Reader::UrdfRs).find(known)
+        if let Some(rule) = rule.children.iter().filter(|c| c.reader == Reader::UrdfRs).find(known)
         {
             write_element(out, child, rule);
         }

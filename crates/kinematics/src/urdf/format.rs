@@ -27,9 +27,7 @@ impl Form {
         match self {
             Self::Name => "a name",
             Self::Text => "a text",
-            Self::JointType => {
-                "one of revolute, continuous, prismatic, fixed, floating and planar"
-            }
+            Self::JointType => "one of revolute, continuous, prismatic, fixed, floating and planar",
             Self::Number => "a number",
             Self::NotNegative => "zero or a positive number",
             Self::Numbers(3) => "three numbers",
@@ -94,13 +92,7 @@ const fn element(
 }
 
 const fn unused(tag: &'static str) -> ElementRule {
-    ElementRule {
-        tag,
-        count: Count::Many,
-        reader: Reader::Nobody,
-        attributes: &[],
-        children: &[],
-    }
+    ElementRule { tag, count: Count::Many, reader: Reader::Nobody, attributes: &[], children: &[] }
 }
 
 const ORIGIN: ElementRule = element(

@@ -21,7 +21,11 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
         UrdfError::NotXml { advice, .. } | UrdfError::BadValue { advice, .. } => advice.clone(),
         UrdfError::NotRobot { found, .. } => other_format(found).into(),
         UrdfError::Xacro { place, .. } => {
-            format!("expand it first: `xacro {} > arm.urdf`, then use arm.urdf", place.source)
+            format!("expand it: `xacro {} > expanded.urdf`, then use expanded.urdf", place.source)
+        }
+        UrdfError::NoLinks { misspelt: Some(element), .. }
+        | UrdfError::SeveralRoots { misspelt: Some(element), .. } => {
+            format!("is `<{}>` in line {} misspelt?", element.tag, element.line)
         }
         UrdfError::NoLinks { .. } => {
             "is this the right file? a URDF lists its links directly inside `<robot>`".into()
@@ -44,7 +48,7 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
         UrdfError::MissingElement { parent: "inertial", tag, .. } => {
             format!("add `<{tag}>`, or remove `<inertial>` if the link has no mass")
         }
-        UrdfError::MissingElement { tag, .. } => format!("add `<{tag}>`"),
+        UrdfError::MissingElement { tag, .. } => format!("add `<{tag} link=\"...\"/>`"),
         UrdfError::RepeatedElement { tag: "inertial", .. } => {
             "keep one, or put the second body on a link of its own with a fixed joint".into()
         }

@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::check::number;
-use super::notes::{Concerned, Notes};
+use super::notes::{Concerned, Notes, four_digits};
 use super::pose::{UrdfVersion, read_pose, unit_vector};
 use super::tree::child;
 use super::xml::UrdfText;
@@ -30,7 +30,8 @@ pub(super) fn read_joint(
         notes.add(code, concerned.clone(), sentence);
     };
     let origin = child(node, "origin");
-    let (origin_xyz_m, origin_rpy_rad) = read_pose(text, origin, &joint.origin, version)?;
+    let (origin_xyz_m, origin_rpy_rad) =
+        read_pose(text, origin, &joint.origin, version, &mut note)?;
     Ok(JointDescription {
         name: name.to_owned(),
         joint_type,
@@ -86,7 +87,9 @@ fn read_axis(
     match unit_vector(xyz) {
         Some((axis, norm)) => {
             if is_used && (norm - 1.0).abs() > UNIT_TOLERANCE {
-                let sentence = format!("the axis {found} is {norm:.6} long; its direction is used");
+                let length = four_digits(norm);
+                let sentence =
+                    format!("the axis {found} has length {length}; its direction is used");
                 note("axis-not-unit", sentence);
             }
             Ok(axis)
@@ -125,32 +128,39 @@ fn read_limits(
         match (lower, upper) {
             (Some(low), Some(high)) if low >= high => note(
                 "limit-empty",
-                format!("the range from lower {low} to upper {high} is empty; \
-                         treated as unlimited"),
+                format!(
+                    "the range from lower {low} to upper {high} is empty; \
+                         treated as unlimited"
+                ),
             ),
             _ => (limits.lower, limits.upper) = (lower, upper),
         }
     }
+    let (mut absent, mut useless) = (Vec::new(), Vec::new());
     let mut largest = |attribute: &str| match number(limit, attribute) {
         Some(value) if value > 0.0 => Some(value),
         Some(value) => {
-            let sentence = format!("`{attribute}` of `<limit>` is {value}; treated as not stated");
-            note("limit-empty", sentence);
+            useless.push(format!("`{attribute}` is {value}"));
             None
         }
         None => {
-            if version < UrdfVersion::OPEN_LIMITS {
-                let sentence = format!(
-                    "`<limit>` has no `{attribute}`; treated as not stated, \
-                     but other readers of URDF refuse this"
-                );
-                note("limit-incomplete", sentence);
-            }
+            absent.push(format!("no `{attribute}`"));
             None
         }
     };
     limits.effort = largest("effort");
     limits.velocity = largest("velocity");
+    if !useless.is_empty() {
+        let sentence = format!("in `<limit>`, {}; treated as not stated", useless.join(" and "));
+        note("limit-empty", sentence);
+    }
+    if !absent.is_empty() && version < UrdfVersion::OPEN_LIMITS {
+        let sentence = format!(
+            "`<limit>` has {}; treated as not stated, but other readers of URDF refuse the file",
+            absent.join(" and ")
+        );
+        note("limit-incomplete", sentence);
+    }
     limits
 }
 
@@ -161,7 +171,9 @@ fn read_dynamics(
     let (damping, friction) = (dynamics.damping, dynamics.friction);
     for (attribute, value) in [("damping", damping), ("friction", friction)] {
         if value < 0.0 {
-            let sentence = format!("`{attribute}` is negative ({value}), it would feed energy in");
+            let sentence = format!(
+                "`{attribute}` is negative ({value}), which feeds energy in; kept as written"
+            );
             note("dynamics-negative", sentence);
         }
     }

@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use roxmltree::Node;
 
-use super::notes::{Concerned, Notes};
+use super::notes::{Concerned, Notes, four_digits};
 use super::pose::{UrdfVersion, read_pose};
 use super::tree::{Tree, child};
 use super::xml::UrdfText;
@@ -29,8 +29,14 @@ pub(super) fn read_link(
         None => None,
         Some(element) => {
             let urdf = &link.inertial;
+            let concerned =
+                Concerned { kind: "link", name: name.to_owned(), line: text.line(element) };
+            let mut note = |code: &'static str, sentence: String| {
+                notes.add(code, concerned.clone(), sentence);
+            };
             let origin = child(element, "origin");
-            let (com_in_link_m, rpy_rad) = read_pose(text, origin, &urdf.origin, version)?;
+            let (com_in_link_m, rpy_rad) =
+                read_pose(text, origin, &urdf.origin, version, &mut note)?;
             let i = &urdf.inertia;
             let inertial = InertialDescription {
                 mass_kg: urdf.mass.value,
@@ -38,27 +44,21 @@ pub(super) fn read_link(
                 rpy_rad,
                 inertia_kgm2: [i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz],
             };
-            let concerned =
-                Concerned { kind: "link", name: name.to_owned(), line: text.line(element) };
-            note_inertia(&inertial, concerned, notes);
+            note_inertia(&inertial, &mut note);
             Some(inertial)
         }
     };
     Ok(LinkDescription { name: name.to_owned(), inertial, line })
 }
 
-fn note_inertia(inertial: &InertialDescription, concerned: Concerned, notes: &mut Notes) {
+fn note_inertia(inertial: &InertialDescription, note: &mut impl FnMut(&'static str, String)) {
     let inertia = &inertial.inertia_kgm2;
     if inertial.mass_kg == 0.0 && inertia.iter().any(|&entry| entry != 0.0) {
-        notes.add(
-            "mass-zero-inertia",
-            concerned.clone(),
-            "the mass is 0 but the inertia is not; both are used as written",
-        );
+        let sentence = "the mass is 0 but the inertia is not; both are used as written";
+        note("mass-zero-inertia", sentence.to_owned());
     }
     if let Some(fault) = inertia_fault(inertia) {
-        let sentence = format!("no body has this inertia: {fault}; it is used as written");
-        notes.add("inertia-unphysical", concerned, sentence);
+        note("inertia-unphysical", format!("no body has this inertia, {fault}; used as written"));
     }
 }
 
@@ -74,7 +74,8 @@ fn inertia_fault(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> Option<String> {
     let mut moments: [f64; 3] = (tensor / scale).symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     let [least, middle, most] = moments;
-    let shown = moments.map(|moment| format!("{:.4e}", moment * scale)).join(", ");
+    // what is mere rounding beside the largest is shown as zero
+    let shown = moments.map(|m| four_digits(if m.abs() < 1e-12 { 0.0 } else { m * scale }));
     let relation = if least < -INERTIA_TOLERANCE {
         "one is negative"
     } else if most - least - middle > INERTIA_TOLERANCE * most {
@@ -82,7 +83,7 @@ fn inertia_fault(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> Option<String> {
     } else {
         return None;
     };
-    Some(format!("of its principal moments {shown} kg m2 {relation}"))
+    Some(format!("principal moments {} kg m2: {relation}", shown.join(", ")))
 }
 
 /// Notes the bodies that move but have no `<inertial>`.

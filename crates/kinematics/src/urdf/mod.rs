@@ -104,7 +104,12 @@ pub fn parse_urdf(text: &str, source: &str) -> Result<RobotDescription, UrdfErro
     let robot = document.root_element();
     let mut notes = Notes::default();
     let content = check_robot(&text, robot, &mut notes)?;
-    let tree = Tree::new(&text, &content.links, &content.joints)?;
+    let tree = Tree::new(&text, &content.links, &content.joints).map_err(|error| match error {
+        UrdfError::SeveralRoots { place, roots, .. } => {
+            UrdfError::SeveralRoots { place, roots, misspelt: content.misspelt.clone() }
+        }
+        error => error,
+    })?;
     let meaning = read_meaning(&text, robot, &content)?;
 
     let version = UrdfVersion::of(robot);
@@ -137,6 +142,8 @@ struct RobotContent<'a, 'i> {
     links: Vec<Node<'a, 'i>>,
     joints: Vec<Node<'a, 'i>>,
     ignored: Vec<IgnoredElement>,
+    /// The first ignored element with a tag like `link` or `joint`.
+    misspelt: Option<IgnoredElement>,
 }
 
 /// Sorts the children of `<robot>` and compares each with the table of the format.
@@ -166,22 +173,20 @@ fn check_robot<'a, 'i>(
             }
             Some("material") => {}
             _ => {
-                let (tag, line) = (qualified_tag(child), text.line(child));
-                if let Some(meant) = most_similar(&tag, ["link", "joint"]) {
-                    let sentence = format!("element not used; did you mean `<{meant}>`?");
-                    let name = format!("<{tag}>");
-                    notes.add(
-                        "element-ignored",
-                        Concerned { kind: "element", name, line },
-                        sentence,
-                    );
+                let element = IgnoredElement { tag: qualified_tag(child), line: text.line(child) };
+                if let Some(meant) = most_similar(&element.tag, ["link", "joint"]) {
+                    let sentence = format!("not used; did you mean `<{meant}>`?");
+                    let name = format!("<{}>", element.tag);
+                    let concerned = Concerned { kind: "element", name, line: element.line };
+                    notes.add("element-ignored", concerned, sentence);
+                    content.misspelt.get_or_insert_with(|| element.clone());
                 }
-                content.ignored.push(IgnoredElement { tag, line });
+                content.ignored.push(element);
             }
         }
     }
     if content.links.is_empty() {
-        return Err(UrdfError::NoLinks { place: text.place_of(robot) });
+        return Err(UrdfError::NoLinks { place: text.place_of(robot), misspelt: content.misspelt });
     }
     Ok(content)
 }

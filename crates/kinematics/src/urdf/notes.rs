@@ -53,8 +53,30 @@ impl Note {
     fn message(&self) -> String {
         let kind = self.concerned.first().map_or("", |first| first.kind);
         let plural = if self.concerned.len() > 1 { "s" } else { "" };
-        let names: Vec<String> =
-            self.concerned.iter().map(|c| format!("`{}` (line {})", c.name, c.line)).collect();
-        format!("{kind}{plural} {}: {}", names.join(", "), self.sentence)
+        let names = |with_line: bool| {
+            let name = |c: &Concerned| match (c.name.as_str(), with_line) {
+                ("", _) => format!("(line {})", c.line),
+                (name, true) => format!("`{name}` (line {})", c.line),
+                (name, false) => format!("`{name}`"),
+            };
+            self.concerned.iter().map(name).collect::<Vec<_>>().join(", ")
+        };
+        // a long list is easier to read without the lines
+        let first = self.concerned.first().map_or(0, |c| c.line);
+        let names = match self.concerned.len() {
+            0..=3 => names(true),
+            _ => format!("{} (from line {first})", names(false)),
+        };
+        format!("{kind}{plural} {names}: {}", self.sentence)
+    }
+}
+
+/// A number with four digits.
+pub(super) fn four_digits(value: f64) -> String {
+    let rounded = format!("{value:.3e}").parse().unwrap_or(value);
+    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
     }
 }

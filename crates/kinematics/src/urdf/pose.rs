@@ -33,11 +33,16 @@ pub(super) fn read_pose(
     node: Option<Node<'_, '_>>,
     urdf: &urdf_rs::Pose,
     version: UrdfVersion,
+    note: &mut impl FnMut(&'static str, String),
 ) -> Result<([f64; 3], [f64; 3]), UrdfError> {
-    let quat = node.filter(|_| version >= UrdfVersion::QUATERNION);
-    let Some((node, found)) = quat.and_then(|n| Some((n, n.attribute("quat_xyzw")?))) else {
+    let quat = node.and_then(|n| Some((n, n.attribute("quat_xyzw")?)));
+    let Some((node, found)) = quat else { return Ok((*urdf.xyz, *urdf.rpy)) };
+    if version < UrdfVersion::QUATERNION {
+        let sentence = "attribute `quat_xyzw` of `<origin>` is not used; it counts from \
+                        `<robot version=\"1.1\">` on";
+        note("element-ignored", sentence.to_owned());
         return Ok((*urdf.xyz, *urdf.rpy));
-    };
+    }
     if node.has_attribute("rpy") {
         return Err(UrdfError::ConflictingAttributes {
             place: text.place_of(node),
@@ -91,11 +96,13 @@ mod tests {
 
     #[test]
     fn rpy_of_a_quaternion_rebuilds_its_rotation() {
-        for pitch in [-1.57079632679, -1.5690, -0.4, 0.0, 1.2, 1.5690, 1.5707963, 1.57079632679] {
+        for from_right in [0.0, 1e-12, 1e-9, 1e-6, 1.8e-3, 0.4, 2.0, 3.1415] {
+            let pitch = std::f64::consts::FRAC_PI_2 - from_right;
             for (roll, yaw) in [(0.0, 0.0), (0.3, -2.5), (-3.0, 1.0), (1.0, 1.0)] {
                 let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
                 let q = UnitQuaternion::from_rotation_matrix(&rotation);
-                let [r, p, y] = rpy_from_quat([3.0 * q.i, 3.0 * q.j, 3.0 * q.k, 3.0 * q.w]).unwrap();
+                let [r, p, y] =
+                    rpy_from_quat([3.0 * q.i, 3.0 * q.j, 3.0 * q.k, 3.0 * q.w]).unwrap();
                 let rebuilt = Rotation3::from_euler_angles(r, p, y);
                 let error = (rebuilt.matrix() - rotation.matrix()).amax();
                 assert!(error < 1e-14, "{roll} {pitch} {yaw}: {error:e}");

@@ -25,7 +25,7 @@ impl<'a> Tree<'a> {
         joints: &[Node<'a, '_>],
     ) -> Result<Self, UrdfError> {
         let Some(robot) = links.first().and_then(Node::parent) else {
-            return Err(UrdfError::NoLinks { place: text.whole() });
+            return Err(UrdfError::NoLinks { place: text.whole(), misspelt: None });
         };
         let link_index = unique_names(text, links, "link")?;
         let joint_index = unique_names(text, joints, "joint")?;
@@ -52,6 +52,7 @@ impl<'a> Tree<'a> {
             _ => Err(UrdfError::SeveralRoots {
                 place: text.place(text.line(robot), None),
                 roots: roots.iter().map(|&link| tree.link_names[link].to_owned()).collect(),
+                misspelt: None,
             }),
         }
     }

@@ -104,8 +104,21 @@ impl<'a> UrdfText<'a> {
                 found = "`<?xml ...?>` stands after other text".to_owned();
                 "move `<?xml ...?>` to the very start of the file".to_owned()
             }
+            Error::UnknownToken(_) if self.text.trim_start().starts_with(['<', '\u{feff}']) => {
+                found = "there is something outside the root element".to_owned();
+                "remove what stands before or after `<robot ...> ... </robot>`".to_owned()
+            }
+            Error::InvalidString(expected, _) => {
+                found = format!("`{expected}` is missing");
+                format!("add `{expected}` where it belongs")
+            }
+            Error::InvalidChar2("a quote", actual, _) => {
+                found = format!("expected a quote, found `{}`", char::from(*actual));
+                "put every value in quotes, such as value=\"1\"".to_owned()
+            }
             Error::InvalidComment(_) => "remove `--` inside the comment".to_owned(),
             Error::MalformedEntityReference(_) | Error::UnknownEntityReference(..) => {
+                found = "`&` does not start a known character reference".to_owned();
                 "write `&amp;` for the character &".to_owned()
             }
             Error::DtdDetected => {

@@ -1,0 +1,256 @@
+//! Evenly sampled motion of the joints asked for, with the efforts that drove it.
+
+use crate::butterworth::{DEFAULT_ORDER, ZeroPhaseLowPass};
+use crate::cutoff::default_cutoff_hz;
+use crate::differentiate::differentiate;
+use crate::error::{Fault, RecordingError};
+use crate::recording::{JointChannels, Quantity, Recording};
+use crate::resample::EvenGrid;
+
+/// Where velocity and acceleration come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DerivativeSource {
+    /// The recorded ones where velocity and acceleration of all joints are recorded (exact
+    /// simulations), else the position.
+    #[default]
+    Auto,
+    /// The filtered position, differentiated. Recorded velocities lag or are noisy.
+    FromPosition,
+    /// The recorded ones, which must be there.
+    Recorded,
+}
+
+/// How a [`Motion`] is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionSettings {
+    /// Cutoff of the low-pass \[Hz\]. Without one: no filter if the derivatives are the recorded
+    /// ones, else [`default_cutoff_hz`].
+    pub cutoff_hz: Option<f64>,
+    /// Order of the low-pass, applied forward and backward.
+    pub order: usize,
+    /// Where velocity and acceleration come from.
+    pub derivatives: DerivativeSource,
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        Self { cutoff_hz: None, order: DEFAULT_ORDER, derivatives: DerivativeSource::Auto }
+    }
+}
+
+/// Position, velocity, acceleration and effort of some joints on an even grid. Columns are
+/// joint-major: `position[joint][sample]`, joints as asked for.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Times of the even grid \[s\].
+    pub time_s: Vec<f64>,
+    /// Samples per second of the grid.
+    pub rate_hz: f64,
+    /// Filtered position \[rad or m\].
+    pub position: Vec<Vec<f64>>,
+    /// Velocity \[rad/s or m/s\].
+    pub velocity: Vec<Vec<f64>>,
+    /// Acceleration \[rad/s² or m/s²\].
+    pub acceleration: Vec<Vec<f64>>,
+    /// Effort on the grid, not filtered \[N m or N\]; none unless recorded for all joints.
+    pub effort: Option<Vec<Vec<f64>>>,
+    /// Effort through the same filter as the position \[N m or N\].
+    pub effort_filtered: Option<Vec<Vec<f64>>>,
+    /// The low-pass; none if nothing was filtered.
+    pub filter: Option<ZeroPhaseLowPass>,
+    /// Where the recording comes from.
+    pub source: String,
+    /// Stamps of the recording \[s\].
+    pub stamps_s: Vec<f64>,
+    /// Those of the recording, and what was chosen here.
+    pub notes: Vec<String>,
+    grid: EvenGrid,
+}
+
+impl Motion {
+    /// Resamples, filters and differentiates the channels of `joints`.
+    ///
+    /// # Errors
+    /// An inconsistent recording; no joint; a joint without recorded position, or without recorded
+    /// derivatives where the settings ask for them; a recording that is mostly gaps; a cutoff or
+    /// order that is not possible.
+    pub fn from_recording(
+        recording: &Recording,
+        joints: &[&str],
+        settings: &MotionSettings,
+    ) -> Result<Self, RecordingError> {
+        let fault = |fault| RecordingError::new(fault, &recording.source);
+        recording.check()?;
+        if joints.is_empty() {
+            return Err(fault(Fault::NoJointsRequested));
+        }
+        let channels: Vec<&JointChannels> = joints
+            .iter()
+            .map(|name| recording.joint(name).ok_or_else(|| fault(unknown(name, recording))))
+            .collect::<Result<_, _>>()?;
+        let recorded = |quantity| channels.iter().all(|joint| joint.channel(quantity).is_some());
+        let use_recorded = match settings.derivatives {
+            DerivativeSource::Auto => {
+                recorded(Quantity::Velocity) && recorded(Quantity::Acceleration)
+            }
+            DerivativeSource::FromPosition => false,
+            DerivativeSource::Recorded => true,
+        };
+
+        let mut notes = recording.notes.clone();
+        let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        notes.extend(timing_note(&grid));
+        let on_grid = |quantity: Quantity| -> Result<Vec<Vec<f64>>, RecordingError> {
+            channels
+                .iter()
+                .map(|joint| match joint.channel(quantity) {
+                    Some(values) => Ok(grid.resample(values)),
+                    None => Err(fault(missing(joint, quantity))),
+                })
+                .collect()
+        };
+
+        let rate_hz = grid.rate_hz();
+        let raw_position = on_grid(Quantity::Position)?;
+        let cutoff_hz = match settings.cutoff_hz {
+            None if use_recorded => None,
+            None => {
+                let cutoff_hz = default_cutoff_hz(&raw_position, rate_hz);
+                notes.push(format!("cutoff chosen from the motion: {cutoff_hz:.1} Hz"));
+                Some(cutoff_hz)
+            }
+            given => given,
+        };
+        let filter = cutoff_hz
+            .map(|cutoff_hz| ZeroPhaseLowPass::new(settings.order, cutoff_hz, rate_hz))
+            .transpose()
+            .map_err(|error| error.of_source(&recording.source))?;
+        let filtered = |columns: Vec<Vec<f64>>| match &filter {
+            Some(filter) => columns.iter().map(|column| filter.filter(column)).collect(),
+            None => columns,
+        };
+
+        let position = filtered(raw_position);
+        let (velocity, acceleration) = if use_recorded {
+            (filtered(on_grid(Quantity::Velocity)?), filtered(on_grid(Quantity::Acceleration)?))
+        } else {
+            let derived = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
+                columns.iter().map(|column| differentiate(column, rate_hz)).collect()
+            };
+            let velocity = derived(&position);
+            let acceleration = derived(&velocity);
+            (velocity, acceleration)
+        };
+        let effort = recorded(Quantity::Effort).then(|| on_grid(Quantity::Effort)).transpose()?;
+        if effort.is_none() {
+            notes.extend(effort_note(&channels));
+        }
+        let effort_filtered = effort.clone().map(filtered);
+
+        Ok(Self {
+            joints: joints.iter().map(ToString::to_string).collect(),
+            time_s: grid.time_s().to_vec(),
+            rate_hz,
+            position,
+            velocity,
+            acceleration,
+            effort,
+            effort_filtered,
+            filter,
+            source: recording.source.clone(),
+            stamps_s: grid.stamps_s().to_vec(),
+            notes,
+            grid,
+        })
+    }
+
+    /// Number of samples on the grid.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Puts regressor columns on the grid through the filter that the effort went through;
+    /// leaves them alone if there is none.
+    pub fn filter_columns(&self, columns: &mut [Vec<f64>]) {
+        let Some(filter) = &self.filter else { return };
+        for column in columns {
+            *column = filter.filter(column);
+        }
+    }
+
+    /// Share of independent samples in a filtered column of white noise; 1 without a filter.
+    pub fn independent_share(&self) -> f64 {
+        self.filter.as_ref().map_or(1.0, ZeroPhaseLowPass::independent_share)
+    }
+
+    /// A recorded channel of this recording brought to the grid, not filtered.
+    pub fn on_grid(&self, at_stamps: &[f64]) -> Vec<f64> {
+        self.grid.resample(at_stamps)
+    }
+
+    /// A column on the grid brought back to the stamps of the recording.
+    pub fn at_stamps(&self, values: &[f64]) -> Vec<f64> {
+        self.grid.at_stamps(values)
+    }
+
+    /// The grid and the timing of the stamps it was made from.
+    pub fn grid(&self) -> &EvenGrid {
+        &self.grid
+    }
+}
+
+fn unknown(name: &str, recording: &Recording) -> Fault {
+    let wanted = name.to_lowercase();
+    let similarity = |candidate: &str| strsim::jaro_winkler(&wanted, &candidate.to_lowercase());
+    let nearest = recording
+        .joint_names()
+        .into_iter()
+        .map(|candidate| (similarity(candidate), candidate))
+        .filter(|(similarity, _)| *similarity > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.to_owned());
+    let recorded = recording.joint_names().into_iter().map(str::to_owned).collect();
+    Fault::UnknownJoint { joint: name.to_owned(), nearest, recorded }
+}
+
+fn missing(joint: &JointChannels, quantity: Quantity) -> Fault {
+    let recorded = joint.channels().map(|(quantity, _)| quantity).collect();
+    Fault::MissingChannel { joint: joint.name.clone(), quantity, recorded }
+}
+
+/// What the resampling did, if anything.
+fn timing_note(grid: &EvenGrid) -> Option<String> {
+    let timing = grid.timing();
+    if timing.is_even {
+        return None;
+    }
+    let longest = timing.gaps.iter().max_by(|a, b| a.length_s.total_cmp(&b.length_s));
+    let gaps = longest.map_or(String::new(), |longest| {
+        let count = timing.gaps.len();
+        let (length_ms, at_s) = (1e3 * longest.length_s, longest.at_s);
+        format!(", {count} gaps, the longest of {length_ms:.1} ms at t = {at_s:.3} s")
+    });
+    Some(format!(
+        "uneven stamps (jitter {:.1} % of the step{gaps}): resampled at {:.2} Hz",
+        100.0 * timing.jitter,
+        grid.rate_hz()
+    ))
+}
+
+/// Which joints keep the motion from having efforts, if only some do.
+fn effort_note(joints: &[&JointChannels]) -> Option<String> {
+    let lacking: Vec<&str> = joints
+        .iter()
+        .filter(|joint| joint.effort.is_none())
+        .map(|joint| joint.name.as_str())
+        .collect();
+    (lacking.len() < joints.len())
+        .then(|| format!("efforts are not used: none is recorded for {}", lacking.join(", ")))
+}

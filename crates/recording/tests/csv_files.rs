@@ -1,0 +1,188 @@
+//! What is accepted, and that files come back as they were written.
+
+use armident_recording::{
+    JointChannels, Quantity, Recording, read_csv, read_csv_from, write_csv, write_csv_to,
+};
+use proptest::prelude::*;
+
+fn rows(n: usize, row: impl Fn(f64) -> String) -> String {
+    (0..n).map(|k| row(k as f64 * 0.01) + "\n").collect()
+}
+
+fn read(text: &str) -> Recording {
+    read_csv_from(text.as_bytes(), "test.csv").unwrap()
+}
+
+#[test]
+fn plain_file() {
+    let text = "t,arm/elbow/position,base/effort,arm/elbow/effort\n".to_owned()
+        + &rows(10, |t| format!("{t},{},-1e-3,{}", t * 2.0, t - 3.0));
+    let recording = read(&text);
+    assert_eq!(recording.joint_names(), ["arm/elbow", "base"]);
+    assert_eq!(recording.source, "test.csv");
+    assert_eq!(recording.len(), 10);
+    assert!(recording.notes.is_empty() && recording.ignored_columns.is_empty());
+    let elbow = recording.joint("arm/elbow").unwrap();
+    assert_eq!(elbow.position.as_ref().unwrap()[5], 0.1);
+    assert_eq!(elbow.effort.as_ref().unwrap()[0], -3.0);
+    assert!(elbow.velocity.is_none());
+    assert_eq!(recording.joint("base").unwrap().channel(Quantity::Effort).unwrap(), [-1e-3; 10]);
+}
+
+#[test]
+fn forms_that_mean_the_same() {
+    let plain = "t,a/position\n".to_owned() + &rows(12, |t| format!("{t},{}", 1.0 - t));
+    let expected = read(&plain);
+    let spaced =
+        "\n  t , a/position \n".to_owned() + &rows(12, |t| format!(" {t} ,\t{} ", 1.0 - t));
+    for (form, text) in [
+        ("byte order mark", format!("\u{feff}{plain}")),
+        ("CRLF", plain.replace('\n', "\r\n")),
+        ("byte order mark and CRLF", format!("\u{feff}{}", plain.replace('\n', "\r\n"))),
+        ("spaces", spaced),
+        ("blank lines", plain.replace('\n', "\n\n")),
+        ("blank CRLF lines", plain.replace('\n', "\r\n  \r\n")),
+        ("no line end at the end", plain.trim_end().to_owned()),
+        ("quotes", plain.replace("a/position", "\"a/position\"")),
+        ("other start", plain.replace("t,", "t,")),
+    ] {
+        assert_eq!(read(&text), expected, "{form}");
+    }
+}
+
+#[test]
+fn unknown_columns_are_ignored_and_noted() {
+    let text = "t,elbow/position,elbow/torque,elbow/temperature,supply,,base_pos\n".to_owned()
+        + &rows(9, |t| format!("{t},{t},{t},warm,,-,1"));
+    let recording = read(&text);
+    assert_eq!(recording.joint_names(), ["elbow"]);
+    assert_eq!(
+        recording.ignored_columns,
+        ["elbow/torque", "elbow/temperature", "supply", "(column 6 has no name)", "base_pos"]
+    );
+    assert_eq!(
+        recording.notes,
+        [
+            "column `elbow/torque` is not read; if it is one of the channels, rename it to \
+             `elbow/effort`",
+            "column `base_pos` is not read; if it is one of the channels, rename it to \
+             `base/position`",
+            "columns not read: elbow/temperature, supply, (column 6 has no name)",
+        ]
+    );
+}
+
+#[test]
+fn repeated_stamps_are_dropped_and_noted() {
+    let mut lines: Vec<String> = (0..300).map(|k| format!("{},{k}", f64::from(k) * 0.01)).collect();
+    lines.insert(100, lines[99].replace(",99", ",-5"));
+    lines.insert(200, lines[199].clone());
+    let recording = read(&format!("t,a/position\n{}\n", lines.join("\n")));
+    assert_eq!(recording.len(), 300);
+    assert_eq!(recording.joint("a").unwrap().position.as_ref().unwrap()[99], 99.0);
+    assert_eq!(
+        recording.notes,
+        [
+            "2 of 302 samples repeated the time stamp before them and were dropped, the first at t = \
+          0.99 s"
+        ]
+    );
+}
+
+#[test]
+fn stamps_may_start_anywhere() {
+    let text = "t,a/position\n".to_owned() + &rows(50, |t| format!("{:.6},{t}", 1.7e9 + t));
+    assert_eq!(read(&text).time_s[0], 1.7e9);
+    let text = "t,a/position\n".to_owned() + &rows(50, |t| format!("{:.6},{t}", t - 5.0));
+    assert_eq!(read(&text).time_s[0], -5.0);
+}
+
+#[test]
+fn files_on_disk() {
+    let folder = std::env::temp_dir().join(format!("armident-recording-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("swing.csv");
+    let time_s: Vec<f64> = (0..20).map(|k| f64::from(k) / 300.0).collect();
+    let joint = JointChannels {
+        position: Some(time_s.iter().map(|t| t.sin()).collect()),
+        ..JointChannels::new("elbow")
+    };
+    let recording = Recording::new(path.display().to_string(), time_s, vec![joint]).unwrap();
+    write_csv(&path, &recording).unwrap();
+    assert_eq!(read_csv(&path).unwrap(), recording);
+
+    let error = read_csv(folder.join("missing.csv")).unwrap_err();
+    assert_eq!(error.to_string(), "the file does not exist");
+    assert_eq!(error.place(), folder.join("missing.csv").display().to_string());
+    assert_eq!(read_csv(&folder).unwrap_err().to_string(), "this is a directory, not a recording");
+    let error = write_csv(folder.join("no/such/folder.csv"), &recording).unwrap_err();
+    assert!(error.to_string().starts_with("the file cannot be opened: "));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn inconsistent_recordings_are_not_written() {
+    let mut recording = read(&("t,a/position\n".to_owned() + &rows(9, |t| format!("{t},{t}"))));
+    recording.time_s.pop();
+    let mut out = Vec::new();
+    assert!(write_csv_to(&mut out, &recording).is_err());
+    assert!(out.is_empty());
+}
+
+/// Any finite value: all exponents, subnormal numbers, both zeros.
+fn value() -> impl Strategy<Value = f64> {
+    use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
+    NORMAL | SUBNORMAL | ZERO | POSITIVE | NEGATIVE
+}
+
+fn joints() -> impl Strategy<Value = Vec<JointChannels>> {
+    let name = "[a-z\"',;/ _é.-]{0,6}[a-z0-9\"]";
+    let channels =
+        proptest::collection::vec(proptest::option::of(proptest::collection::vec(value(), 10)), 6);
+    let joint = (name, channels).prop_map(|(name, channels)| {
+        let mut joint = JointChannels::new(name.trim());
+        for (quantity, values) in Quantity::ALL.into_iter().zip(channels) {
+            *joint.channel_mut(quantity) = values;
+        }
+        joint.effort.get_or_insert_with(|| vec![0.25; 10]);
+        joint
+    });
+    proptest::collection::vec(joint, 1..4).prop_map(|mut joints| {
+        joints.sort_by(|a, b| a.name.cmp(&b.name));
+        joints.dedup_by(|a, b| a.name == b.name);
+        joints
+    })
+}
+
+proptest! {
+    #[test]
+    fn written_and_read_again_bit_by_bit(
+        joints in joints(),
+        start_s in -1e4..1e4,
+        steps_s in proptest::collection::vec(1e-3..0.1, 10),
+    ) {
+        let time_s: Vec<f64> = steps_s
+            .iter()
+            .scan(start_s, |t, step| {
+                *t += step;
+                Some(*t)
+            })
+            .collect();
+        let recording = Recording::new("x", time_s, joints).unwrap();
+        let mut text = Vec::new();
+        write_csv_to(&mut text, &recording).unwrap();
+        let again = read_csv_from(text.as_slice(), "x").unwrap();
+        prop_assert_eq!(again.joint_names(), recording.joint_names());
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        prop_assert_eq!(bits(&again.time_s), bits(&recording.time_s));
+        for (again, joint) in again.joints.iter().zip(&recording.joints) {
+            for quantity in Quantity::ALL {
+                prop_assert_eq!(
+                    again.channel(quantity).map(bits),
+                    joint.channel(quantity).map(bits)
+                );
+            }
+        }
+        prop_assert!(again.notes.is_empty());
+    }
+}

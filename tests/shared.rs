@@ -1,0 +1,27 @@
+//! Data that lies beside the project and may be absent: `../shared`, or where `ARMIDENT_SHARED` says.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The shared folder's entry, or `None` after saying (past the capture of test output) and
+/// recording that `test` is skipped.
+pub fn shared(test: &str, entry: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("ARMIDENT_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    let path = root.join(entry);
+    if path.exists() {
+        return Some(path);
+    }
+    let line = format!("skipped: {test}: {entry} not found beside the project (ARMIDENT_SHARED)\n");
+    let _ = std::io::stderr().write_all(line.as_bytes());
+    let counted = Path::new(env!("CARGO_TARGET_TMPDIR")).join("skipped.txt");
+    if let Ok(mut file) = std::fs::OpenOptions::new().create(true).append(true).open(counted) {
+        let _ = file.write_all(line.as_bytes());
+    }
+    None
+}
+
+/// A file of the project.
+pub fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
