@@ -4,6 +4,8 @@ use std::f64::consts::{LN_2, PI};
 
 use realfft::RealFftPlanner;
 
+use crate::recording::MIN_SAMPLES;
+
 /// Share of the velocity power that lies below the band edge of a motion.
 pub const POWER_SHARE: f64 = 0.999;
 /// Cutoff over band edge: at this distance the fourth order, forward and backward, takes less than
@@ -14,12 +16,13 @@ pub const LOWEST_CUTOFF_HZ: f64 = 1.0;
 /// Highest cutoff chosen, as a share of the sample rate.
 pub const HIGHEST_CUTOFF_SHARE: f64 = 0.2;
 
+/// Range of positions below which a joint counts as resting \[rad or m\].
+pub const RESTING_RANGE: f64 = 1e-3;
+
 /// Bins to either side over which the spectrum is averaged before it is compared with the noise.
 const SMOOTHING_BINS: usize = 4;
-/// Multiple of the noise floor that counts as motion.
-const SIGNAL_OVER_NOISE: f64 = 4.0;
-/// A joint moves if its power is at least this multiple of its noise power.
-const MOVING_OVER_NOISE: f64 = 100.0;
+/// Multiple of the noise floor above which the averaged spectrum is motion.
+const MOTION_OVER_NOISE: f64 = 30.0;
 
 /// The cutoff \[Hz\] for evenly sampled positions, one column per joint:
 /// [`CUTOFF_OVER_EDGE`] times the highest [`band_edge_hz`] of the joints, not below
@@ -31,46 +34,54 @@ pub fn default_cutoff_hz(positions: &[Vec<f64>], rate_hz: f64) -> f64 {
 }
 
 /// Frequency below which [`POWER_SHARE`] of the velocity power of a position signal lies \[Hz\];
-/// none for a joint that does not move above its noise.
+/// none for a joint that rests, or of which nothing stands out of its noise.
 ///
-/// The spectrum is that of the position, its line through the ends of motion taken off, under a
-/// Hann window. Its noise floor is the median above a quarter of the sample rate (noise of
-/// quantisation is white in the position). What stands four times above the floor, less the floor,
-/// times the frequency squared, is the spectrum of the velocity.
+/// The spectrum is that of the position without its straight line, under a Hann window. Its noise
+/// floor is the median above a quarter of the sample rate, since the noise of quantisation is white
+/// in the position. The motion reaches from its strongest frequency up until the averaged spectrum
+/// stays below 30 times the floor for an octave: narrow lines further up are interference or
+/// resonance, and would have much weight in the velocity. Up to there, the spectrum less the floor,
+/// times the frequency squared, is the power of the velocity.
 pub fn band_edge_hz(position: &[f64], rate_hz: f64) -> Option<f64> {
-    let power = windowed_power(position)?;
-    let upper_half = &power[power.len() / 2..];
-    // the median of an exponentially distributed periodogram is ln 2 of its mean
-    let floor = median(upper_half) / LN_2;
-
-    let motion: Vec<f64> = (1..power.len())
-        .map(|k| {
-            let from = k.saturating_sub(SMOOTHING_BINS).max(1);
-            let near = &power[from..(k + SMOOTHING_BINS + 1).min(power.len())];
-            let mean = near.iter().sum::<f64>() / near.len() as f64;
-            if mean > SIGNAL_OVER_NOISE * floor { (power[k] - floor).max(0.0) } else { 0.0 }
-        })
-        .collect();
-    let moving: f64 = motion.iter().sum();
-    if moving <= 0.0 || moving < MOVING_OVER_NOISE * floor * motion.len() as f64 {
+    let largest = position.iter().copied().fold(f64::MIN, f64::max);
+    let smallest = position.iter().copied().fold(f64::MAX, f64::min);
+    if position.len() < MIN_SAMPLES || largest - smallest < RESTING_RANGE {
         return None;
     }
-    let velocity = |k: usize| ((k + 1) as f64).powi(2) * motion[k];
-    let total: f64 = (0..motion.len()).map(velocity).sum();
+    let power = windowed_power(position)?;
+    // the median of an exponentially distributed periodogram is ln 2 of its mean
+    let measured = median(&power[power.len() / 2..]) / LN_2;
+    let rounding = f64::EPSILON * largest.abs().max(smallest.abs());
+    let floor = measured.max(position.len() as f64 * rounding.powi(2));
+
+    let averaged = |k: usize| {
+        let from = k.saturating_sub(SMOOTHING_BINS).max(1);
+        let near = &power[from..(k + SMOOTHING_BINS + 1).min(power.len())];
+        near.iter().sum::<f64>() / near.len() as f64
+    };
+    let strongest = (1..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    let mut last = None;
+    for k in strongest..power.len() {
+        if averaged(k) > MOTION_OVER_NOISE * floor {
+            last = Some(k);
+        } else if k > 2 * last? {
+            break;
+        }
+    }
+    let last = last?;
+    let velocity = |k: usize| (k as f64).powi(2) * (power[k] - floor).max(0.0);
+    let total: f64 = (1..=last).map(velocity).sum();
     let mut below = 0.0;
-    let edge = (0..motion.len()).find(|&k| {
+    let edge = (1..=last).find(|&k| {
         below += velocity(k);
         below >= POWER_SHARE * total
     })?;
-    Some((edge + 1) as f64 * rate_hz / position.len() as f64)
+    Some(edge as f64 * rate_hz / position.len() as f64)
 }
 
 /// Periodogram of the detrended signal under a Hann window, arbitrary scale.
 fn windowed_power(signal: &[f64]) -> Option<Vec<f64>> {
     let n = signal.len();
-    if n < 8 {
-        return None;
-    }
     let middle = 0.5 * (n - 1) as f64;
     let mean = signal.iter().sum::<f64>() / n as f64;
     let lever = |k: usize| k as f64 - middle;
@@ -102,11 +113,12 @@ mod tests {
 
     const RATE_HZ: f64 = 250.0;
 
+    /// A swing at a third of the highest frequency, in steps.
     fn motion(edge_hz: f64, step: f64) -> Vec<f64> {
         (0..5000)
             .map(|k| {
-                let t = f64::from(k) / RATE_HZ;
-                let x = 0.8 * (2.0 * PI * 0.31 * t).sin() + 0.1 * (2.0 * PI * edge_hz * t).cos();
+                let angle = 2.0 * PI * edge_hz * f64::from(k) / RATE_HZ;
+                let x = 0.8 * (angle / 3.0).sin() + 0.2 * (angle / 1.6).sin() + 0.1 * angle.cos();
                 if step > 0.0 { (x / step).round() * step } else { x }
             })
             .collect()
@@ -123,6 +135,15 @@ mod tests {
     }
 
     #[test]
+    fn interference_far_above_the_motion_is_left_out() {
+        let mut position = motion(2.3, 1e-5);
+        for (k, x) in position.iter_mut().enumerate() {
+            *x += 5e-3 * (2.0 * PI * 61.0 * k as f64 / RATE_HZ).sin();
+        }
+        assert!((band_edge_hz(&position, RATE_HZ).unwrap() - 2.3).abs() < 0.15);
+    }
+
+    #[test]
     fn the_cutoff_follows_the_fastest_joint_and_is_limited() {
         let cutoff = |edges: &[f64]| {
             let positions: Vec<Vec<f64>> = edges.iter().map(|edge| motion(*edge, 1e-5)).collect();
@@ -136,11 +157,17 @@ mod tests {
 
     #[test]
     fn a_joint_at_rest_has_no_say() {
-        let random = |k: i32| (f64::from(k) * 12.9898).sin() * 43_758.545_3;
-        let noise: Vec<f64> = (0..3000).map(|k| 1e-5 * random(k).fract()).collect();
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / (1_u64 << 31) as f64
+        };
+        let noise: Vec<f64> = (0..3000).map(|_| 2e-3 * random()).collect();
         assert_eq!(band_edge_hz(&noise, RATE_HZ), None);
         assert_eq!(band_edge_hz(&[1.0; 100], RATE_HZ), None);
-        assert_eq!(band_edge_hz(&[0.0; 3], RATE_HZ), None);
+        assert_eq!(band_edge_hz(&[0.0, 1.0, 0.0], RATE_HZ), None);
+        let one_count: Vec<f64> = (0..500).map(|k| if k < 200 { 0.0 } else { 1e-4 }).collect();
+        assert_eq!(band_edge_hz(&one_count, RATE_HZ), None);
         let moving = motion(2.3, 1e-5);
         assert_eq!(
             default_cutoff_hz(&[moving.clone(), vec![0.3; 5000]], RATE_HZ),

@@ -78,8 +78,8 @@ pub use butterworth::{
 };
 pub use csv::{read_csv, read_csv_from, write_csv, write_csv_to};
 pub use cutoff::{
-    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, band_edge_hz,
-    default_cutoff_hz,
+    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, RESTING_RANGE,
+    band_edge_hz, default_cutoff_hz,
 };
 pub use differentiate::differentiate;
 pub use error::{Fault, RecordingError};

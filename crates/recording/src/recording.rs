@@ -270,7 +270,7 @@ mod tests {
             assert!(place(ramp(9), vec![joint(name, 9)]).0.contains("cannot be the name"));
         }
         assert!(place(ramp(9), vec![JointChannels::new("a")]).0.contains("no channel"));
-        assert!(place(ramp(3), vec![joint("a", 3)]).0.contains("too few"));
+        assert!(place(ramp(3), vec![joint("a", 3)]).0.contains("at least 8 are needed"));
         assert!(place(ramp(9), vec![]).0.contains("no joint column"));
     }
 }

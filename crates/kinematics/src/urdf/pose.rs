@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn rpy_of_a_quaternion_rebuilds_its_rotation() {
-        for from_right in [0.0, 1e-12, 1e-9, 1e-6, 1.8e-3, 0.4, 2.0, 3.1415] {
+        for from_right in [0.0, 1e-12, 1e-9, 1e-6, 1.8e-3, 0.4, 2.0, 3.1] {
             let pitch = std::f64::consts::FRAC_PI_2 - from_right;
             for (roll, yaw) in [(0.0, 0.0), (0.3, -2.5), (-3.0, 1.0), (1.0, 1.0)] {
                 let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);

@@ -122,10 +122,12 @@ impl<'a> UrdfText<'a> {
                 "write `&amp;` for the character &".to_owned()
             }
             Error::DtdDetected => {
+                line = self.line_at(self.text.find("<!DOCTYPE").unwrap_or(0));
                 found = "a `<!DOCTYPE>` is not supported".to_owned();
                 "remove `<!DOCTYPE ...>`; an HTML page is no URDF".to_owned()
             }
             _ if !self.text.trim_start().starts_with(['<', '\u{feff}']) => {
+                found = "the text does not start with `<`".to_owned();
                 "is this a URDF? it starts with `<robot name=\"...\">`".to_owned()
             }
             _ => "correct the XML near this line".to_owned(),
