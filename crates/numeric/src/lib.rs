@@ -6,6 +6,7 @@
 //! | question | function |
 //! | --- | --- |
 //! | `min |A x - y|`, rows in blocks, states merged | [`AccumulatedQr`] |
+//! | `A⁺` for several right-hand sides | [`PseudoInverse`] |
 //! | rank with its gap | [`rank_of_columns`] |
 //! | which columns depend on which, in a stated order | [`eliminate_in_order`] |
 //!
@@ -26,5 +27,5 @@ mod rank;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
-pub use least_squares::{LeastSquares, NumericError};
+pub use least_squares::{LeastSquares, NumericError, PseudoInverse};
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};

@@ -70,14 +70,14 @@ impl ZeroPhaseLowPass {
     }
 
     /// One pass, started in the steady state of the first value.
-    fn pass<'a>(&self, mut signal: impl Iterator<Item = &'a f64> + Clone) -> Vec<f64> {
+    fn pass<'a>(&self, signal: impl Iterator<Item = &'a f64> + Clone) -> Vec<f64> {
         let first = signal.clone().next().copied().unwrap_or_default();
         let mut sections = self.steady_sections.clone();
         for section in &mut sections {
             section.zi0 *= first;
             section.zi1 *= first;
         }
-        sosfilt_dyn(&mut signal, &mut sections)
+        sosfilt_dyn(signal, &mut sections)
     }
 
     /// Samples of extension at each end: three times the number of coefficients.

@@ -1,7 +1,7 @@
 //! Recordings as comma-separated text: a column `t` \[s\], then `<joint>/<quantity>`.
 
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Terminator};
@@ -17,6 +17,8 @@ const LONGEST_STEP_S: f64 = 0.5;
 const SHORTEST_STEP_S: f64 = 1e-6;
 /// Share of samples that may repeat the stamp before them.
 const REPEATED_SHARE: f64 = 0.01;
+/// Bytes looked at to tell other formats.
+const START_BYTES: u64 = 4096;
 
 /// Reads a CSV file. `source` of the recording is the path.
 ///
@@ -50,24 +52,23 @@ pub fn read_csv(path: impl AsRef<Path>) -> Result<Recording, RecordingError> {
 /// A file of another kind; a header without `t` or without a joint column, or with a column twice;
 /// rows with another number of fields; fields that are not finite numbers; stamps that go
 /// backwards, are not in seconds or repeat in more than 1 % of the samples; fewer than 8 samples.
-pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, RecordingError> {
+pub fn read_csv_from(mut reader: impl Read, source: &str) -> Result<Recording, RecordingError> {
     let fault = |fault| RecordingError::new(fault, source);
     let io_fault = |error| fault(Fault::Io { doing: "read", error });
-    let mut reader = BufReader::with_capacity(1 << 16, reader);
-    let start = reader.fill_buf().map_err(io_fault)?;
-    if let Some(format) = other_format(start) {
+    let mut start = Vec::new();
+    reader.by_ref().take(START_BYTES).read_to_end(&mut start).map_err(io_fault)?;
+    if let Some(format) = other_format(&start) {
         return Err(fault(Fault::NotCsv { format }));
     }
-    if start.starts_with(b"\xef\xbb\xbf") {
-        reader.consume(3);
-    }
+    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
     // a line always ends with LF here, CR is trimmed off the last field: then the reader's line
     // count after a record is exactly one more than the record's line
     let mut rows = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .terminator(Terminator::Any(b'\n'))
-        .from_reader(reader.chain(b"\n".as_slice()));
+        .buffer_capacity(1 << 16)
+        .from_reader(start.chain(reader).chain(b"\n".as_slice()));
     let csv_fault = |error: csv::Error| match error.into_kind() {
         csv::ErrorKind::Io(error) => io_fault(error),
         other => io_fault(io::Error::other(format!("{other:?}"))),
@@ -82,16 +83,17 @@ pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, Recor
             break;
         }
     }
-    let columns = header_names(&row).ok_or_else(|| fault(Fault::HeaderNotUtf8).on_line(1))?;
+    let line = rows.position().line() - 1;
+    let columns = header_names(&row).ok_or_else(|| fault(Fault::HeaderNotUtf8).on_line(line))?;
     if columns.iter().any(|name| name.contains('\r')) {
         return Err(fault(Fault::NotCsv { format: "text whose lines end with CR alone" }));
     }
     if let Some(separator) = wrong_separator(&columns) {
         let below = rows.read_byte_record(&mut row).map_err(csv_fault)?;
         let decimal_commas = below && row.len() > 1;
-        return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(1));
+        return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(line));
     }
-    let header = Header::new(columns, source)?;
+    let header = Header::new(columns, source, line)?;
 
     let mut table = Table::new(&header, source);
     while rows.read_byte_record(&mut row).map_err(csv_fault)? {
@@ -100,13 +102,10 @@ pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, Recor
         }
         let line = rows.position().line() - 1;
         if let Err(error) = table.push(&row, line) {
-            let breaks = row.as_slice().iter().filter(|byte| **byte == b'\n').count() as u64;
-            let error = match breaks {
-                0 => error,
-                _ => fault(Fault::UnclosedQuote).on_line(line - breaks),
-            };
             // the first fault of the file is the one to tell
-            return Err(table.not_finite().unwrap_or(error));
+            let unclosed =
+                || Some(fault(Fault::UnclosedQuote).on_line(unclosed_quote(&row, line)?));
+            return Err(table.not_finite().or_else(unclosed).unwrap_or(error));
         }
     }
     table.finish()
@@ -274,6 +273,15 @@ fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
 /// A line of white space only.
 fn is_blank(row: &ByteRecord) -> bool {
     row.len() <= 1 && row.get(0).unwrap_or_default().trim_ascii().is_empty()
+}
+
+/// Line on which a row begins that contains line ends and ends on `line`.
+fn unclosed_quote(row: &ByteRecord, line: u64) -> Option<u64> {
+    let text = row.as_slice();
+    let breaks = text.iter().filter(|byte| **byte == b'\n').count() as u64;
+    // a quote that is never closed swallows the last line end too
+    let swallowed = u64::from(text.last() == Some(&b'\n'));
+    (breaks > 0).then(|| (line + swallowed).saturating_sub(breaks))
 }
 
 fn header_names(row: &ByteRecord) -> Option<Vec<String>> {

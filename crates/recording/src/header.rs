@@ -70,11 +70,15 @@ impl Header {
     ///
     /// # Errors
     /// No column `t`, no joint column, or a column that occurs twice.
-    pub(crate) fn new(columns: Vec<String>, source: &str) -> Result<Self, RecordingError> {
+    pub(crate) fn new(
+        columns: Vec<String>,
+        source: &str,
+        line: u64,
+    ) -> Result<Self, RecordingError> {
         let Some(time) = columns.iter().position(|name| name == "t") else {
             let similar = columns.iter().find(|name| looks_like_time(name)).cloned();
             let fault = Fault::NoTimeColumn { similar, columns };
-            return Err(RecordingError::new(fault, source).on_line(1));
+            return Err(RecordingError::new(fault, source).on_line(line));
         };
         let (mut joints, mut channels) = (Vec::<String>::new(), Vec::new());
         let (mut ignored, mut notes, mut unexplained) = (Vec::new(), Vec::new(), Vec::new());
@@ -99,7 +103,7 @@ impl Header {
             if let Some(first) = columns[..column].iter().position(|earlier| earlier == name) {
                 let name = name.clone();
                 let fault = Fault::DuplicateColumn { name, first: first + 1, second: column + 1 };
-                return Err(RecordingError::new(fault, source).on_line(1));
+                return Err(RecordingError::new(fault, source).on_line(line));
             }
             if let Some((joint, quantity)) = channel {
                 let joint = joints.iter().position(|known| known == joint).unwrap_or_else(|| {
@@ -113,7 +117,7 @@ impl Header {
             let rename =
                 columns.iter().find_map(|name| renamed(name).map(|better| (name.clone(), better)));
             let fault = Fault::NoJointColumns { rename, columns };
-            return Err(RecordingError::new(fault, source).on_line(1));
+            return Err(RecordingError::new(fault, source).on_line(line));
         }
         if !unexplained.is_empty() {
             notes.push(format!("columns not read: {}", unexplained.join(", ")));

@@ -38,7 +38,7 @@
 //! Other formats (ROS bags, MCAP, Parquet, MATLAB); stamps that differ between channels; joint
 //! angles that wrap around at ±π; other units than SI; delays between position and effort;
 //! channels with missing values (leave the row out instead); the end effects of the filter, which
-//! reach about one and a half periods of the cutoff into the motion: drop these samples.
+//! reach two to three periods of the cutoff into the motion: drop these samples.
 //!
 //! # Example
 //!

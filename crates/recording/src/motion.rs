@@ -235,7 +235,7 @@ fn timing_note(grid: &EvenGrid) -> Option<String> {
     let gaps = longest.map_or(String::new(), |longest| {
         let count = timing.gaps.len();
         let (length_ms, at_s) = (1e3 * longest.length_s, longest.at_s);
-        format!(", {count} gaps, the longest of {length_ms:.1} ms at t = {at_s:.3} s")
+        format!("; gaps: {count}, the longest of {length_ms:.1} ms at t = {at_s:.3} s")
     });
     Some(format!(
         "uneven stamps (jitter {:.1} % of the step{gaps}): resampled at {:.2} Hz",

@@ -1,5 +1,7 @@
 //! Files that are wrong: what the user is told, and that nothing panics.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use std::fmt::Write as _;
 
 use armident_recording::{Motion, MotionSettings, RecordingError, read_csv_from};
@@ -118,6 +120,7 @@ fn cases() -> Vec<(&'static str, Vec<u8>)> {
         ("field in Latin-1", latin_1_field),
         text("CR alone as line end", valid().replace('\n', "\r")),
         text("unclosed quote", with_line(5, "0.03,\"0.53,2.97,-0.03")),
+        text("header fault below blank lines", "\n\n".to_owned() + &with_header("time,a,b,c")),
         bytes("UTF-16", b"\xff\xfet\0,\0a\0"),
         bytes("gzip", b"\x1f\x8b\x08\x00\x00"),
         bytes("spreadsheet", b"PK\x03\x04\x14\x00"),
@@ -173,7 +176,11 @@ fn read_whatever(bytes: &[u8]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig {
+        cases: 2000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn mutated_bytes_never_panic(

@@ -1,5 +1,7 @@
 //! Motions made from recordings of known motions.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use std::f64::consts::PI;
 
 use armident_recording::{
@@ -79,7 +81,7 @@ fn derivatives_of_a_clean_motion() {
     let recording = Recording::new("clean.csv", stamps, vec![joint]).unwrap();
     let motion = of(&recording, &cutoff(20.0));
     for (values, derivative, tolerance) in
-        [(&motion.position, 0, 1e-7), (&motion.velocity, 1, 1e-5), (&motion.acceleration, 2, 2e-5)]
+        [(&motion.position, 0, 1e-8), (&motion.velocity, 1, 1e-6), (&motion.acceleration, 2, 5e-6)]
     {
         let error = relative_error(&motion, &values[0], derivative);
         println!("derivative {derivative}: relative error {error:.1e}");
@@ -93,11 +95,9 @@ fn a_jittered_and_lossy_recording_gives_its_smooth_motion() {
     let motion = of(&recording, &MotionSettings::default());
     println!("{:?}", motion.notes);
     assert!((motion.rate_hz - 250.0).abs() < 1.0, "{}", motion.rate_hz);
-    assert!(
-        motion.notes[0].contains("2 gaps, the longest of 24.") || motion.notes[0].contains("gaps")
-    );
+    assert!(motion.notes[0].contains("gaps: 2, the longest of 24."));
     for (values, derivative, tolerance) in
-        [(&motion.position, 0, 1e-4), (&motion.velocity, 1, 1e-3), (&motion.acceleration, 2, 1e-2)]
+        [(&motion.position, 0, 1e-5), (&motion.velocity, 1, 1e-4), (&motion.acceleration, 2, 5e-4)]
     {
         let error = relative_error(&motion, &values[0], derivative);
         println!("derivative {derivative}: relative error {error:.1e}");

@@ -1,5 +1,7 @@
 //! The low-pass against SciPy: numbers and script in `tests/judges`.
 
+#![allow(clippy::unwrap_used)] // helpers of tests
+
 use std::path::{Path, PathBuf};
 
 use armident_recording::ZeroPhaseLowPass;

@@ -13,8 +13,9 @@ fn shared() -> PathBuf {
 fn csv_files(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut files: Vec<PathBuf> = entries
+        .flatten()
         .flat_map(|entry| {
-            let path = entry.unwrap().path();
+            let path = entry.path();
             if path.is_dir() { csv_files(&path) } else { vec![path] }
         })
         .filter(|path| path.extension().is_some_and(|extension| extension == "csv"))

@@ -1,0 +1,128 @@
+//! Cost of the kernels per sample: one sample alone, and a motion eight samples at a time.
+
+#![allow(clippy::unwrap_used, reason = "a bench without its arm has nothing to measure")]
+
+use std::path::Path;
+
+use armident_dynamics::{
+    BATCH, Batch, RigidArm, Sweep, inertia_matrix, inverse_dynamics_into,
+    inverse_dynamics_of_motion, load_batch, regressor_row_into, standard_regressor,
+};
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+
+const ARMS: [&str; 2] = ["panda", "ur5"];
+const SAMPLES: usize = 1024;
+
+fn main() {
+    divan::main();
+}
+
+/// An arm with a smooth motion, joint-major: `q`, `q̇`, `q̈` as `[joint][sample]`.
+struct Moving {
+    arm: RigidArm,
+    columns: [Vec<Vec<f64>>; 3],
+}
+
+impl Moving {
+    fn named(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../urdf/{name}.urdf"));
+        let robot = load_urdf(&path).unwrap();
+        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+        let arm = RigidArm::from_chain(&DrivingAxisChain::from_chain(&chain));
+        let column = |derivative: i32| -> Vec<Vec<f64>> {
+            (0..arm.dof())
+                .map(|j| {
+                    let rate = 1.0 + 0.3 * j as f64;
+                    let phase = f64::from(derivative) * std::f64::consts::FRAC_PI_2;
+                    (0..SAMPLES)
+                        .map(|t| rate.powi(derivative) * (rate * 0.01 * t as f64 + phase).sin())
+                        .collect()
+                })
+                .collect()
+        };
+        let columns = [column(0), column(1), column(2)];
+        Self { arm, columns }
+    }
+
+    fn sample(&self, t: usize) -> [Vec<f64>; 3] {
+        self.columns.each_ref().map(|column| column.iter().map(|joint| joint[t]).collect())
+    }
+
+    fn batch(&self, start: usize) -> [Vec<Batch>; 3] {
+        self.columns
+            .each_ref()
+            .map(|column| column.iter().map(|joint| load_batch(joint, start)).collect())
+    }
+}
+
+#[divan::bench(args = ARMS)]
+fn inverse_dynamics_single(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let n = moving.arm.dof();
+    let [q, dq, ddq] = moving.sample(100);
+    let (mut sweep, mut effort) = (Sweep::new(n), vec![0.0; n]);
+    bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
+        let (q, dq, ddq) = (black_box(&q), black_box(&dq), black_box(&ddq));
+        inverse_dynamics_into(&moving.arm, q, dq, ddq, &mut sweep, &mut effort);
+        black_box(&effort);
+    });
+}
+
+#[divan::bench(args = ARMS)]
+fn inverse_dynamics_batch(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let n = moving.arm.dof();
+    let [q, dq, ddq] = moving.batch(100);
+    let (mut sweep, mut effort) = (Sweep::new(n), vec![Batch::from([0.0; BATCH]); n]);
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
+        let (q, dq, ddq) = (black_box(&q), black_box(&dq), black_box(&ddq));
+        inverse_dynamics_into(&moving.arm, q, dq, ddq, &mut sweep, &mut effort);
+        black_box(&effort);
+    });
+}
+
+#[divan::bench(args = ARMS)]
+fn inverse_dynamics_motion(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let [q, dq, ddq] = &moving.columns;
+    bencher.counter(ItemsCount::new(SAMPLES)).bench_local(|| {
+        inverse_dynamics_of_motion(&moving.arm, black_box(q), black_box(dq), black_box(ddq))
+    });
+}
+
+#[divan::bench(args = ARMS)]
+fn inertia_matrix_single(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let [q, ..] = moving.sample(100);
+    bencher
+        .counter(ItemsCount::new(1_usize))
+        .bench_local(|| inertia_matrix(&moving.arm, black_box(&q)));
+}
+
+#[divan::bench(args = ARMS)]
+fn standard_regressor_single(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let [q, dq, ddq] = moving.sample(100);
+    bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
+        standard_regressor(&moving.arm, black_box(&q), black_box(&dq), black_box(&ddq))
+    });
+}
+
+/// All rows of the standard regressor, link motions included.
+#[divan::bench(args = ARMS)]
+fn regressor_rows_batch(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let n = moving.arm.dof();
+    let [q, dq, ddq] = moving.batch(100);
+    let mut sweep = Sweep::new(n);
+    let mut row = vec![Batch::from([0.0; BATCH]); 10 * n];
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
+        sweep.run(&moving.arm, black_box(&q), black_box(&dq), black_box(&ddq));
+        for joint in 0..n {
+            regressor_row_into(&moving.arm, &sweep, joint, &mut row);
+            black_box(&row);
+        }
+    });
+}

@@ -1,0 +1,23 @@
+//! Quantiles of Student's t.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// 97.5 % quantile of Student's t: half-width of a 95 % interval in standard errors.
+///
+/// NaN without a degree of freedom.
+pub fn student_t_975(degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::student_t_975;
+
+    #[test]
+    fn printed_quantiles() {
+        for (freedom, quantile) in [(1.0, 12.706), (5.0, 2.571), (30.0, 2.042), (1e6, 1.960)] {
+            assert!((student_t_975(freedom) - quantile).abs() < 5e-4);
+        }
+        assert!(student_t_975(0.0).is_nan());
+    }
+}
