@@ -41,9 +41,7 @@ fn flat(links: &[InertialParameters]) -> Vec<f64> {
 }
 
 fn product(rows: &[f64], values: &[f64]) -> Vec<f64> {
-    rows.chunks(values.len())
-        .map(|row| row.iter().zip(values).map(|(y, x)| y * x).sum())
-        .collect()
+    rows.chunks(values.len()).map(|row| row.iter().zip(values).map(|(y, x)| y * x).sum()).collect()
 }
 
 /// Derivative at 0 by four-point central differences: error `h⁴ f⁽⁵⁾/30` and `2 ε |f|/h`.

@@ -1,12 +1,30 @@
 //! Minimal inertia sets, experiment plans, and estimation with uncertainty.
+//!
+//! ```text
+//! τ = Y(q, q̇, q̈) x + Σ φ(motion) p + noise
+//! ```
+//!
+//! | question | answer |
+//! | --- | --- |
+//! | which constants `x` can be known at all | [`MinimalSet`] (Theorem 2 and Algorithm M) |
+//! | which experiments find them one joint at a time | [`algorithm2::plan`] |
+//! | what do such recordings say | [`algorithm2::algorithm2`] |
+//! | what do ordinary motions say, friction included | [`BatchProblem`] |
+//! | the arm with what was found, to predict and to keep | [`ArmModel`] |
+//!
+//! Not handled yet: robust and instrumental-variable estimation, physical consistency of the links.
 
 pub mod algorithm2;
+mod batch;
 mod constant;
 mod minimal_set;
+mod model;
 mod quantiles;
 mod theorem2;
 
+pub use batch::{BatchEstimate, BatchProblem, JointFit, JointRows, MergedTerm, Term};
 pub use constant::{Constant, Quantity};
 pub use minimal_set::{DroppedConstant, MinimalSet};
+pub use model::{ArmModel, MODEL_SCHEMA, ModelError};
 pub use quantiles::student_t_975;
 pub use theorem2::Theorem2;

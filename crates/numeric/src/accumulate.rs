@@ -123,9 +123,13 @@ impl AccumulatedQr {
             .sum()
     }
 
-    /// Norm of column `k` of `A`.
-    pub fn column_norm(&self, k: usize) -> f64 {
-        (0..=k).map(|i| self.triangle[(i, k)].powi(2)).sum::<f64>().sqrt()
+    /// `tr(A C Aᵀ)` for a p x p matrix `C`: with the covariance of the unknowns, the number of
+    /// unknowns that these rows pay for.
+    pub fn trace_with(&self, c: &Mat<f64>) -> f64 {
+        let p = self.unknowns;
+        let r = Mat::from_fn(p, p, |i, j| self.triangle[(i, j)]);
+        let rc = &r * c;
+        (0..p).map(|i| (0..p).map(|j| rc[(i, j)] * r[(i, j)]).sum::<f64>()).sum()
     }
 }
 

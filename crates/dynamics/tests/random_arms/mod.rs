@@ -84,18 +84,11 @@ pub(crate) fn gravity() -> impl Strategy<Value = Vector3<f64>> {
 
 type Joint = (JointKind, DrivingAxisFrame, InertialParameters, [f64; 3]);
 
-fn family(
-    angle: BoxedStrategy<f64>,
-    length: BoxedStrategy<f64>,
-) -> BoxedStrategy<Vec<Joint>> {
+fn family(angle: BoxedStrategy<f64>, length: BoxedStrategy<f64>) -> BoxedStrategy<Vec<Joint>> {
     let kind = prop_oneof![2 => Just(JointKind::Rotational), 1 => Just(JointKind::Translational)];
-    let frame = (length.clone(), length, angle.clone(), angle)
-        .prop_map(|(b_m, d_m, beta_rad, theta_rad)| DrivingAxisFrame {
-            b_m,
-            d_m,
-            beta_rad,
-            theta_rad,
-        });
+    let frame = (length.clone(), length, angle.clone(), angle).prop_map(
+        |(b_m, d_m, beta_rad, theta_rad)| DrivingAxisFrame { b_m, d_m, beta_rad, theta_rad },
+    );
     let link = prop_oneof![1 => Just(InertialParameters::zero()), 4 => physical_link()];
     let joint = (kind, frame, link, prop::array::uniform3(-1.0..1.0));
     prop::collection::vec(joint, 1..=7).boxed()

@@ -148,13 +148,13 @@ pub fn algorithm2(
             .filter(|k| !unknowns.contains(k))
             .collect();
         let rows = rows_of_step(arm, set, plan, recordings, step, observed, &unknowns, &known)?;
-        let one = solve_step(rows, &known, &values)?;
+        let one = solve_step(&rows, &known, &values)?;
         for (&k, &x) in unknowns.iter().zip(&one.solution) {
             values[k] = x;
         }
         solved.push((observed, unknowns, known, one));
     }
-    Ok(with_covariance(arm.dof(), set.len(), plan, values, solved))
+    Ok(with_covariance(arm.dof(), set.len(), plan, values, &solved))
 }
 
 /// Columns of one step over all its samples.
@@ -279,7 +279,7 @@ fn rows_of_step(
 }
 
 fn solve_step(
-    rows: StepRows,
+    rows: &StepRows,
     known: &[usize],
     values: &[f64],
 ) -> Result<SolvedStep, Algorithm2Error> {
@@ -321,11 +321,11 @@ fn with_covariance(
     count: usize,
     plan: &Plan,
     values: Vec<f64>,
-    solved: Vec<(usize, Vec<usize>, Vec<usize>, SolvedStep)>,
+    solved: &[(usize, Vec<usize>, Vec<usize>, SolvedStep)],
 ) -> Algorithm2Estimate {
     // noise pooled over the steps that observe one joint; independent samples counted
     let (mut squares, mut freedom) = (vec![0.0; dof], vec![0.0; dof]);
-    for (observed, _, _, step) in &solved {
+    for (observed, _, _, step) in solved {
         squares[*observed] += step.residual_sum_of_squares * step.share;
         freedom[*observed] += step.rows as f64 * step.share - step.rank as f64;
     }

@@ -1,0 +1,371 @@
+//! An arm with everything that is known about it: what `predict` and `simulate` run, and what
+//! `model.json` holds.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_effects::{EffectOnJoint, UnknownEffect};
+use armident_kinematics::{
+    AxisPair, DrivingAxisChain, DrivingAxisFrame, DrivingAxisJoint, InertialParameters, JointKind,
+    JointLimits,
+};
+use armident_recording::Motion;
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::batch::effect_columns;
+use crate::minimal_set::MinimalSet;
+
+/// Schema of `model.json`.
+pub const MODEL_SCHEMA: &str = "armident.model/1";
+
+/// A chain with its links, effects on its joints, and the filter they were found with.
+#[derive(Debug, Clone)]
+pub struct ArmModel {
+    /// Geometry, links and gravity.
+    pub chain: DrivingAxisChain,
+    /// Effects beyond the rigid body.
+    pub effects: Vec<EffectOnJoint>,
+    /// Cut-off of the low-pass the model was estimated with [Hz]; predictions use it too.
+    pub cutoff_hz: Option<f64>,
+    /// Where the numbers come from, one sentence each.
+    pub provenance: Vec<String>,
+}
+
+/// Why a model file cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The file cannot be read.
+    #[error("the model file cannot be read: {0}")]
+    Unreadable(std::io::Error),
+    /// The file is not JSON of the expected form.
+    #[error("the model file is not valid: {message}")]
+    Invalid {
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// Another schema.
+    #[error("the file has schema `{found}`, expected `{MODEL_SCHEMA}`")]
+    Schema {
+        /// What the file says.
+        found: String,
+    },
+    /// A chain without joints, numbers that are not finite, and the like.
+    #[error("the model is inconsistent: {0}")]
+    Inconsistent(String),
+    /// An effect the library does not know.
+    #[error(transparent)]
+    Effect(#[from] UnknownEffect),
+}
+
+impl ArmModel {
+    /// The model a URDF describes: its rigid body and nothing else.
+    pub fn from_chain(chain: DrivingAxisChain) -> Self {
+        let provenance = vec![format!("inertials of {}", chain.source)];
+        Self { chain, effects: Vec::new(), cutoff_hz: None, provenance }
+    }
+
+    /// The same arm with minimal constants of these values.
+    ///
+    /// Standard parameters outside the minimal set keep the values they have, which changes no
+    /// effort; the links need not be physically consistent one by one.
+    #[must_use]
+    pub fn with_constants(mut self, set: &MinimalSet, values: &[f64]) -> Self {
+        let arm = RigidArm::from_chain(&self.chain);
+        let mut bodies = arm.constants();
+        let difference: Vec<f64> =
+            values.iter().zip(set.values(&bodies)).map(|(new, old)| new - old).collect();
+        for (constant, change) in set.constants.iter().zip(difference) {
+            constant.add_to(change, &mut bodies);
+        }
+        for (joint, link) in self.chain.joints.iter_mut().zip(arm.with_constants(&bodies).links) {
+            joint.link = link;
+        }
+        self
+    }
+
+    /// The rigid body alone.
+    pub fn rigid_arm(&self) -> RigidArm {
+        RigidArm::from_chain(&self.chain)
+    }
+
+    /// Effort of every joint on the grid of a motion, joint-major, not filtered afterwards.
+    ///
+    /// # Errors
+    /// [`UnknownEffect`] when an effect is not in the library.
+    pub fn predict(&self, motion: &Motion) -> Result<Vec<Vec<f64>>, UnknownEffect> {
+        let mut effort = inverse_dynamics_of_motion(
+            &self.rigid_arm(),
+            &motion.position,
+            &motion.velocity,
+            &motion.acceleration,
+        );
+        for on_joint in &self.effects {
+            let effect = on_joint.resolve()?;
+            let Some(joint) = self.chain.joints.iter().position(|j| j.name == on_joint.joint)
+            else {
+                continue;
+            };
+            let columns = effect_columns(effect, joint, motion);
+            for (column, parameter) in columns.iter().zip(&on_joint.parameters) {
+                for (e, x) in effort[joint].iter_mut().zip(column) {
+                    *e += parameter * x;
+                }
+            }
+        }
+        Ok(effort)
+    }
+
+    /// Writes the model as JSON.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn save(&self, path: &Path) -> std::io::Result<()> {
+        let text = serde_json::to_string_pretty(&ModelFile::from(self))?;
+        std::fs::write(path, text + "\n")
+    }
+
+    /// Reads a model written by [`Self::save`].
+    ///
+    /// # Errors
+    /// [`ModelError`].
+    pub fn load(path: &Path) -> Result<Self, ModelError> {
+        let text = std::fs::read_to_string(path).map_err(ModelError::Unreadable)?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// Reads a model from text; `source` names it in messages.
+    ///
+    /// # Errors
+    /// [`ModelError`].
+    pub fn parse(text: &str, source: &str) -> Result<Self, ModelError> {
+        let invalid = |error: serde_json::Error| ModelError::Invalid {
+            line: error.line(),
+            message: error.to_string(),
+        };
+        let value: serde_json::Value = serde_json::from_str(text).map_err(invalid)?;
+        let schema = value.get("schema").and_then(serde_json::Value::as_str).unwrap_or("none");
+        if schema != MODEL_SCHEMA {
+            return Err(ModelError::Schema { found: schema.to_owned() });
+        }
+        let file: ModelFile = serde_json::from_str(text).map_err(invalid)?;
+        file.into_model(source)
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+struct ModelFile {
+    schema: String,
+    /// version of the program that wrote the file
+    version: String,
+    robot: String,
+    base_link: String,
+    tip_link: String,
+    gravity_base: [f64; 3],
+    gravity_e0: [f64; 3],
+    base_from_e0: Pose,
+    tip_in_e: Pose,
+    locked: BTreeMap<String, f64>,
+    joints: Vec<JointEntry>,
+    axis_pairs: Vec<String>,
+    effects: Vec<EffectOnJoint>,
+    cutoff_hz: Option<f64>,
+    provenance: Vec<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct JointEntry {
+    name: String,
+    kind: String,
+    b: f64,
+    d: f64,
+    beta: f64,
+    theta: f64,
+    child_link: String,
+    body_links: Vec<String>,
+    child_link_in_e: Pose,
+    lower: Option<f64>,
+    upper: Option<f64>,
+    effort: Option<f64>,
+    velocity: Option<f64>,
+    /// m, mcx, mcy, mcz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the origin of E
+    link: [f64; 10],
+}
+
+/// Position [m] and quaternion (w, x, y, z).
+#[derive(Serialize, Deserialize, Clone, Copy)]
+struct Pose {
+    position: [f64; 3],
+    quaternion_wxyz: [f64; 4],
+}
+
+impl From<&Isometry3<f64>> for Pose {
+    fn from(pose: &Isometry3<f64>) -> Self {
+        let (t, q) = (pose.translation, pose.rotation);
+        Self { position: [t.x, t.y, t.z], quaternion_wxyz: [q.w, q.i, q.j, q.k] }
+    }
+}
+
+impl Pose {
+    fn isometry(self) -> Isometry3<f64> {
+        let [w, i, j, k] = self.quaternion_wxyz;
+        let [x, y, z] = self.position;
+        Isometry3::from_parts(
+            Translation3::new(x, y, z),
+            UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
+        )
+    }
+
+    fn is_sound(self) -> bool {
+        let norm: f64 = self.quaternion_wxyz.iter().map(|x| x * x).sum();
+        self.position.iter().all(|x| x.is_finite()) && (norm - 1.0).abs() < 1e-9
+    }
+}
+
+impl From<&ArmModel> for ModelFile {
+    fn from(model: &ArmModel) -> Self {
+        let chain = &model.chain;
+        let vector = |v: &Vector3<f64>| [v.x, v.y, v.z];
+        Self {
+            schema: MODEL_SCHEMA.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            robot: chain.robot.clone(),
+            base_link: chain.base_link.clone(),
+            tip_link: chain.tip_link.clone(),
+            gravity_base: vector(&chain.gravity_base),
+            gravity_e0: vector(&chain.gravity_e0),
+            base_from_e0: (&chain.base_from_e0).into(),
+            tip_in_e: (&chain.tip_in_e).into(),
+            locked: chain.locked.clone(),
+            joints: chain
+                .joints
+                .iter()
+                .map(|j| JointEntry {
+                    name: j.name.clone(),
+                    kind: j.kind.letter().to_string(),
+                    b: j.frame.b_m,
+                    d: j.frame.d_m,
+                    beta: j.frame.beta_rad,
+                    theta: j.frame.theta_rad,
+                    child_link: j.child_link.clone(),
+                    body_links: j.body_links.clone(),
+                    child_link_in_e: (&j.child_link_in_e).into(),
+                    lower: j.limits.lower,
+                    upper: j.limits.upper,
+                    effort: j.limits.effort,
+                    velocity: j.limits.velocity,
+                    link: j.link.to_array(),
+                })
+                .collect(),
+            axis_pairs: chain.axis_pairs.iter().map(|p| p.name().to_owned()).collect(),
+            effects: model.effects.clone(),
+            cutoff_hz: model.cutoff_hz,
+            provenance: model.provenance.clone(),
+        }
+    }
+}
+
+impl ModelFile {
+    fn into_model(self, source: &str) -> Result<ArmModel, ModelError> {
+        let bad = |what: String| Err(ModelError::Inconsistent(what));
+        if self.joints.is_empty() {
+            return bad("it has no joints".to_owned());
+        }
+        if self.axis_pairs.len() + 1 != self.joints.len() {
+            return bad("axis_pairs must have one entry fewer than joints".to_owned());
+        }
+        if !self.base_from_e0.is_sound() || !self.tip_in_e.is_sound() {
+            return bad("a pose is not finite or its quaternion is not of unit length".to_owned());
+        }
+        let mut joints: Vec<DrivingAxisJoint> = Vec::new();
+        for entry in self.joints {
+            let kind = match entry.kind.as_str() {
+                "R" => JointKind::Rotational,
+                "P" => JointKind::Translational,
+                other => {
+                    return bad(format!(
+                        "joint `{}` has kind `{other}`, expected R or P",
+                        entry.name
+                    ));
+                }
+            };
+            let numbers = [entry.b, entry.d, entry.beta, entry.theta];
+            if numbers.iter().chain(&entry.link).any(|x| !x.is_finite())
+                || !entry.child_link_in_e.is_sound()
+            {
+                return bad(format!("joint `{}` has numbers that are not finite", entry.name));
+            }
+            if joints.iter().any(|j| j.name == entry.name) {
+                return bad(format!("joint `{}` occurs twice", entry.name));
+            }
+            joints.push(DrivingAxisJoint {
+                name: entry.name,
+                kind,
+                frame: DrivingAxisFrame {
+                    b_m: entry.b,
+                    d_m: entry.d,
+                    beta_rad: entry.beta,
+                    theta_rad: entry.theta,
+                },
+                link: InertialParameters::from_array(&entry.link),
+                child_link: entry.child_link,
+                body_links: entry.body_links,
+                child_link_in_e: entry.child_link_in_e.isometry(),
+                limits: JointLimits {
+                    lower: entry.lower,
+                    upper: entry.upper,
+                    effort: entry.effort,
+                    velocity: entry.velocity,
+                },
+                dynamics: None,
+            });
+        }
+        let axis_pairs = self
+            .axis_pairs
+            .iter()
+            .map(|name| match name.as_str() {
+                "skew" => Ok(AxisPair::Skew),
+                "intersecting" => Ok(AxisPair::Intersecting),
+                "parallel" => Ok(AxisPair::Parallel),
+                "coincident" => Ok(AxisPair::Coincident),
+                other => Err(ModelError::Inconsistent(format!("unknown axis pair `{other}`"))),
+            })
+            .collect::<Result<_, _>>()?;
+        for effect in &self.effects {
+            effect.resolve()?;
+            if !joints.iter().any(|j| j.name == effect.joint) {
+                return bad(format!(
+                    "effect `{}` is on unknown joint `{}`",
+                    effect.effect, effect.joint
+                ));
+            }
+            if effect.parameters.iter().any(|p| !p.is_finite()) {
+                return bad(format!("effect `{}` has numbers that are not finite", effect.effect));
+            }
+        }
+        Ok(ArmModel {
+            chain: DrivingAxisChain {
+                robot: self.robot,
+                source: source.to_owned(),
+                base_link: self.base_link,
+                tip_link: self.tip_link,
+                tip_in_e: self.tip_in_e.isometry(),
+                locked: self.locked,
+                base_from_e0: self.base_from_e0.isometry(),
+                gravity_base: Vector3::from(self.gravity_base),
+                gravity_e0: Vector3::from(self.gravity_e0),
+                joints,
+                axis_pairs,
+                snap_error: 0.0,
+                warnings: Vec::new(),
+            },
+            effects: self.effects,
+            cutoff_hz: self.cutoff_hz,
+            provenance: self.provenance,
+        })
+    }
+}
