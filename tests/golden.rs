@@ -58,9 +58,11 @@ fn check(path: &Path) {
     assert_close("E0", &pose_rows(&chain.base_from_e0), &numbers(&golden["E0_in_base"]), 1e-9);
     assert_close("g", chain.gravity_e0.as_slice(), &numbers(&golden["gravity_E0"]), 1e-9);
     assert!(chain.snap_error < 1e-6);
-    for (joint, (dh, link)) in chain.joints.iter().zip(
-        golden["dh"].as_array().unwrap().iter().zip(golden["links"].as_array().unwrap()),
-    ) {
+    for (joint, (dh, link)) in chain
+        .joints
+        .iter()
+        .zip(golden["dh"].as_array().unwrap().iter().zip(golden["links"].as_array().unwrap()))
+    {
         let f = joint.frame;
         let expected = [&dh["b"], &dh["d"], &dh["beta"], &dh["theta"]].map(|v| v.as_f64().unwrap());
         assert_close(&joint.name, &[f.b_m, f.d_m, f.beta_rad, f.theta_rad], &expected, tolerance);
@@ -121,7 +123,8 @@ fn check(path: &Path) {
             // (29): H ddq + Coriolis + gravity
             let inertial = &h * nalgebra::DVector::from_column_slice(&ddq);
             let coriolis = coriolis_effort(arm, &q, &dq);
-            let sum: Vec<f64> = (0..q.len()).map(|i| inertial[i] + coriolis[i] + gravity[i]).collect();
+            let sum: Vec<f64> =
+                (0..q.len()).map(|i| inertial[i] + coriolis[i] + gravity[i]).collect();
             assert_close("tau by (29)-(32)", &sum, &at("tau"), tolerance);
         }
     }

@@ -18,9 +18,8 @@ use random_arms::{Case, assert_close, gravity, repeated, with_gravity};
 #[path = "../../dynamics/tests/random_arms/mod.rs"]
 mod random_arms;
 
-/// Relative to the largest entry. Kept and true constants reproduce one another to 1e-13; regrouping
-/// solves with columns that may be 1e-4 short of independent, which leaves 1e-10.
-const TOLERANCE: f64 = 1e-10;
+/// Of the largest entry; round-off is below 1e-13, regrouped constants included.
+const TOLERANCE: f64 = 1e-12;
 
 fn set_of(arm: &RigidArm) -> MinimalSet {
     MinimalSet::of(arm).unwrap()

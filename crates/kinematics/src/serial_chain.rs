@@ -238,7 +238,13 @@ impl<'a> Builder<'a> {
         let base_from_tip = self.base_from_link(tip, &locked);
         self.warn_about_missed_snaps();
         for joint in &joints {
-            if !joint.body_in_child.is_physical() {
+            // a link that is unphysical by itself has its own warning
+            let links_are_sound = joint.body_links.iter().all(|name| {
+                !robot.warnings.iter().any(|w| {
+                    w.code == "inertia-unphysical" && w.message.contains(&format!("`{name}`"))
+                })
+            });
+            if links_are_sound && !joint.body_in_child.is_physical() {
                 self.warnings.push(Warning::new(
                     "body-unphysical",
                     format!(

@@ -5,7 +5,8 @@ use armident_recording::{Quantity, Recording};
 use crate::error::SimulationError;
 use crate::motion_log::MotionLog;
 use crate::simulated_arm::SimulatedArm;
-use crate::stepper::{ArmState, ForwardStepper, StepEffort};
+use crate::step_effort::StepEffort;
+use crate::stepper::{ArmState, ForwardStepper};
 use crate::trajectory::{even_times, missing};
 
 /// Longest step of the integration unless another is chosen \[s\].
@@ -199,7 +200,7 @@ mod tests {
     #[test]
     fn order_of_the_step_and_independence_of_the_output_rate() {
         let arm = planar(&[]);
-        let efforts = efforts(&arm, 101, |t| 4.0 - 5.0 * t);
+        let efforts = efforts(&arm, 101, |t| 0.5 - t);
         let run = |step_s: f64, rate_hz: Option<f64>| {
             let start = ArmState { position: vec![0.4, 0.9], velocity: vec![0.0, -1.0] };
             forward(&arm, &efforts, start, &ForwardSettings { step_s, rate_hz }).unwrap()

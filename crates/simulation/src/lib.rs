@@ -92,6 +92,7 @@ mod inverse;
 mod motion_log;
 mod sensors;
 mod simulated_arm;
+mod step_effort;
 mod stepper;
 #[cfg(test)]
 mod test_arms;
@@ -103,6 +104,7 @@ pub use forward::{DEFAULT_STEP_S, ForwardSettings, forward};
 pub use inverse::inverse;
 pub use sensors::{EffortNoise, MOST_ENCODER_BITS, Sensors};
 pub use simulated_arm::{EffectWithParameters, SimulatedArm};
-pub use stepper::{ArmState, ForwardStepper, HIGHEST_SPEED, StepEffort};
+pub use step_effort::StepEffort;
+pub use stepper::{ArmState, ForwardStepper, HIGHEST_SPEED};
 pub use tracking::{TrackingGains, track};
 pub use trajectory::{MOST_SAMPLES, Trajectory};

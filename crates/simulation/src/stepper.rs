@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::dry_friction::solve_dry_friction;
 use crate::error::SimulationError;
 use crate::simulated_arm::{EquationsScratch, SimulatedArm};
+use crate::step_effort::StepEffort;
 
 /// Speed above which a motion counts as diverged \[rad/s or m/s\].
 pub const HIGHEST_SPEED: f64 = 1e4;
@@ -25,52 +26,6 @@ impl ArmState {
     pub fn at_rest(position: Vec<f64>) -> Self {
         let velocity = vec![0.0; position.len()];
         Self { position, velocity }
-    }
-}
-
-/// Efforts of all joints during one step: the parabola through three values \[N m or N\].
-#[derive(Debug, Clone, PartialEq)]
-pub struct StepEffort {
-    /// At the start of the step.
-    pub start: Vec<f64>,
-    /// In the middle.
-    pub middle: Vec<f64>,
-    /// At the end.
-    pub end: Vec<f64>,
-}
-
-impl StepEffort {
-    /// The same effort throughout, as a drive between two control cycles.
-    pub fn constant(effort: &[f64]) -> Self {
-        Self { start: effort.to_vec(), middle: effort.to_vec(), end: effort.to_vec() }
-    }
-
-    /// From one value to another on a line.
-    pub fn linear(start: &[f64], end: &[f64]) -> Self {
-        let middle = start.iter().zip(end).map(|(s, e)| 0.5 * (s + e)).collect();
-        Self { start: start.to_vec(), middle, end: end.to_vec() }
-    }
-
-    /// At `share` of the step, from 0 to 1.
-    fn at(&self, share: f64) -> Vec<f64> {
-        let (s, m, e) = (
-            (1.0 - share) * (1.0 - 2.0 * share),
-            4.0 * share * (1.0 - share),
-            share * (2.0 * share - 1.0),
-        );
-        (0..self.start.len())
-            .map(|j| s * self.start[j] + m * self.middle[j] + e * self.end[j])
-            .collect()
-    }
-
-    /// The two halves of the step.
-    fn halves(&self) -> [Self; 2] {
-        let half = |start: &Vec<f64>, middle: f64, end: &Vec<f64>| Self {
-            start: start.clone(),
-            middle: self.at(middle),
-            end: end.clone(),
-        };
-        [half(&self.start, 0.25, &self.middle), half(&self.middle, 0.75, &self.end)]
     }
 }
 
@@ -347,7 +302,7 @@ mod tests {
             let start = ArmState { position: vec![0.3, -0.5], velocity: vec![8.0, -6.0] };
             let mut stepper = ForwardStepper::new(arm, start, 0.0).unwrap();
             for _ in 0..steps {
-                stepper.step(0.1 / steps as f64, &StepEffort::constant(&[2.0, -1.5])).unwrap();
+                stepper.step(0.05 / steps as f64, &StepEffort::constant(&[2.0, -1.5])).unwrap();
                 assert!(stepper.state().velocity[0] > 0.5 && stepper.state().velocity[1] < -0.5);
             }
             stepper.state().clone()

@@ -7,7 +7,8 @@ use crate::error::SimulationError;
 use crate::forward::{DEFAULT_STEP_S, scheme_note};
 use crate::motion_log::MotionLog;
 use crate::simulated_arm::SimulatedArm;
-use crate::stepper::{ArmState, ForwardStepper, StepEffort};
+use crate::step_effort::StepEffort;
+use crate::stepper::{ArmState, ForwardStepper};
 use crate::trajectory::Trajectory;
 
 /// Gains of a joint controller: `proportional (q_d - q) + derivative (q̇_d - q̇)`, one pair a joint.

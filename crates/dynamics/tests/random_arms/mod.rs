@@ -142,9 +142,6 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
 
 /// Equal to `tolerance` of the largest expected entry, or of 1 where that is smaller: masses, lengths
 /// and speeds of the cases are of order 1, and a sum of such terms may cancel.
-///
-/// Identities in exact arithmetic get 1e-11: round-off of some thousand operations on terms up to
-/// a few hundred times the result.
 #[track_caller]
 pub(crate) fn assert_close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{what}");

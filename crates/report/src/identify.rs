@@ -1,0 +1,296 @@
+//! `armident identify`: constants with their standard errors beside the URDF's values.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::numbers::{significant, uncertain};
+use crate::table::aligned;
+
+/// The result of `identify`.
+#[derive(Debug, Clone, Serialize)]
+pub struct IdentifyReport {
+    /// `armident.identify/1`.
+    pub schema: &'static str,
+    /// `algorithm2` or `batch`.
+    pub method: &'static str,
+    /// Robot name.
+    pub robot: String,
+    /// Training recordings.
+    pub recordings: Vec<String>,
+    /// Hold-out recordings.
+    pub holdout_recordings: Vec<String>,
+    /// Chain joints in order.
+    pub joints: Vec<String>,
+    /// Cut-off of the low-pass [Hz]; absent when recorded accelerations were used.
+    pub cutoff_hz: Option<f64>,
+    /// Constants of the minimal set.
+    pub constants: Vec<ConstantRow>,
+    /// Parameters of effects on joints.
+    pub effects: Vec<EffectRow>,
+    /// Unknowns that are part of others on this arm.
+    pub merged: Vec<MergedRow>,
+    /// Steps of Algorithm 2; empty for `batch`.
+    pub steps: Vec<StepRow>,
+    /// Numerical rank, of all unknowns.
+    pub rank: usize,
+    /// Number of unknowns.
+    pub unknowns: usize,
+    /// Condition number of the unit columns (the worst step's for Algorithm 2).
+    pub condition: f64,
+    /// Rows used.
+    pub rows: usize,
+    /// Independent samples over samples after filtering.
+    pub independent_share: f64,
+    /// Noise level of each joint's effort [N m or N].
+    pub effort_noise: BTreeMap<String, f64>,
+    /// Effort error per joint.
+    pub fit: FitReport,
+    /// Doubts worth reading.
+    pub warnings: Vec<String>,
+    /// What was chosen or repaired on the way.
+    pub notes: Vec<String>,
+}
+
+/// One constant.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConstantRow {
+    /// Label of the paper.
+    pub label: String,
+    /// Joint name.
+    pub joint: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// Estimate; absent when no step determined it.
+    pub value: Option<f64>,
+    /// Standard error.
+    pub standard_error: Option<f64>,
+    /// 95 % interval.
+    pub interval_95: Option<[f64; 2]>,
+    /// Value of the URDF.
+    pub urdf: f64,
+    /// Share of the constant the recordings leave open, 0 to 1.
+    pub undetermined: f64,
+}
+
+/// One parameter of an effect on a joint.
+#[derive(Debug, Clone, Serialize)]
+pub struct EffectRow {
+    /// Slug of the effect.
+    pub effect: String,
+    /// Joint name.
+    pub joint: String,
+    /// Parameter of the law.
+    pub parameter: String,
+    /// Unit.
+    pub unit: String,
+    /// Estimate.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// Whether the sign is one the law admits.
+    pub admissible: bool,
+    /// Share the recordings leave open, 0 to 1.
+    pub undetermined: f64,
+}
+
+/// An unknown that cannot be told from others on this arm.
+#[derive(Debug, Clone, Serialize)]
+pub struct MergedRow {
+    /// The unknown.
+    pub term: String,
+    /// What it adds to, with factors.
+    pub into: BTreeMap<String, f64>,
+}
+
+/// One step of Algorithm 2.
+#[derive(Debug, Clone, Serialize)]
+pub struct StepRow {
+    /// Number in the paper.
+    pub step: String,
+    /// Equation of the paper.
+    pub equation: String,
+    /// Observed joint.
+    pub observed: String,
+    /// Constants found.
+    pub unknowns: Vec<String>,
+    /// Rows.
+    pub rows: usize,
+    /// Rank over columns.
+    pub rank: usize,
+    /// Columns.
+    pub columns: usize,
+    /// Condition number.
+    pub condition: f64,
+    /// Residual RMS.
+    pub rmse: f64,
+}
+
+/// Effort errors on both sides.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct FitReport {
+    /// On the recordings fitted to.
+    pub train: FitRows,
+    /// On the recordings kept out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holdout: Option<FitRows>,
+    /// The URDF as it stands, without friction, on the hold-out (or else on the training).
+    pub urdf: FitRows,
+}
+
+/// Effort errors by joint, on the filtered effort.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct FitRows {
+    /// Root mean square residual [N m or N].
+    pub rmse: BTreeMap<String, f64>,
+    /// Residual norm over the norm of effort less its mean.
+    pub relative: BTreeMap<String, f64>,
+}
+
+impl IdentifyReport {
+    /// The page a person reads.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {} from {} recording{} by {}\n",
+            self.robot,
+            if self.method == "batch" {
+                format!("{} unknowns", self.unknowns)
+            } else {
+                format!("{} constants", self.constants.len())
+            },
+            self.recordings.len(),
+            if self.recordings.len() == 1 { "" } else { "s" },
+            if self.method == "batch" { "batch least squares" } else { "Algorithm 2" },
+        );
+        text += &format!(
+            "rank {} of {}, condition number {}, {} rows ({} % independent), {}\n",
+            self.rank,
+            self.unknowns,
+            significant(self.condition, 3, 0.0),
+            self.rows,
+            significant(100.0 * self.independent_share, 2, 0.0),
+            match self.cutoff_hz {
+                Some(cutoff) => format!("low-pass {} Hz", significant(cutoff, 3, 0.0)),
+                None => "recorded accelerations, no filter".to_owned(),
+            }
+        );
+        text += "\nInertia constants\n";
+        text += &self.constants_text();
+        if !self.effects.is_empty() {
+            text += "\nJoint effects\n";
+            text += &self.effects_text();
+        }
+        for merged in &self.merged {
+            let into: Vec<String> = merged
+                .into
+                .iter()
+                .map(|(label, factor)| {
+                    if (factor - 1.0).abs() < 1e-9 {
+                        label.clone()
+                    } else {
+                        format!("{} {label}", significant(*factor, 3, 0.0))
+                    }
+                })
+                .collect();
+            text += &format!(
+                "{} cannot be told apart on this arm: it is part of {}\n",
+                merged.term,
+                into.join(", ")
+            );
+        }
+        text += "\nEffort error (root mean square, and relative to the effort's variation)\n";
+        text += &self.fit_text();
+        text
+    }
+
+    fn constants_text(&self) -> String {
+        let rows: Vec<Vec<String>> = self
+            .constants
+            .iter()
+            .map(|row| {
+                let (value, error) = match (row.value, row.standard_error) {
+                    (Some(value), Some(error)) => uncertain(value, error),
+                    _ => ("-".to_owned(), "-".to_owned()),
+                };
+                let off = match (row.value, row.standard_error) {
+                    (Some(v), Some(e)) if e > 1e-9 * v.abs().max(1e-6) => {
+                        format!("{:+.1}", (v - row.urdf) / e)
+                    }
+                    _ => String::new(),
+                };
+                vec![
+                    row.label.clone(),
+                    row.joint.clone(),
+                    value,
+                    error,
+                    significant(row.urdf, 6, 1e-12),
+                    off,
+                    row.unit.to_owned(),
+                    if row.undetermined > 1e-3 {
+                        format!("{:.0} % open", 100.0 * row.undetermined)
+                    } else {
+                        String::new()
+                    },
+                ]
+            })
+            .collect();
+        aligned(
+            &["constant", "joint", "estimate", "std error", "URDF", "off [std err]", "unit", ""],
+            &rows,
+            2,
+        )
+    }
+
+    fn effects_text(&self) -> String {
+        let rows: Vec<Vec<String>> = self
+            .effects
+            .iter()
+            .map(|row| {
+                let (value, error) = uncertain(row.value, row.standard_error);
+                vec![
+                    row.effect.clone(),
+                    row.joint.clone(),
+                    value,
+                    error,
+                    row.unit.clone(),
+                    if row.undetermined > 1e-3 {
+                        format!("{:.0} % open", 100.0 * row.undetermined)
+                    } else if row.admissible {
+                        String::new()
+                    } else {
+                        "wrong sign".to_owned()
+                    },
+                ]
+            })
+            .collect();
+        aligned(&["effect", "joint", "estimate", "std error", "unit", ""], &rows, 2)
+    }
+
+    fn fit_text(&self) -> String {
+        let cell = |rows: &FitRows, joint: &String| {
+            [
+                rows.rmse.get(joint).map_or("-".to_owned(), |x| significant(*x, 4, 0.0)),
+                rows.relative.get(joint).map_or("-".to_owned(), |x| format!("{:.1} %", 100.0 * x)),
+            ]
+        };
+        let rows: Vec<Vec<String>> = self
+            .joints
+            .iter()
+            .map(|joint| {
+                let mut row = vec![joint.clone()];
+                row.extend(cell(&self.fit.train, joint));
+                if let Some(holdout) = &self.fit.holdout {
+                    row.extend(cell(holdout, joint));
+                }
+                row.extend(cell(&self.fit.urdf, joint));
+                row
+            })
+            .collect();
+        let mut header = vec!["joint", "training", ""];
+        if self.fit.holdout.is_some() {
+            header.extend(["hold-out", ""]);
+        }
+        header.extend(["URDF alone", ""]);
+        aligned(&header, &rows, 1)
+    }
+}

@@ -1,0 +1,18 @@
+//! Writes results for people (aligned text) and for programs (JSON with a schema).
+//!
+//! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
+//! The fields are described in `docs/json.md`.
+
+mod identify;
+mod numbers;
+mod params;
+mod plan;
+mod table;
+
+pub use identify::{
+    ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+};
+pub use numbers::{significant, uncertain};
+pub use params::ParamsReport;
+pub use plan::plan_text;
+pub use table::aligned;

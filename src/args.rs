@@ -1,0 +1,315 @@
+//! Arguments of every command.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Minimal inertia sets, identification and diagnosis of serial robot arms.
+#[derive(Parser)]
+#[command(
+    version,
+    max_term_width = 100,
+    after_help = "\
+Start here:
+  armident params   urdf/stanford.urdf                     what can be known about this arm
+  armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
+
+Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
+/acceleration, /effort (rad, m, N m, N). Exit codes: 0 the result was written, 1 it failed,
+2 the command line is wrong, 3 what --fail-on names has happened."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    Params(ParamsArgs),
+    Plan(PlanArgs),
+    Simulate(SimulateArgs),
+    Identify(IdentifyArgs),
+    Predict(PredictArgs),
+}
+
+/// Which part of the robot is the arm.
+#[derive(Args, Default)]
+#[command(next_help_heading = "The chain")]
+pub(crate) struct ChainArgs {
+    /// First link of the chain [default: the root of the URDF]
+    #[arg(long, value_name = "LINK")]
+    pub(crate) base: Option<String>,
+    /// Last link of the chain [default: through the recorded joints, or else the path with most
+    /// movable joints]
+    #[arg(long, value_name = "LINK")]
+    pub(crate) tip: Option<String>,
+    /// Freeze a joint at a position, rad or m; repeat for more joints
+    #[arg(long, value_name = "JOINT=VALUE", value_parser = parse_named_number)]
+    pub(crate) lock: Vec<(String, f64)>,
+    /// Gravity in the base link frame, m/s2 [default: 0,0,-9.81]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) gravity: Option<[f64; 3]>,
+    /// Take joint angles of the URDF within this distance of a multiple of pi/12 as that multiple,
+    /// rad; 2e-3 also catches 1.57 and 3.14
+    #[arg(long, value_name = "RAD", default_value_t = 1e-4, value_parser = parse_positive)]
+    pub(crate) snap_rpy: f64,
+}
+
+/// Where results go.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct OutputArgs {
+    /// Write the result as JSON to a file; `-` is stdout, in the place of the text
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    /// Exit with code 3 when this has happened
+    #[arg(long, value_name = "WHAT")]
+    pub(crate) fail_on: Option<FailOn>,
+    /// Say nothing on stderr but errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FailOn {
+    /// a warning was given
+    Warning,
+}
+
+/// Print an arm's driving-axis frames and its minimal inertia set
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident params urdf/stanford.urdf
+  armident params robot.urdf --tip left_tool0 --lock torso_lift_joint=0.2
+  armident params robot.urdf --gravity 0,6.94,-6.94 --json minimal.json     (mounted on a 45 deg slope)")]
+pub(crate) struct ParamsArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Plan the experiments of Algorithm 2: one joint moves, the others are held
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident plan urdf/stanford.urdf -o plan/
+  armident plan robot.urdf -o plan/ --amplitude 0.3 --coulomb joint_2=4.5 --dither 0.004,3
+
+Writes plan/plan.json and one trajectory CSV per experiment, inside the joints' position, speed and
+effort limits. Record them on the arm, put the recordings beside a copy of plan.json, and run
+`armident identify robot.urdf FOLDER`.")]
+pub(crate) struct PlanArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Folder to write plan.json and the trajectories to
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output_folder: PathBuf,
+    /// Amplitude of rotational joints, rad
+    #[arg(long, default_value_t = std::f64::consts::FRAC_PI_6, value_parser = parse_positive)]
+    pub(crate) amplitude: f64,
+    /// Amplitude of translational joints, m
+    #[arg(long, default_value_t = 0.15, value_parser = parse_positive)]
+    pub(crate) amplitude_m: f64,
+    /// Quickness of the critically damped step, 1/s; lowered where limits ask for it
+    #[arg(long, default_value_t = 10.0, value_parser = parse_positive)]
+    pub(crate) sigma: f64,
+    /// Samples per second of the trajectories
+    #[arg(long, default_value_t = 200.0, value_parser = parse_positive)]
+    pub(crate) rate_hz: f64,
+    /// Known Coulomb level of a joint, N m or N; repeat for more joints
+    #[arg(long, value_name = "JOINT=LEVEL", value_parser = parse_named_number)]
+    pub(crate) coulomb: Vec<(String, f64)>,
+    /// Keep the observed joint moving a little: amplitude (rad or m) and frequency (Hz)
+    #[arg(long, value_name = "AMPLITUDE,HZ", value_parser = parse_pair)]
+    pub(crate) dither: Option<(f64, f64)>,
+    /// Seed of the configurations tried
+    #[arg(long, default_value_t = 1992)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Direction {
+    /// motion in, exact efforts out
+    Inverse,
+    /// efforts in, motion out
+    Forward,
+}
+
+/// Simulate recordings: of a plan's experiments, or of any trajectory
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident simulate urdf/stanford.urdf plan/ -o runs/
+  armident simulate robot.urdf motion.csv -o run.csv --torque-noise 0.1 --encoder-bits 19 --seed 7
+  armident simulate robot.urdf motion.csv -o run.csv --effect coulomb_friction:joint_2=4.5
+  armident simulate robot.urdf efforts.csv -o run.csv --direction forward
+
+Without --encoder-bits the exact accelerations are written too, and identify uses them.")]
+pub(crate) struct SimulateArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Folder of a plan, or trajectory files (CSV)
+    #[arg(required = true)]
+    pub(crate) trajectories: Vec<PathBuf>,
+    /// Folder to write to, or a file when one trajectory is given
+    #[arg(short, long, value_name = "PATH")]
+    pub(crate) output_path: PathBuf,
+    /// Which way to simulate
+    #[arg(long, value_enum, default_value_t = Direction::Inverse)]
+    pub(crate) direction: Direction,
+    /// Standard deviation of white effort noise, N m or N; with % relative to each joint's effort
+    #[arg(long, value_name = "SIGMA", value_parser = parse_noise)]
+    pub(crate) torque_noise: Option<Noise>,
+    /// Quantise positions to this many bits per turn (or metre)
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=40))]
+    pub(crate) encoder_bits: Option<u32>,
+    /// Resample to this rate first
+    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    pub(crate) rate_hz: Option<f64>,
+    /// Put an effect on a joint; repeat for more
+    #[arg(long, value_name = "EFFECT:JOINT=P1[,P2..]", value_parser = parse_effect)]
+    pub(crate) effect: Vec<armident_effects::EffectOnJoint>,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Estimate an arm's inertia constants and joint friction from recordings
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident identify urdf/stanford.urdf runs/                           (Algorithm 2: runs/ has a plan.json)
+  armident identify urdf/ur10.urdf day1.csv day2.csv --holdout day3.csv
+  armident identify robot.urdf logs/ --cutoff-hz 8 --save-model model.json --json result.json
+
+A folder with plan.json selects Algorithm 2; anything else is fitted by batch least squares of the
+minimal set, viscous and Coulomb friction, offset and rotor inertia of every joint. Velocity and
+acceleration come from the position, low-passed forward and backward (4th-order Butterworth), unless
+accelerations are recorded.")]
+pub(crate) struct IdentifyArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Recordings (CSV) or folders of them
+    #[arg(required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// Recordings kept out of the fit, to judge it
+    #[arg(long, num_args = 1.., value_name = "FILE")]
+    pub(crate) holdout: Vec<PathBuf>,
+    /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    pub(crate) cutoff_hz: Option<f64>,
+    /// Write the model found, for predict and simulate
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Predict the effort of every joint for every sample of a motion
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident predict model.json motion.csv -o predicted.csv
+  armident predict urdf/ur10.urdf motion.csv -o - --cutoff-hz 8")]
+pub(crate) struct PredictArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Motion (CSV) with the positions of the joints
+    pub(crate) motion: PathBuf,
+    /// File to write `t` and <joint>/effort to; `-` is stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+    /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    pub(crate) cutoff_hz: Option<f64>,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Level of effort noise.
+#[derive(Clone, Copy)]
+pub(crate) enum Noise {
+    /// N m or N.
+    Absolute(f64),
+    /// Share of each joint's effort variation.
+    Relative(f64),
+}
+
+fn parse_number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("`{text}` is not a finite number")),
+    }
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    match parse_number(text)? {
+        x if x > 0.0 => Ok(x),
+        x => Err(format!("must be above zero, found {x}")),
+    }
+}
+
+fn parse_named_number(text: &str) -> Result<(String, f64), String> {
+    let (name, value) =
+        text.rsplit_once('=').ok_or_else(|| format!("expected JOINT=VALUE, found `{text}`"))?;
+    Ok((name.to_owned(), parse_number(value)?))
+}
+
+fn parse_numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',').map(parse_number).collect()
+}
+
+fn parse_vector(text: &str) -> Result<[f64; 3], String> {
+    let numbers = parse_numbers(text)?;
+    <[f64; 3]>::try_from(numbers)
+        .map_err(|n| format!("expected three numbers X,Y,Z, found {}", n.len()))
+}
+
+fn parse_pair(text: &str) -> Result<(f64, f64), String> {
+    match parse_numbers(text)?[..] {
+        [a, f] if a > 0.0 && f > 0.0 => Ok((a, f)),
+        [_, _] => Err("amplitude and frequency must be above zero".to_owned()),
+        _ => Err("expected AMPLITUDE,HZ, for example 0.004,3".to_owned()),
+    }
+}
+
+fn parse_noise(text: &str) -> Result<Noise, String> {
+    let (number, relative) = match text.strip_suffix('%') {
+        Some(number) => (number, true),
+        None => (text, false),
+    };
+    let level = parse_number(number)?;
+    if level < 0.0 {
+        return Err(format!("must not be negative, found {level}"));
+    }
+    Ok(if relative { Noise::Relative(level / 100.0) } else { Noise::Absolute(level) })
+}
+
+fn parse_effect(text: &str) -> Result<armident_effects::EffectOnJoint, String> {
+    let form = "expected EFFECT:JOINT=P1[,P2..], for example coulomb_friction:joint_2=4.5";
+    let (effect, rest) = text.split_once(':').ok_or(form)?;
+    let (joint, numbers) = rest.rsplit_once('=').ok_or(form)?;
+    let on_joint = armident_effects::EffectOnJoint {
+        effect: effect.to_owned(),
+        joint: joint.to_owned(),
+        parameters: parse_numbers(numbers)?,
+    };
+    on_joint.resolve().map_err(|e| e.to_string())?;
+    Ok(on_joint)
+}

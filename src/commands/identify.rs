@@ -1,0 +1,424 @@
+//! `armident identify`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use armident_dynamics::RigidArm;
+use armident_effects::LIBRARY;
+use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
+use armident_ident::{ArmModel, BatchProblem, JointFit, MinimalSet, Term};
+use armident_recording::{Motion, Recording};
+use armident_report::{
+    ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+};
+
+use super::recordings;
+use crate::args::IdentifyArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
+    let with_plan: Vec<PathBuf> =
+        args.recordings.iter().filter_map(|p| recordings::plan_in(p)).collect();
+    let (report, model) = match &with_plan[..] {
+        [] => batch(args)?,
+        [plan] if args.recordings.len() == 1 => by_algorithm2(args, plan)?,
+        _ => {
+            return Err(Failure::new(
+                "a folder with a plan cannot be combined with other recordings",
+                args.recordings[0].display(),
+                Some(
+                    "identify one planned folder at a time, or name its CSV files for a batch fit",
+                ),
+            ));
+        }
+    };
+    if let Some(path) = &args.save_model {
+        model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
+    }
+    output::say_all(&args.output, "note", &report.notes);
+    output::write_result(&args.output, &report.text(), &report, &report.warnings)
+}
+
+fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
+    let train = recordings::read_all(&recordings::expand(&args.recordings)?)?;
+    let holdout = recordings::read_all(&recordings::expand(&args.holdout)?)?;
+    let recorded = recordings::joints_with_position(&train);
+    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let cutoff_hz = recordings::common_cutoff(&train, &joints, args.cutoff_hz)?;
+    let train_motions = recordings::motions_with_effort(&train, &joints, cutoff_hz)?;
+    let holdout_motions = recordings::motions_with_effort(&holdout, &joints, cutoff_hz)?;
+
+    let arm = model.rigid_arm();
+    let set = MinimalSet::of(&arm)?;
+    let problem = BatchProblem::new(&arm, &set);
+    let rows = problem.accumulate(&train_motions.iter().collect::<Vec<_>>(), false);
+    let estimate = problem.estimate(&rows)?;
+    let holdout_rows = (!holdout_motions.is_empty())
+        .then(|| problem.accumulate(&holdout_motions.iter().collect::<Vec<_>>(), true));
+
+    let of_urdf = set.values(&arm.constants());
+    let urdf_terms: Vec<f64> = problem
+        .terms
+        .iter()
+        .map(|term| match *term {
+            Term::Constant(k) => of_urdf[k],
+            Term::Effect { .. } => 0.0,
+        })
+        .collect();
+    let fit = FitReport {
+        train: fit_rows(&estimate.train, &joints),
+        holdout: holdout_rows
+            .as_ref()
+            .map(|r| fit_rows(&problem.fit(r, &estimate.values), &joints)),
+        urdf: fit_rows(&problem.fit(holdout_rows.as_ref().unwrap_or(&rows), &urdf_terms), &joints),
+    };
+    let mut constants = Vec::new();
+    let mut effects = Vec::new();
+    for (k, term) in problem.terms.iter().enumerate() {
+        let (value, error) = (estimate.values[k], estimate.standard_error(k));
+        match *term {
+            Term::Constant(c) => constants.push(constant_row(
+                &set,
+                c,
+                &joints,
+                of_urdf[c],
+                Some((value, error, estimate.quantile_95)),
+                estimate.undetermined[k],
+            )),
+            Term::Effect { joint, effect, parameter } => {
+                let parameter = &LIBRARY[effect].law().parameters[parameter];
+                effects.push(EffectRow {
+                    effect: LIBRARY[effect].law().slug.to_owned(),
+                    joint: names[joint].clone(),
+                    parameter: parameter.name.to_owned(),
+                    unit: parameter.unit(model.chain.joints[joint].kind).to_owned(),
+                    value,
+                    standard_error: error,
+                    admissible: parameter.admissible.allows(value),
+                    undetermined: estimate.undetermined[k],
+                });
+            }
+        }
+    }
+    let merged = problem
+        .merged
+        .iter()
+        .map(|m| MergedRow {
+            term: problem.label(&m.term, &joints),
+            into: m
+                .into
+                .iter()
+                .map(|&(k, factor)| (problem.label(&problem.terms[k], &joints), factor))
+                .collect(),
+        })
+        .collect();
+    let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
+    if estimate.rank < problem.terms.len() {
+        let open: Vec<String> = (0..problem.terms.len())
+            .filter(|&k| estimate.undetermined[k] > 1e-3)
+            .map(|k| problem.label(&problem.terms[k], &joints))
+            .collect();
+        warnings.push(format!(
+            "the recordings determine {} of {} unknowns; open are combinations of {} \
+             [not-determined]",
+            estimate.rank,
+            problem.terms.len(),
+            open.join(", ")
+        ));
+    }
+    let report = IdentifyReport {
+        schema: "armident.identify/1",
+        method: "batch",
+        robot: model.chain.robot.clone(),
+        recordings: train.iter().map(|r| r.source.clone()).collect(),
+        holdout_recordings: holdout.iter().map(|r| r.source.clone()).collect(),
+        joints: names.clone(),
+        cutoff_hz,
+        constants,
+        effects,
+        merged,
+        steps: Vec::new(),
+        rank: estimate.rank,
+        unknowns: problem.terms.len(),
+        condition: estimate.condition,
+        rows: estimate.rows,
+        independent_share: estimate.independent_share,
+        effort_noise: by_joint(&estimate.effort_noise, &joints),
+        fit,
+        warnings,
+        notes: notes(train_motions.iter().chain(&holdout_motions)),
+    };
+    let found_effects = problem.effects(&estimate.values, &joints);
+    let mut found = model.with_constants(&set, &problem.constants(&estimate.values));
+    found.effects = found_effects;
+    found.cutoff_hz = cutoff_hz;
+    found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
+    Ok((report, found))
+}
+
+fn by_algorithm2(
+    args: &IdentifyArgs,
+    plan_path: &Path,
+) -> Result<(IdentifyReport, ArmModel), Failure> {
+    let plan = read_plan(plan_path)?;
+    let folder = plan_path.parent().unwrap_or(Path::new("."));
+    let mut model = robot::load(&args.robot, &args.chain, Some(&plan.joints))?;
+    // the plan knows how the arm was mounted and cut out of its robot
+    if args.chain.gravity.is_none() && args.chain.tip.is_none() && !is_model(&args.robot) {
+        let chain = crate::args::ChainArgs {
+            base: Some(plan.base_link.clone()),
+            tip: Some(plan.tip_link.clone()),
+            lock: plan.locked.clone().into_iter().collect(),
+            gravity: Some(plan.gravity),
+            snap_rpy: args.chain.snap_rpy,
+        };
+        model = robot::load(&args.robot, &chain, None)?;
+    }
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    if names != plan.joints {
+        return Err(Failure::new(
+            format!(
+                "the plan is for the joints {}, the chain has {}",
+                plan.joints.join(", "),
+                names.join(", ")
+            ),
+            plan_path.display(),
+            Some("give the robot and chain options the plan was made with"),
+        ));
+    }
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let files: Vec<PathBuf> =
+        plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
+    let recordings: Vec<Recording> = recordings::read_all(&files)?;
+    let cutoff_hz = recordings::common_cutoff(&recordings, &joints, args.cutoff_hz)?;
+    let motions = recordings::motions_with_effort(&recordings, &joints, cutoff_hz)?;
+
+    let arm = model.rigid_arm();
+    let set = MinimalSet::of(&arm)?;
+    let estimate = algorithm2(&arm, &set, &plan, &motions)?;
+    let of_urdf = set.values(&arm.constants());
+    let constants: Vec<ConstantRow> = (0..set.len())
+        .map(|k| {
+            let value = estimate.values[k];
+            let known = value.is_finite();
+            constant_row(
+                &set,
+                k,
+                &joints,
+                of_urdf[k],
+                known.then(|| (value, estimate.standard_error(k), estimate.quantile_95[k])),
+                if known { 0.0 } else { 1.0 },
+            )
+        })
+        .collect();
+    let values: Vec<f64> = estimate
+        .values
+        .iter()
+        .zip(&of_urdf)
+        .map(|(&found, &urdf)| if found.is_finite() { found } else { urdf })
+        .collect();
+    let report_warnings = algorithm2_warnings(&model, &set, &estimate);
+    let urdf_errors = effort_errors(&arm, &motions, &joints);
+    let mut found = model.with_constants(&set, &values);
+    found.cutoff_hz = cutoff_hz;
+    found.provenance.push(format!("Algorithm 2 on {}", folder.display()));
+    let report = IdentifyReport {
+        schema: "armident.identify/1",
+        method: "algorithm2",
+        robot: found.chain.robot.clone(),
+        recordings: recordings.iter().map(|r| r.source.clone()).collect(),
+        holdout_recordings: Vec::new(),
+        joints: names.clone(),
+        cutoff_hz,
+        constants,
+        effects: own_friction(&found, &estimate),
+        merged: Vec::new(),
+        steps: estimate
+            .steps
+            .iter()
+            .map(|s| StepRow {
+                step: s.step.clone(),
+                equation: s.equation.clone(),
+                observed: s.observed.clone(),
+                unknowns: s.unknowns.clone(),
+                rows: s.rows,
+                rank: s.rank,
+                columns: s.columns,
+                condition: s.condition,
+                rmse: s.rmse,
+            })
+            .collect(),
+        rank: estimate.values.iter().filter(|v| v.is_finite()).count(),
+        unknowns: set.len(),
+        condition: estimate.steps.iter().map(|s| s.condition).fold(0.0, f64::max),
+        rows: estimate.steps.iter().map(|s| s.rows).sum(),
+        independent_share: motions.iter().map(Motion::independent_share).fold(1.0, f64::min),
+        effort_noise: by_joint(&estimate.effort_noise, &joints),
+        fit: FitReport {
+            train: effort_errors(&found.rigid_arm(), &motions, &joints),
+            holdout: None,
+            urdf: urdf_errors,
+        },
+        warnings: report_warnings,
+        notes: notes(motions.iter()),
+    };
+    Ok((report, found))
+}
+
+fn read_plan(path: &Path) -> Result<Plan, Failure> {
+    let hint = Some("write the plan again with `armident plan`");
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::new(format!("cannot read: {error}"), path.display(), hint))?;
+    let plan: Plan = serde_json::from_str(&text).map_err(|error| {
+        Failure::new(
+            format!("the plan is not valid: {error}"),
+            format!("{}, line {}", path.display(), error.line()),
+            hint,
+        )
+    })?;
+    if plan.schema == PLAN_SCHEMA {
+        return Ok(plan);
+    }
+    Err(Failure::new(
+        format!("the plan has schema `{}`, expected `{PLAN_SCHEMA}`", plan.schema),
+        path.display(),
+        hint,
+    ))
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
+}
+
+fn constant_row(
+    set: &MinimalSet,
+    k: usize,
+    joints: &[&str],
+    urdf: f64,
+    found: Option<(f64, f64, f64)>,
+    undetermined: f64,
+) -> ConstantRow {
+    let constant = &set.constants[k];
+    ConstantRow {
+        label: constant.label(),
+        joint: joints[constant.joint].to_owned(),
+        unit: constant.unit(),
+        value: found.map(|(value, _, _)| value),
+        standard_error: found.map(|(_, error, _)| error),
+        interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
+        urdf,
+        undetermined,
+    }
+}
+
+fn algorithm2_warnings(
+    model: &ArmModel,
+    set: &MinimalSet,
+    estimate: &Algorithm2Estimate,
+) -> Vec<String> {
+    let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
+    for step in estimate.steps.iter().filter(|s| s.rank < s.columns) {
+        warnings.push(format!(
+            "step {} at joint `{}` has rank {} of {}: {} are not separated [not-determined]",
+            step.step,
+            step.observed,
+            step.rank,
+            step.columns,
+            step.unknowns.join(", ")
+        ));
+    }
+    let open: Vec<String> = (0..set.len())
+        .filter(|&k| !estimate.values[k].is_finite())
+        .map(|k| set.constants[k].label())
+        .collect();
+    if !open.is_empty() {
+        warnings.push(format!("no step of the plan seeks {} [not-determined]", open.join(", ")));
+    }
+    warnings
+}
+
+/// Viscous and Coulomb friction that steps (58) and (60) found beside the constants.
+fn own_friction(model: &ArmModel, estimate: &Algorithm2Estimate) -> Vec<EffectRow> {
+    let mut rows: Vec<EffectRow> = Vec::new();
+    for step in &estimate.steps {
+        let (Some(friction), Some(joint)) =
+            (step.friction, model.chain.joints.iter().find(|j| j.name == step.observed))
+        else {
+            continue;
+        };
+        for (effect, (value, standard_error)) in LIBRARY[..2].iter().zip(friction) {
+            let law = effect.law();
+            rows.push(EffectRow {
+                effect: law.slug.to_owned(),
+                joint: step.observed.clone(),
+                parameter: law.parameters[0].name.to_owned(),
+                unit: law.parameters[0].unit(joint.kind).to_owned(),
+                value,
+                standard_error,
+                // noise of either sign around zero is no wrong sign
+                admissible: value >= -3.0 * standard_error,
+                undetermined: 0.0,
+            });
+        }
+    }
+    rows
+}
+
+/// Rigid-body effort error on the motions, on the filtered effort.
+fn effort_errors(arm: &RigidArm, motions: &[Motion], joints: &[&str]) -> FitRows {
+    let mut squares = vec![(0.0, 0.0, 0.0, 0.0); joints.len()];
+    for motion in motions {
+        let Some(measured) = &motion.effort_filtered else { continue };
+        let mut predicted = armident_dynamics::inverse_dynamics_of_motion(
+            arm,
+            &motion.position,
+            &motion.velocity,
+            &motion.acceleration,
+        );
+        motion.filter_columns(&mut predicted);
+        for (joint, total) in squares.iter_mut().enumerate() {
+            for (m, p) in measured[joint].iter().zip(&predicted[joint]) {
+                total.0 += 1.0;
+                total.1 += m;
+                total.2 += m * m;
+                total.3 += (m - p).powi(2);
+            }
+        }
+    }
+    let fits: Vec<JointFit> = squares
+        .iter()
+        .map(|(count, sum, square, residual)| JointFit {
+            rmse: (residual / count).sqrt(),
+            relative: (residual / (square - sum * sum / count)).sqrt(),
+        })
+        .collect();
+    fit_rows(&fits, joints)
+}
+
+fn fit_rows(fits: &[JointFit], joints: &[&str]) -> FitRows {
+    let pick = |value: fn(&JointFit) -> f64| {
+        joints.iter().zip(fits).map(|(j, fit)| ((*j).to_owned(), value(fit))).collect()
+    };
+    FitRows { rmse: pick(|f| f.rmse), relative: pick(|f| f.relative) }
+}
+
+fn by_joint(values: &[f64], joints: &[&str]) -> BTreeMap<String, f64> {
+    joints.iter().zip(values).map(|(j, v)| ((*j).to_owned(), *v)).collect()
+}
+
+/// Notes of all motions with their source, each said once.
+fn notes<'a>(motions: impl Iterator<Item = &'a Motion>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for motion in motions {
+        for note in &motion.notes {
+            let line = format!("{}: {note}", motion.source);
+            if !all.contains(&line) {
+                all.push(line);
+            }
+        }
+    }
+    all
+}

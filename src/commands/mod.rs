@@ -1,0 +1,8 @@
+//! One file a command: read, call, write.
+
+pub(crate) mod identify;
+pub(crate) mod params;
+pub(crate) mod plan;
+pub(crate) mod predict;
+pub(crate) mod recordings;
+pub(crate) mod simulate;

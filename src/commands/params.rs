@@ -1,0 +1,15 @@
+//! `armident params`.
+
+use armident_ident::MinimalSet;
+use armident_report::ParamsReport;
+
+use crate::args::ParamsArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+pub(crate) fn run(args: &ParamsArgs) -> Result<Outcome, Failure> {
+    let model = robot::load(&args.robot, &args.chain, None)?;
+    let set = MinimalSet::of(&model.rigid_arm())?;
+    let report = ParamsReport::new(&model, &set);
+    output::write_result(&args.output, &report.text(), &report, report.warnings())
+}

@@ -1,0 +1,75 @@
+//! `armident plan`.
+
+use std::path::PathBuf;
+
+use armident_ident::MinimalSet;
+use armident_ident::algorithm2::{Dither, Plan, PlanSettings, plan};
+use armident_recording::{JointChannels, Recording, write_csv_to};
+use armident_report::plan_text;
+
+use crate::args::PlanArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+/// Name of the plan in the folders of trajectories and of recordings.
+pub(crate) const PLAN_FILE: &str = "plan.json";
+
+pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
+    let model = robot::load(&args.robot, &args.chain, None)?;
+    let set = MinimalSet::of(&model.rigid_arm())?;
+    for (joint, _) in &args.coulomb {
+        if !model.chain.joint_names().contains(&joint.as_str()) {
+            return Err(Failure::new(
+                format!("--coulomb names joint `{joint}`, which is not on the chain"),
+                args.robot.display(),
+                Some(format!("the chain has {}", model.chain.joint_names().join(", "))),
+            ));
+        }
+    }
+    let settings = PlanSettings {
+        rate_hz: args.rate_hz,
+        amplitude_rad: args.amplitude,
+        amplitude_m: args.amplitude_m,
+        sigma_per_s: args.sigma,
+        coulomb: args.coulomb.iter().cloned().collect(),
+        dither: args.dither.map(|(amplitude, frequency_hz)| Dither { amplitude, frequency_hz }),
+        seed: args.seed,
+    };
+    let plan = plan(&model.chain, &set, &settings)?;
+    output::create_folder(&args.output_folder)?;
+    let document = serde_json::to_string_pretty(&plan).map_err(|error| {
+        Failure::new(format!("cannot form JSON: {error}"), PLAN_FILE, None::<String>)
+    })?;
+    output::write_file(&args.output_folder.join(PLAN_FILE), (document + "\n").as_bytes())?;
+    for experiment in &plan.experiments {
+        let recording = trajectory(&plan, experiment)?;
+        let mut bytes = Vec::new();
+        write_csv_to(&mut bytes, &recording)?;
+        let path: PathBuf = args.output_folder.join(format!("{}.csv", experiment.id));
+        output::write_file(&path, &bytes)?;
+    }
+    let warnings: Vec<String> =
+        model.chain.warnings.iter().map(ToString::to_string).chain(plan.notes.clone()).collect();
+    output::write_result(&args.output, &plan_text(&plan), &plan, &warnings)
+}
+
+/// The planned motion of one experiment as a recording without efforts.
+pub(crate) fn trajectory(
+    plan: &Plan,
+    experiment: &armident_ident::algorithm2::Experiment,
+) -> Result<Recording, Failure> {
+    let planned = plan.trajectory(experiment);
+    let joints = plan
+        .joints
+        .iter()
+        .zip(&planned.joints)
+        .map(|(name, samples)| {
+            let mut channels = JointChannels::new(name);
+            channels.position = Some(samples.iter().map(|s| s.0).collect());
+            channels.velocity = Some(samples.iter().map(|s| s.1).collect());
+            channels.acceleration = Some(samples.iter().map(|s| s.2).collect());
+            channels
+        })
+        .collect();
+    Ok(Recording::new(&experiment.id, planned.time_s, joints)?)
+}

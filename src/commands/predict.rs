@@ -1,0 +1,82 @@
+//! `armident predict`.
+
+use armident_recording::{
+    JointChannels, Motion, MotionSettings, Recording, read_csv, write_csv_to,
+};
+use serde::Serialize;
+
+use super::recordings;
+use crate::args::PredictArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+/// What was predicted, in short; the numbers are in the CSV.
+#[derive(Serialize)]
+struct PredictReport {
+    schema: &'static str,
+    robot: String,
+    motion: String,
+    samples: usize,
+    joints: Vec<String>,
+    cutoff_hz: Option<f64>,
+    effects: Vec<armident_effects::EffectOnJoint>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+}
+
+pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
+    let recording = read_csv(&args.motion)?;
+    let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
+    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let cutoff_hz = recordings::common_cutoff(
+        std::slice::from_ref(&recording),
+        &joints,
+        args.cutoff_hz.or(model.cutoff_hz),
+    )?;
+    let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
+    let motion = Motion::from_recording(&recording, &joints, &settings)?;
+    let predicted = model.predict(&motion)?;
+    let channels = names
+        .iter()
+        .zip(&predicted)
+        .map(|(name, effort)| {
+            let mut channels = JointChannels::new(name);
+            channels.effort = Some(motion.at_stamps(effort));
+            channels
+        })
+        .collect();
+    let result = Recording::new("prediction", recording.time_s.clone(), channels)?;
+    let mut bytes = Vec::new();
+    write_csv_to(&mut bytes, &result)?;
+
+    let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
+    let report = PredictReport {
+        schema: "armident.predict/1",
+        robot: model.chain.robot.clone(),
+        motion: recording.source.clone(),
+        samples: result.len(),
+        joints: names,
+        cutoff_hz,
+        effects: model.effects.clone(),
+        notes: motion.notes.clone(),
+        warnings: warnings.clone(),
+    };
+    let to_stdout = output::is_stdout(&args.output_file);
+    let text = if to_stdout {
+        output::write_stdout(&bytes)?;
+        String::new()
+    } else {
+        output::write_file(&args.output_file, &bytes)?;
+        format!(
+            "{}: effort of {} joints at {} samples, written to {}\n",
+            report.robot,
+            report.joints.len(),
+            report.samples,
+            args.output_file.display()
+        )
+    };
+    output::say_all(&args.output, "note", &report.notes);
+    output::write_result(&args.output, &text, &report, &warnings)
+}

@@ -1,0 +1,131 @@
+//! Which recordings a command line names.
+
+use std::path::{Path, PathBuf};
+
+use armident_recording::{
+    Motion, MotionSettings, Quantity, Recording, default_cutoff_hz, read_csv,
+};
+
+use crate::failure::Failure;
+
+/// Files as given, folders replaced by their CSV files in the order of their names.
+pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            let entries = std::fs::read_dir(path).map_err(|error| {
+                Failure::new(
+                    format!("cannot read the folder: {error}"),
+                    path.display(),
+                    None::<String>,
+                )
+            })?;
+            let mut found: Vec<PathBuf> = entries
+                .filter_map(|entry| Some(entry.ok()?.path()))
+                .filter(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
+                .collect();
+            found.sort();
+            if found.is_empty() {
+                return Err(Failure::new(
+                    "the folder holds no CSV file",
+                    path.display(),
+                    Some("give recordings as CSV files, or a folder of them"),
+                ));
+            }
+            files.extend(found);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+/// Reads all files.
+pub(crate) fn read_all(files: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
+    files.iter().map(|file| Ok(read_csv(file)?)).collect()
+}
+
+/// Joints with a position in every one of the recordings, in the order of the first.
+pub(crate) fn joints_with_position(recordings: &[Recording]) -> Vec<String> {
+    let has = |recording: &Recording, name: &str| {
+        recording.joint(name).is_some_and(|j| j.channel(Quantity::Position).is_some())
+    };
+    let Some(first) = recordings.first() else { return Vec::new() };
+    first
+        .joint_names()
+        .into_iter()
+        .filter(|name| recordings.iter().all(|r| has(r, name)))
+        .map(ToOwned::to_owned)
+        .collect()
+}
+
+/// One cut-off for all recordings of a fit: as given, or the largest that their spectra ask for;
+/// none where exact accelerations are recorded.
+pub(crate) fn common_cutoff(
+    recordings: &[Recording],
+    joints: &[&str],
+    given: Option<f64>,
+) -> Result<Option<f64>, Failure> {
+    let exact = |r: &Recording| {
+        joints.iter().all(|j| {
+            r.joint(j).is_some_and(|j| {
+                j.channel(Quantity::Velocity).is_some()
+                    && j.channel(Quantity::Acceleration).is_some()
+            })
+        })
+    };
+    if given.is_some() || recordings.iter().all(exact) {
+        return Ok(given);
+    }
+    let mut largest = 0.0_f64;
+    for recording in recordings {
+        let grid = armident_recording::EvenGrid::new(&recording.time_s, &recording.source)?;
+        let positions: Vec<Vec<f64>> = joints
+            .iter()
+            .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))
+            .map(|column| grid.resample(column))
+            .collect();
+        largest = largest.max(default_cutoff_hz(&positions, grid.rate_hz()));
+    }
+    Ok(Some(largest))
+}
+
+/// Motions of the joints with efforts, through one low-pass.
+pub(crate) fn motions_with_effort(
+    recordings: &[Recording],
+    joints: &[&str],
+    cutoff_hz: Option<f64>,
+) -> Result<Vec<Motion>, Failure> {
+    let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
+    recordings
+        .iter()
+        .map(|recording| {
+            let motion = Motion::from_recording(recording, joints, &settings)?;
+            if motion.effort.is_none() {
+                let without: Vec<&str> = joints
+                    .iter()
+                    .copied()
+                    .filter(|j| {
+                        recording.joint(j).is_none_or(|c| c.channel(Quantity::Effort).is_none())
+                    })
+                    .collect();
+                return Err(Failure::new(
+                    format!("there is no effort column for {}", without.join(", ")),
+                    &recording.source,
+                    Some(
+                        "every chain joint needs <joint>/effort in N m or N (currents must be \
+                         multiplied by the drive gain first); lock joints without one by \
+                         --lock JOINT=VALUE",
+                    ),
+                ));
+            }
+            Ok(motion)
+        })
+        .collect()
+}
+
+/// Whether a path is a folder with a plan in it.
+pub(crate) fn plan_in(path: &Path) -> Option<PathBuf> {
+    let plan = path.join(super::plan::PLAN_FILE);
+    (path.is_dir() && plan.is_file()).then_some(plan)
+}

@@ -1,0 +1,119 @@
+//! Failures as three lines: what, where, what to do.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use armident_ident::ModelError;
+use armident_ident::algorithm2::Algorithm2Error;
+use armident_kinematics::{ChainError, UrdfError};
+use armident_recording::RecordingError;
+use armident_simulation::SimulationError;
+
+/// How a command ended when its result was written.
+pub(crate) enum Outcome {
+    /// Exit code 0, whatever the verdict.
+    Done,
+    /// Exit code 3: `--fail-on` asked for it.
+    FailedOnRequest,
+}
+
+/// What went wrong, where, and what to do.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    what: String,
+    place: String,
+    hint: Option<String>,
+}
+
+impl Failure {
+    pub(crate) fn new(
+        what: impl Display,
+        place: impl Display,
+        hint: Option<impl Into<String>>,
+    ) -> Self {
+        Self { what: what.to_string(), place: place.to_string(), hint: hint.map(Into::into) }
+    }
+
+    /// A file that cannot be written.
+    pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Self {
+        Self::new(
+            format!("cannot write: {error}"),
+            path.display(),
+            Some("choose another path, or create its folder"),
+        )
+    }
+
+    #[expect(clippy::print_stderr, reason = "the one place where failures are shown")]
+    pub(crate) fn print(&self) {
+        eprintln!("error: {}", self.what);
+        if !self.place.is_empty() {
+            eprintln!("   in: {}", self.place);
+        }
+        if let Some(hint) = &self.hint {
+            eprintln!(" hint: {hint}");
+        }
+    }
+}
+
+impl From<UrdfError> for Failure {
+    fn from(error: UrdfError) -> Self {
+        Self::new(&error, error.place(), error.hint())
+    }
+}
+
+impl From<ChainError> for Failure {
+    fn from(error: ChainError) -> Self {
+        Self::new(&error, error.place(), error.hint())
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Self::new(&error, error.place(), error.hint())
+    }
+}
+
+impl From<SimulationError> for Failure {
+    fn from(error: SimulationError) -> Self {
+        Self::new(&error, error.place(), error.hint())
+    }
+}
+
+impl From<armident_numeric::NumericError> for Failure {
+    fn from(error: armident_numeric::NumericError) -> Self {
+        Self::new(error, "", Some("check the URDF and the recordings for absurdly large numbers"))
+    }
+}
+
+impl From<armident_effects::UnknownEffect> for Failure {
+    fn from(error: armident_effects::UnknownEffect) -> Self {
+        Self::new(error, "the model", None::<String>)
+    }
+}
+
+impl From<Algorithm2Error> for Failure {
+    fn from(error: Algorithm2Error) -> Self {
+        Self::new(
+            error,
+            "plan.json",
+            Some("plan, simulate and identify with the same robot and the same chain options"),
+        )
+    }
+}
+
+impl Failure {
+    /// A model file that cannot be used.
+    pub(crate) fn model(path: &Path, error: &ModelError) -> Self {
+        let place = match error {
+            ModelError::Invalid { line, .. } => format!("{}, line {line}", path.display()),
+            _ => path.display().to_string(),
+        };
+        let hint = match error {
+            ModelError::Schema { .. } | ModelError::Invalid { .. } => {
+                "give a URDF, or a model written by `armident identify --save-model`"
+            }
+            _ => "write the model again with `armident identify --save-model`",
+        };
+        Self::new(error, place, Some(hint))
+    }
+}

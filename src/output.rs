@@ -1,0 +1,79 @@
+//! Data on stdout, messages on stderr, files written whole.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::args::{FailOn, OutputArgs};
+use crate::failure::{Failure, Outcome};
+
+/// Writes a result: text on stdout unless JSON goes there, JSON where asked for, warnings on stderr.
+pub(crate) fn write_result(
+    output: &OutputArgs,
+    text: &str,
+    json: &impl Serialize,
+    warnings: &[String],
+) -> Result<Outcome, Failure> {
+    say_all(output, "warning", warnings);
+    let mut text_on_stdout = true;
+    if let Some(path) = &output.json {
+        let mut document = serde_json::to_string_pretty(json).map_err(|error| {
+            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+        })?;
+        document.push('\n');
+        if is_stdout(path) {
+            text_on_stdout = false;
+            write_stdout(document.as_bytes())?;
+        } else {
+            write_file(path, document.as_bytes())?;
+        }
+    }
+    if text_on_stdout {
+        write_stdout(text.as_bytes())?;
+    }
+    Ok(if output.fail_on == Some(FailOn::Warning) && !warnings.is_empty() {
+        Outcome::FailedOnRequest
+    } else {
+        Outcome::Done
+    })
+}
+
+/// One line on stderr per message, unless quiet.
+#[expect(clippy::print_stderr, reason = "the one place where messages are shown")]
+pub(crate) fn say_all(output: &OutputArgs, kind: &str, messages: &[String]) {
+    if !output.quiet {
+        for message in messages {
+            eprintln!("{kind}: {message}");
+        }
+    }
+}
+
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+pub(crate) fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        // a reader that has seen enough (`| head`) is no failure
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(Failure::new(format!("cannot write: {error}"), "stdout", None::<String>)),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// Writes a file under another name first, so that an interrupted run leaves no half-written one.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".part");
+    let partial = Path::new(&partial);
+    std::fs::write(partial, bytes)
+        .and_then(|()| std::fs::rename(partial, path))
+        .map_err(|error| Failure::unwritable(path, &error))
+}
+
+/// Creates a folder and its parents.
+pub(crate) fn create_folder(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, &error))
+}

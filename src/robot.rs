@@ -1,0 +1,49 @@
+//! From a URDF or a model file and the chain options to the arm.
+
+use std::path::Path;
+
+use armident_ident::ArmModel;
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+
+use crate::args::ChainArgs;
+use crate::failure::Failure;
+
+/// Loads the arm; `recorded` are the joints of the recordings at hand.
+pub(crate) fn load(
+    path: &Path,
+    chain: &ChainArgs,
+    recorded: Option<&[String]>,
+) -> Result<ArmModel, Failure> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        return load_model(path, chain);
+    }
+    let robot = load_urdf(path)?;
+    let default = ChainSelection::default();
+    let selection = ChainSelection {
+        base: chain.base.clone(),
+        tip: chain.tip.clone(),
+        recorded_joints: recorded.map(<[String]>::to_vec),
+        locked: chain.lock.iter().cloned().collect(),
+        gravity_base: chain.gravity.unwrap_or(default.gravity_base),
+        snap_rpy_rad: chain.snap_rpy,
+    };
+    let serial = SerialChain::from_description(&robot, &selection)?;
+    Ok(ArmModel::from_chain(DrivingAxisChain::from_chain(&serial)))
+}
+
+fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
+    let chosen = [
+        ("--base", chain.base.is_some()),
+        ("--tip", chain.tip.is_some()),
+        ("--lock", !chain.lock.is_empty()),
+        ("--gravity", chain.gravity.is_some()),
+    ];
+    if let Some((option, _)) = chosen.iter().find(|(_, given)| *given) {
+        return Err(Failure::new(
+            format!("{option} cannot change a model file: its chain is fixed"),
+            path.display(),
+            Some("give the URDF instead, or leave the option out"),
+        ));
+    }
+    ArmModel::load(path).map_err(|error| Failure::model(path, &error))
+}
