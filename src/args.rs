@@ -59,7 +59,7 @@ pub(crate) struct ChainArgs {
 #[derive(Args, Default)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputArgs {
-    /// Write the result as JSON to a file; `-` is stdout, in the place of the text
+    /// Write the result as JSON to a file; - is stdout, in the place of the text
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
     /// Exit with code 3 when this has happened
@@ -230,7 +230,7 @@ pub(crate) struct PredictArgs {
     pub(crate) robot: PathBuf,
     /// Motion (CSV) with the positions of the joints
     pub(crate) motion: PathBuf,
-    /// File to write `t` and <joint>/effort to; `-` is stdout
+    /// File to write the columns t and JOINT/effort to; - is stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]

@@ -1,7 +1,38 @@
 //! The acceptance suite. One binary; each module is one promise of the tool.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a failed test may panic"
+)]
+
 /// where the optional shared data lies, and how a skipped test says so
 mod shared;
+/// runs the program: exit code, stdout, stderr, result files
+mod tool;
 
 /// chain, constants, minimal set and states against numbers of an independent program
 mod golden;
+
+/// the arms of `urdf/`: the printed page of each, poses against the URDF, the table of its README
+mod arms;
+/// a hundred URDFs of real arms: read or refused in words; set sizes of an independent program
+mod corpus;
+/// `params --json`: field names and values of the shared golden data
+mod params_json;
+
+/// exit codes, streams, and what is said about some forty wrong command lines
+mod cli;
+/// no bytes in any input file make the program panic
+mod no_panic;
+
+/// plan, simulate, identify, predict: what was put in comes out
+mod pipeline;
+/// public recordings of real arms: rank, error against a plain baseline, refusals
+mod real_data;
+
+/// who may depend on whom, and what no file may hold
+mod flow;
+/// the commands of README.md and their output
+mod readme;

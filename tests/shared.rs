@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// The shared folder's entry, or `None` after saying (past the capture of test output) and
 /// recording that `test` is skipped.
-pub fn shared(test: &str, entry: &str) -> Option<PathBuf> {
+pub(crate) fn shared(test: &str, entry: &str) -> Option<PathBuf> {
     let root = std::env::var_os("ARMIDENT_SHARED")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
     let path = root.join(entry);
@@ -22,6 +22,18 @@ pub fn shared(test: &str, entry: &str) -> Option<PathBuf> {
 }
 
 /// A file of the project.
-pub fn project(path: &str) -> PathBuf {
+pub(crate) fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The URDFs in a folder, in the order of their names.
+pub(crate) fn urdfs(folder: &Path) -> Vec<PathBuf> {
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "urdf"))
+        .collect();
+    paths.sort();
+    assert!(!paths.is_empty(), "{}", folder.display());
+    paths
 }

@@ -54,10 +54,10 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let arm = model.rigid_arm();
     let set = MinimalSet::of(&arm)?;
     let problem = BatchProblem::new(&arm, &set);
-    let rows = problem.accumulate(&train_motions.iter().collect::<Vec<_>>(), false);
+    let rows = problem.accumulate(&train_motions.iter().collect::<Vec<_>>());
     let estimate = problem.estimate(&rows)?;
     let holdout_rows = (!holdout_motions.is_empty())
-        .then(|| problem.accumulate(&holdout_motions.iter().collect::<Vec<_>>(), true));
+        .then(|| problem.accumulate(&holdout_motions.iter().collect::<Vec<_>>()));
 
     let of_urdf = set.values(&arm.constants());
     let urdf_terms: Vec<f64> = problem

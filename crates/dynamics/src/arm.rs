@@ -36,7 +36,7 @@ impl JointGeometry {
         }
     }
 
-    /// The joint at position `q` [rad or m].
+    /// The joint at position `q` \[rad or m\].
     pub fn at<T: Real>(&self, q: T) -> JointPose<T> {
         let theta = T::splat(self.frame.theta_rad);
         let theta = if self.kind.is_rotational() { theta + q } else { theta };
@@ -123,7 +123,7 @@ pub struct RigidArm {
     pub joints: Vec<JointGeometry>,
     /// Links in `E_i`, as many as joints.
     pub links: Vec<InertialParameters>,
-    /// Gravity acceleration in `E_0` [m/s2].
+    /// Gravity acceleration in `E_0` \[m/s2\].
     pub gravity_e0: Vector3<f64>,
 }
 

@@ -30,11 +30,11 @@ pub fn pi<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Matrix3<T> {
 /// Mass, first moment and inertia of a composite body about `O_i`, in `E_i`.
 #[derive(Debug, Clone, Copy)]
 pub struct CompositeBody<T> {
-    /// `m̂_i` [kg] (5).
+    /// `m̂_i` \[kg\] (5).
     pub mass: f64,
-    /// `ĉ_i`, mass times centre of mass [kg m] (6).
+    /// `ĉ_i`, mass times centre of mass \[kg m\] (6).
     pub first_moment: Vector3<T>,
-    /// `Ĵ_i` [kg m2] (7).
+    /// `Ĵ_i` \[kg m2\] (7).
     pub inertia: Matrix3<T>,
 }
 

@@ -81,9 +81,9 @@ pub fn links_from_constants(
 /// The configuration-dependent parts of one composite body, in `E_i`.
 #[derive(Debug, Clone, Copy)]
 pub struct VaryingParts<T> {
-    /// `ℓ_i` [kg m].
+    /// `ℓ_i` \[kg m\].
     pub first_moment: Vector3<T>,
-    /// `V_i` [kg m2].
+    /// `V_i` \[kg m2\].
     pub inertia: Matrix3<T>,
 }
 

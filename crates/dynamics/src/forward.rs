@@ -12,7 +12,7 @@ use crate::newton_euler::inverse_dynamics;
     "the inertia matrix is not positive definite at q = {q:?}: the inertial parameters are unphysical or some joint moves no mass"
 )]
 pub struct NotPositiveDefinite {
-    /// Joint positions [rad or m].
+    /// Joint positions \[rad or m\].
     pub q: Vec<f64>,
 }
 
@@ -33,7 +33,7 @@ pub fn forward_dynamics(
     Ok(factor.solve(&driving).as_slice().to_vec())
 }
 
-/// Kinetic plus potential energy [J]; the potential is zero where the arm's mass is in `O_0`.
+/// Kinetic plus potential energy \[J\]; the potential is zero where the arm's mass is in `O_0`.
 #[doc(alias = "hamiltonian")]
 pub fn energy(arm: &RigidArm, q: &[f64], dq: &[f64]) -> f64 {
     let v = DVector::from_column_slice(dq);

@@ -7,7 +7,7 @@ use crate::arm::RigidArm;
 use crate::composite::{CompositeBody, composite_bodies};
 use crate::real::Real;
 
-/// Inertia matrix `H(q)`, n x n symmetric [kg m2, kg m or kg by the joints' kinds]
+/// Inertia matrix `H(q)`, n x n symmetric \[kg m2, kg m or kg by the joints' kinds\]
 /// (Lin 1992, eq. 9 and 10).
 pub fn inertia_matrix<T: Real>(arm: &RigidArm, q: &[T]) -> DMatrix<T> {
     let poses = arm.poses(q);
@@ -44,7 +44,7 @@ pub fn inertia_matrix_of<T: Real>(
     h
 }
 
-/// Gravity part `τᵍ(q)` of the actuator effort, length n [N m or N] (Lin 1992, eq. 11).
+/// Gravity part `τᵍ(q)` of the actuator effort, length n \[N m or N\] (Lin 1992, eq. 11).
 pub fn gravity_effort<T: Real>(arm: &RigidArm, q: &[T]) -> Vec<T> {
     let poses = arm.poses(q);
     let bodies = composite_bodies(arm, &poses);

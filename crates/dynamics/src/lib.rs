@@ -38,7 +38,7 @@
 //! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
 //! let arm = RigidArm::from_chain(&DrivingAxisChain::from_chain(&chain));
 //! // held level: the motor lifts 2 kg at 0.5 m, the axis points so that positive turns downward
-//! let effort = inverse_dynamics(&arm, &[0.0], &[0.0], &[0.0]);
+//! let effort: Vec<f64> = inverse_dynamics(&arm, &[0.0], &[0.0], &[0.0]);
 //! assert!((effort[0] + 2.0 * 9.81 * 0.5).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -9,11 +9,11 @@ use crate::real::{BATCH, Batch, Real, load_batch, store_batch};
 /// Motion of link `i` in `E_i`: what its ten parameters are multiplied with.
 #[derive(Debug, Clone, Copy)]
 pub struct LinkMotion<T> {
-    /// Angular velocity [rad/s].
+    /// Angular velocity \[rad/s\].
     pub angular_velocity: Vector3<T>,
     /// Angular acceleration [rad/s2].
     pub angular_acceleration: Vector3<T>,
-    /// Acceleration of `O_i` minus gravity [m/s2].
+    /// Acceleration of `O_i` minus gravity \[m/s2\].
     pub acceleration: Vector3<T>,
 }
 

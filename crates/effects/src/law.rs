@@ -76,15 +76,15 @@ pub struct Law {
 /// Motion of one joint over a recording: what columns are formed from. All slices have one length.
 #[derive(Debug, Clone, Copy)]
 pub struct JointMotion<'a> {
-    /// Time [s].
+    /// Time \[s\].
     pub time_s: &'a [f64],
-    /// Position [rad or m].
+    /// Position \[rad or m\].
     pub position: &'a [f64],
-    /// Velocity [rad/s or m/s].
+    /// Velocity \[rad/s or m/s\].
     pub velocity: &'a [f64],
-    /// Acceleration [rad/s2 or m/s2].
+    /// Acceleration \[rad/s2 or m/s2\].
     pub acceleration: &'a [f64],
-    /// Speed under which the direction of motion is not known [rad/s or m/s]: signs fade to zero
+    /// Speed under which the direction of motion is not known \[rad/s or m/s\]: signs fade to zero
     /// there instead of following the noise.
     pub speed_resolution: f64,
 }
@@ -92,9 +92,9 @@ pub struct JointMotion<'a> {
 /// State of one joint at an instant of a simulation.
 #[derive(Debug, Clone, Copy)]
 pub struct JointState {
-    /// Position [rad or m].
+    /// Position \[rad or m\].
     pub position: f64,
-    /// Velocity [rad/s or m/s].
+    /// Velocity \[rad/s or m/s\].
     pub velocity: f64,
 }
 
@@ -113,12 +113,12 @@ pub trait Effect: Sync {
         0.0
     }
 
-    /// Simulator: dry friction level [N m or N]; at rest the effort is anything within it.
+    /// Simulator: dry friction level \[N m or N\]; at rest the effort is anything within it.
     fn dry_friction(&self, _parameters: &[f64]) -> f64 {
         0.0
     }
 
-    /// Simulator: inertia added to the diagonal of `H` [kg m2 or kg].
+    /// Simulator: inertia added to the diagonal of `H` \[kg m2 or kg\].
     fn added_inertia(&self, _parameters: &[f64]) -> f64 {
         0.0
     }

@@ -17,7 +17,8 @@ use crate::quantiles::student_t_975;
 const RANK_CUT: f64 = 1e-9;
 /// Cut of the structural elimination at random states.
 const DEPENDENT: f64 = 1e-8;
-/// Periods of the cut-off frequency left out at both ends of a training recording.
+/// Periods of the cut-off frequency left out at both ends of a recording, of the fit and of its
+/// errors alike: the filter does not know what came before, so accelerations are wrong there.
 const EDGE_PERIODS: f64 = 1.0;
 /// Speed resolution as a share of the RMS speed: below it the sign of the velocity is not trusted.
 const SPEED_RESOLUTION: f64 = 0.01;
@@ -76,7 +77,7 @@ pub struct BatchProblem<'a> {
 /// Effort error of one joint on a set of recordings, on the filtered effort.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointFit {
-    /// Root mean square of the residual [N m or N].
+    /// Root mean square of the residual \[N m or N\].
     pub rmse: f64,
     /// `norm(residual) / norm(effort - mean)`.
     pub relative: f64,
@@ -91,7 +92,7 @@ pub struct BatchEstimate {
     pub covariance: Mat<f64>,
     /// Half-width factor of 95 % intervals.
     pub quantile_95: f64,
-    /// Noise level of each joint's filtered effort [N m or N].
+    /// Noise level of each joint's filtered effort \[N m or N\].
     pub effort_noise: Vec<f64>,
     /// Numerical rank.
     pub rank: usize,
@@ -249,7 +250,7 @@ impl<'a> BatchProblem<'a> {
     ///
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
-    pub fn accumulate(&self, motions: &[&Motion], keep_edges: bool) -> JointRows {
+    pub fn accumulate(&self, motions: &[&Motion]) -> JointRows {
         let n = self.arm.dof();
         let mut rows = JointRows {
             triangles: self.by_joint.iter().map(|t| AccumulatedQr::new(t.len())).collect(),
@@ -261,11 +262,11 @@ impl<'a> BatchProblem<'a> {
             #[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
             let effort = motion.effort_filtered.as_ref().expect("a motion with efforts");
             let edge = match &motion.filter {
-                Some(filter) if !keep_edges => {
+                Some(filter) => {
                     let edge = (EDGE_PERIODS * motion.rate_hz / filter.cutoff_hz()).ceil() as usize;
                     edge.min(motion.len() / 4)
                 }
-                _ => 0,
+                None => 0,
             };
             let kept = edge..motion.len() - edge;
             independent += motion.independent_share() * kept.len() as f64;

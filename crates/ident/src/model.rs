@@ -27,7 +27,7 @@ pub struct ArmModel {
     pub chain: DrivingAxisChain,
     /// Effects beyond the rigid body.
     pub effects: Vec<EffectOnJoint>,
-    /// Cut-off of the low-pass the model was estimated with [Hz]; predictions use it too.
+    /// Cut-off of the low-pass the model was estimated with \[Hz\]; predictions use it too.
     pub cutoff_hz: Option<f64>,
     /// Where the numbers come from, one sentence each.
     pub provenance: Vec<String>,
@@ -196,7 +196,7 @@ struct JointEntry {
     link: [f64; 10],
 }
 
-/// Position [m] and quaternion (w, x, y, z).
+/// Position \[m\] and quaternion (w, x, y, z).
 #[derive(Serialize, Deserialize, Clone, Copy)]
 struct Pose {
     position: [f64; 3],

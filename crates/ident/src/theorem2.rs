@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use crate::constant::{Constant, Quantity};
 
-/// Tolerance of parallel directions (unit vectors) and accumulated offsets [m] on a snapped chain,
+/// Tolerance of parallel directions (unit vectors) and accumulated offsets \[m\] on a snapped chain,
 /// where what is meant to be zero is zero to round-off.
 const EXACT: f64 = 1e-9;
 

@@ -37,13 +37,13 @@ pub struct LinkDescription {
 /// The numbers of one `<inertial>` element, as written.
 #[derive(Debug, Clone, Copy)]
 pub struct InertialDescription {
-    /// Mass [kg], finite and not negative.
+    /// Mass \[kg\], finite and not negative.
     pub mass_kg: f64,
-    /// Centre of mass in the link frame [m].
+    /// Centre of mass in the link frame \[m\].
     pub com_in_link_m: [f64; 3],
-    /// Roll, pitch, yaw of the inertial frame in the link frame [rad].
+    /// Roll, pitch, yaw of the inertial frame in the link frame \[rad\].
     pub rpy_rad: [f64; 3],
-    /// `ixx, ixy, ixz, iyy, iyz, izz` about the centre of mass in the inertial frame [kg m2],
+    /// `ixx, ixy, ixz, iyy, iyz, izz` about the centre of mass in the inertial frame \[kg m2\],
     /// products with the sign of the tensor.
     pub inertia_kgm2: [f64; 6],
 }
@@ -83,9 +83,9 @@ pub struct JointDescription {
     pub parent: usize,
     /// Index of the child link.
     pub child: usize,
-    /// Origin of the joint frame in the parent link frame [m].
+    /// Origin of the joint frame in the parent link frame \[m\].
     pub origin_xyz_m: [f64; 3],
-    /// Roll, pitch, yaw of the joint frame in the parent link frame [rad], as written.
+    /// Roll, pitch, yaw of the joint frame in the parent link frame \[rad\], as written.
     pub origin_rpy_rad: [f64; 3],
     /// Unit vector of the axis in the joint frame, with the sign of the file.
     /// `[1, 0, 0]` where the file has no `<axis>`; meaningless for fixed and floating joints.
@@ -103,22 +103,22 @@ pub struct JointDescription {
 /// Limits of a joint; `None` means unlimited or not stated.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct JointLimits {
-    /// Lowest position [rad or m].
+    /// Lowest position \[rad or m\].
     pub lower: Option<f64>,
-    /// Highest position [rad or m].
+    /// Highest position \[rad or m\].
     pub upper: Option<f64>,
-    /// Largest effort [N m or N].
+    /// Largest effort \[N m or N\].
     pub effort: Option<f64>,
-    /// Largest speed [rad/s or m/s].
+    /// Largest speed \[rad/s or m/s\].
     pub velocity: Option<f64>,
 }
 
 /// `<dynamics>` of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDynamics {
-    /// Viscous coefficient [N m s/rad or N s/m].
+    /// Viscous coefficient \[N m s/rad or N s/m\].
     pub damping: f64,
-    /// Coulomb level [N m or N].
+    /// Coulomb level \[N m or N\].
     pub friction: f64,
 }
 
@@ -129,7 +129,7 @@ pub struct Mimic {
     pub master: String,
     /// Factor on the leading joint's position.
     pub multiplier: f64,
-    /// Offset [rad or m].
+    /// Offset \[rad or m\].
     pub offset: f64,
 }
 

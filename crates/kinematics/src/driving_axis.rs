@@ -18,23 +18,23 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 use crate::serial_chain::{NEARLY, nearest_twelfth, snapped};
 use crate::{InertialParameters, JointDynamics, JointKind, JointLimits, SerialChain, Warning};
 
-/// Two directions are parallel when `|z_i × z_j|` is at most this [rad].
+/// Two directions are parallel when `|z_i × z_j|` is at most this \[rad\].
 pub const PARALLEL_TOLERANCE_RAD: f64 = 1e-4;
-/// A length below this is zero [m].
+/// A length below this is zero \[m\].
 pub const LENGTH_TOLERANCE_M: f64 = 1e-6;
-/// A frame origin farther out than this is worth a warning [m].
+/// A frame origin farther out than this is worth a warning \[m\].
 const FAR_M: f64 = 100.0;
 
 /// The four constants of one joint, at q = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivingAxisFrame {
-    /// Length of the normal between the axes `i-1` and `i` [m].
+    /// Length of the normal between the axes `i-1` and `i` \[m\].
     pub b_m: f64,
-    /// `d'`, offset along the axis at q = 0 [m].
+    /// `d'`, offset along the axis at q = 0 \[m\].
     pub d_m: f64,
-    /// Angle between the axes `i-1` and `i` about the normal [rad], in (-π, π].
+    /// Angle between the axes `i-1` and `i` about the normal \[rad\], in (-π, π].
     pub beta_rad: f64,
-    /// `θ'`, angle about the axis at q = 0 [rad], in (-π, π].
+    /// `θ'`, angle about the axis at q = 0 \[rad\], in (-π, π].
     pub theta_rad: f64,
 }
 
@@ -101,13 +101,13 @@ pub struct DrivingAxisChain {
     pub tip_link: String,
     /// Pose of the tip link frame in `E_n` (all joints before it at 0).
     pub tip_in_e: Isometry3<f64>,
-    /// Frozen movable joints and their positions [rad or m].
+    /// Frozen movable joints and their positions \[rad or m\].
     pub locked: BTreeMap<String, f64>,
     /// Pose of `E_0` in the base link.
     pub base_from_e0: Isometry3<f64>,
-    /// Gravity acceleration in the base link frame [m/s2].
+    /// Gravity acceleration in the base link frame \[m/s2\].
     pub gravity_base: Vector3<f64>,
-    /// Gravity acceleration in `E_0` [m/s2], snapped.
+    /// Gravity acceleration in `E_0` \[m/s2\], snapped.
     pub gravity_e0: Vector3<f64>,
     /// Joints 1..n.
     pub joints: Vec<DrivingAxisJoint>,
@@ -207,7 +207,7 @@ impl DrivingAxisChain {
         self.joints.iter().map(|j| j.kind.letter()).collect()
     }
 
-    /// Pose of `E_i` in `E_{i-1}` with joint `i` (from 0) at `position` [rad or m].
+    /// Pose of `E_i` in `E_{i-1}` with joint `i` (from 0) at `position` \[rad or m\].
     pub fn parent_from_e(&self, i: usize, position: f64) -> Isometry3<f64> {
         let DrivingAxisFrame { b_m, d_m, beta_rad, theta_rad } = self.joints[i].frame;
         let (theta, d) = match self.joints[i].kind {

@@ -8,11 +8,11 @@ use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
 /// the sign of the tensor (as in URDF).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InertialParameters {
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass_kg: f64,
-    /// Mass times centre of mass [kg m].
+    /// Mass times centre of mass \[kg m\].
     pub first_moment_kgm: Vector3<f64>,
-    /// Inertia tensor about the frame origin [kg m2], symmetric.
+    /// Inertia tensor about the frame origin \[kg m2\], symmetric.
     pub inertia_origin_kgm2: Matrix3<f64>,
 }
 
@@ -29,7 +29,7 @@ impl InertialParameters {
         }
     }
 
-    /// From mass [kg], centre of mass [m] and inertia about the centre of mass [kg m2], one frame.
+    /// From mass \[kg\], centre of mass \[m\] and inertia about the centre of mass \[kg m2\], one frame.
     pub fn from_com(mass_kg: f64, com_m: Vector3<f64>, inertia_com_kgm2: Matrix3<f64>) -> Self {
         Self {
             mass_kg,
@@ -38,12 +38,12 @@ impl InertialParameters {
         }
     }
 
-    /// Centre of mass [m]; the origin for a body without mass.
+    /// Centre of mass \[m\]; the origin for a body without mass.
     pub fn com_m(&self) -> Vector3<f64> {
         if self.mass_kg == 0.0 { Vector3::zeros() } else { self.first_moment_kgm / self.mass_kg }
     }
 
-    /// Inertia about the centre of mass [kg m2], axes of the frame.
+    /// Inertia about the centre of mass \[kg m2\], axes of the frame.
     pub fn inertia_com_kgm2(&self) -> Matrix3<f64> {
         self.inertia_origin_kgm2 - self.mass_kg * steiner(self.com_m())
     }

@@ -22,12 +22,12 @@ pub struct ChainSelection {
     /// Joints a recording has positions of. Joints on the path that are not among them are locked
     /// at 0, and that is said.
     pub recorded_joints: Option<Vec<String>>,
-    /// Movable joints frozen at a position [rad or m], by name.
+    /// Movable joints frozen at a position \[rad or m\], by name.
     pub locked: BTreeMap<String, f64>,
-    /// Gravity acceleration in the base link frame [m/s2].
+    /// Gravity acceleration in the base link frame \[m/s2\].
     pub gravity_base: [f64; 3],
     /// Joint-origin angles within this distance of a multiple of π/12 are taken as that multiple
-    /// [rad]. 1e-4 catches 1.5708 and 3.1415; 2e-3 would also catch 1.57 and 3.14.
+    /// \[rad\]. 1e-4 catches 1.5708 and 3.1415; 2e-3 would also catch 1.57 and 3.14.
     pub snap_rpy_rad: f64,
 }
 
@@ -47,9 +47,9 @@ impl Default for ChainSelection {
 /// Rotation about or translation along the joint axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
-    /// `R`: the position is an angle [rad], the effort a torque [N m].
+    /// `R`: the position is an angle \[rad\], the effort a torque \[N m\].
     Rotational,
-    /// `P`: the position is a length [m], the effort a force [N].
+    /// `P`: the position is a length \[m\], the effort a force \[N\].
     Translational,
 }
 
@@ -77,7 +77,7 @@ pub struct ChainJoint {
     pub kind: JointKind,
     /// Unit axis at q = 0, base coordinates, sign of the URDF.
     pub axis_in_base: Vector3<f64>,
-    /// Joint origin at q = 0 in base coordinates [m].
+    /// Joint origin at q = 0 in base coordinates \[m\].
     pub origin_in_base_m: Vector3<f64>,
     /// Child link of the joint.
     pub child_link: String,
@@ -108,9 +108,9 @@ pub struct SerialChain {
     pub base_from_tip: Isometry3<f64>,
     /// Movable joints from base to tip; never empty.
     pub joints: Vec<ChainJoint>,
-    /// Frozen movable joints and their positions [rad or m].
+    /// Frozen movable joints and their positions \[rad or m\].
     pub locked: BTreeMap<String, f64>,
-    /// Gravity acceleration in the base link frame [m/s2].
+    /// Gravity acceleration in the base link frame \[m/s2\].
     pub gravity_base: Vector3<f64>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
@@ -512,7 +512,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Distance [rad] under which something is worth a warning as "nearly" a multiple or parallel.
+/// Distance \[rad\] under which something is worth a warning as "nearly" a multiple or parallel.
 pub(crate) const NEARLY: f64 = 5e-3;
 
 pub(crate) fn nearest_twelfth(angle: f64) -> f64 {

@@ -154,7 +154,7 @@ fn looks_like_time(column: &str) -> bool {
         || name.split(' ').next().is_some_and(|first| TIME_NAMES.contains(&first))
 }
 
-/// Lower case, every run of other characters than letters and digits one space: `Time [s]` ->
+/// Lower case, every run of other characters than letters and digits one space: `Time \[s\]` ->
 /// `time s`.
 fn plain(name: &str) -> String {
     let spaced: String = name

@@ -22,7 +22,7 @@ pub struct IdentifyReport {
     pub holdout_recordings: Vec<String>,
     /// Chain joints in order.
     pub joints: Vec<String>,
-    /// Cut-off of the low-pass [Hz]; absent when recorded accelerations were used.
+    /// Cut-off of the low-pass \[Hz\]; absent when recorded accelerations were used.
     pub cutoff_hz: Option<f64>,
     /// Constants of the minimal set.
     pub constants: Vec<ConstantRow>,
@@ -42,7 +42,7 @@ pub struct IdentifyReport {
     pub rows: usize,
     /// Independent samples over samples after filtering.
     pub independent_share: f64,
-    /// Noise level of each joint's effort [N m or N].
+    /// Noise level of each joint's effort \[N m or N\].
     pub effort_noise: BTreeMap<String, f64>,
     /// Effort error per joint.
     pub fit: FitReport,
@@ -141,7 +141,7 @@ pub struct FitReport {
 /// Effort errors by joint, on the filtered effort.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct FitRows {
-    /// Root mean square residual [N m or N].
+    /// Root mean square residual \[N m or N\].
     pub rmse: BTreeMap<String, f64>,
     /// Residual norm over the norm of effort less its mean.
     pub relative: BTreeMap<String, f64>,

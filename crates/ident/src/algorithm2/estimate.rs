@@ -75,7 +75,7 @@ pub struct StepResult {
     pub columns: usize,
     /// Condition number of the unit columns.
     pub condition: f64,
-    /// Residual RMS [N m or N].
+    /// Residual RMS \[N m or N\].
     pub rmse: f64,
     /// Viscous coefficient and Coulomb level of the moving joint with standard errors, where the
     /// moving joint is the observed one and the recording determines them.
@@ -91,7 +91,7 @@ pub struct Algorithm2Estimate {
     pub covariance: Mat<f64>,
     /// Half-width factor of 95 % intervals, per constant (Student t of the step's joint).
     pub quantile_95: Vec<f64>,
-    /// Noise level of each joint's effort [N m or N], from the residuals; NaN for joints not used.
+    /// Noise level of each joint's effort \[N m or N\], from the residuals; NaN for joints not used.
     pub effort_noise: Vec<f64>,
     /// The steps.
     pub steps: Vec<StepResult>,

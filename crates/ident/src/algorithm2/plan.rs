@@ -37,13 +37,13 @@ const ASSUMED_COULOMB: f64 = 0.03;
 pub struct PlanSettings {
     /// Samples per second of the trajectories.
     pub rate_hz: f64,
-    /// `A` for rotational joints [rad].
+    /// `A` for rotational joints \[rad\].
     pub amplitude_rad: f64,
-    /// `A` for translational joints [m].
+    /// `A` for translational joints \[m\].
     pub amplitude_m: f64,
-    /// `σ` [1/s], lowered where limits ask for it.
+    /// `σ` \[1/s\], lowered where limits ask for it.
     pub sigma_per_s: f64,
-    /// Known Coulomb levels [N m or N] by joint.
+    /// Known Coulomb levels \[N m or N\] by joint.
     pub coulomb: BTreeMap<String, f64>,
     /// Small oscillation of the observed joint that breaks its stiction.
     pub dither: Option<Dither>,
@@ -68,9 +68,9 @@ impl Default for PlanSettings {
 /// `amplitude sin(2π frequency t)` on a held joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dither {
-    /// Amplitude [rad or m].
+    /// Amplitude \[rad or m\].
     pub amplitude: f64,
-    /// Frequency [Hz].
+    /// Frequency \[Hz\].
     pub frequency_hz: f64,
 }
 
@@ -85,9 +85,9 @@ pub struct Plan {
     pub base_link: String,
     /// Tip link of the chain.
     pub tip_link: String,
-    /// Gravity in the base link [m/s2].
+    /// Gravity in the base link \[m/s2\].
     pub gravity: [f64; 3],
-    /// Joints frozen off the chain [rad or m].
+    /// Joints frozen off the chain \[rad or m\].
     pub locked: BTreeMap<String, f64>,
     /// Chain joints in order.
     pub joints: Vec<String>,
@@ -112,7 +112,7 @@ pub struct Experiment {
     pub id: String,
     /// The moving joint.
     pub moving: String,
-    /// Positions of the held joints [rad or m].
+    /// Positions of the held joints \[rad or m\].
     pub held: BTreeMap<String, f64>,
     /// Motion of the moving joint.
     pub motion: StepMotion,
@@ -138,9 +138,9 @@ pub struct Step {
     pub condition: f64,
     /// Whether all unknowns can be determined.
     pub full_rank: bool,
-    /// RMS effort the unknowns cause at the observed joint, by the URDF's values [N m or N].
+    /// RMS effort the unknowns cause at the observed joint, by the URDF's values \[N m or N\].
     pub signal_rms: f64,
-    /// Coulomb level of the observed joint [N m or N], given or assumed; absent without effort limit.
+    /// Coulomb level of the observed joint \[N m or N\], given or assumed; absent without effort limit.
     pub coulomb: Option<f64>,
     /// Whether `coulomb` is an assumption (3 % of the effort limit).
     pub coulomb_assumed: bool,
@@ -365,7 +365,7 @@ impl Planner<'_> {
         Some(Candidate { moving, q, motion, rows })
     }
 
-    /// Range of positions used for a joint [rad or m].
+    /// Range of positions used for a joint \[rad or m\].
     fn range(&self, j: usize) -> (f64, f64) {
         let joint = &self.chain.joints[j];
         let reach = if joint.kind.is_rotational() { PI } else { 0.5 };
@@ -539,7 +539,7 @@ impl Plan {
 /// The samples of one planned experiment.
 #[derive(Debug, Clone)]
 pub struct PlannedTrajectory {
-    /// Time [s].
+    /// Time \[s\].
     pub time_s: Vec<f64>,
     /// `[joint][sample]`: position, velocity, acceleration.
     pub joints: Vec<Vec<(f64, f64, f64)>>,

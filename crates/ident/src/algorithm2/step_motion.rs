@@ -6,24 +6,24 @@ use serde::{Deserialize, Serialize};
 /// half-way by subtracting the same step, so that both directions of motion occur.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepMotion {
-    /// `q₀` [rad or m].
+    /// `q₀` \[rad or m\].
     pub start: f64,
-    /// `A` [rad or m]; the paper takes π/6.
+    /// `A` \[rad or m\]; the paper takes π/6.
     pub amplitude: f64,
-    /// `σ` [1/s]; the paper takes 10.
+    /// `σ` \[1/s\]; the paper takes 10.
     pub sigma_per_s: f64,
 }
 
 impl StepMotion {
-    /// Rest before the motion and after it [s].
+    /// Rest before the motion and after it \[s\].
     pub const REST_S: f64 = 0.1;
 
-    /// Time from the step to its return [s]: 12/σ leaves 8e-5 of the amplitude.
+    /// Time from the step to its return \[s\]: 12/σ leaves 8e-5 of the amplitude.
     pub fn half_s(&self) -> f64 {
         12.0 / self.sigma_per_s
     }
 
-    /// Whole duration [s].
+    /// Whole duration \[s\].
     pub fn duration_s(&self) -> f64 {
         2.0 * (self.half_s() + Self::REST_S)
     }
@@ -45,7 +45,7 @@ impl StepMotion {
         [1.0 - (1.0 + s * t) * decay, s * s * t * decay, s * s * (1.0 - s * t) * decay]
     }
 
-    /// Largest speed, reached at `t = 1/σ` [rad/s or m/s].
+    /// Largest speed, reached at `t = 1/σ` \[rad/s or m/s\].
     pub fn peak_speed(&self) -> f64 {
         self.amplitude.abs() * self.sigma_per_s / std::f64::consts::E
     }

@@ -62,7 +62,7 @@ fn note_inertia(inertial: &InertialDescription, note: &mut impl FnMut(&'static s
     }
 }
 
-/// Why no distribution of mass has this inertia about its centre of mass [kg m2]: principal
+/// Why no distribution of mass has this inertia about its centre of mass \[kg m2\]: principal
 /// moments must not be negative and none may exceed the sum of the others.
 fn inertia_fault(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> Option<String> {
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

@@ -27,7 +27,7 @@ impl UrdfVersion {
     }
 }
 
-/// `xyz` [m] and `rpy` [rad] of an origin; zeros where the file has none.
+/// `xyz` \[m\] and `rpy` \[rad\] of an origin; zeros where the file has none.
 pub(super) fn read_pose(
     text: &UrdfText<'_>,
     node: Option<Node<'_, '_>>,
@@ -62,7 +62,7 @@ pub(super) fn read_pose(
     Ok((*urdf.xyz, rpy))
 }
 
-/// Roll, pitch, yaw [rad] of a quaternion x, y, z, w; `None` if it is zero.
+/// Roll, pitch, yaw \[rad\] of a quaternion x, y, z, w; `None` if it is zero.
 ///
 /// urdf-rs sets the pitch to 90 degrees within 0.26 degrees of it; here every angle is exact.
 fn rpy_from_quat(xyzw: [f64; 4]) -> Option<[f64; 3]> {
