@@ -99,8 +99,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         seeds - 1,
         env!("CARGO_PKG_VERSION")
     );
-    println!("Made by `cargo run --release --example coverage_algorithm2 -- {seeds} {noise_nm}`.\n");
-    println!("| constant | true value | mean standard error | inside 95 % interval | mean of (estimate - truth)/error | SD |");
+    println!(
+        "Made by `cargo run --release --example coverage_algorithm2 -- {seeds} {noise_nm}`.\n"
+    );
+    println!(
+        "| constant | true value | mean standard error | inside 95 % interval | mean of (estimate - truth)/error | SD |"
+    );
     println!("| --- | ---: | ---: | ---: | ---: | ---: |");
     let n = seeds as f64;
     for k in 0..count {

@@ -1,12 +1,12 @@
-//! Cost of the kernels per sample: one sample alone, and a motion eight samples at a time.
+//! Cost of the kernels per sample: one sample alone, and a motion in batches.
 
 #![allow(clippy::unwrap_used, reason = "a bench without its arm has nothing to measure")]
 
 use std::path::Path;
 
 use armident_dynamics::{
-    BATCH, Batch, RigidArm, Sweep, inertia_matrix, inverse_dynamics_into,
-    inverse_dynamics_of_motion, load_batch, regressor_row_into, standard_regressor,
+    BATCH, Batch, InertiaSweep, RigidArm, Sweep, inertia_matrix_into, inverse_dynamics_into,
+    inverse_dynamics_of_motion, load_batch, regressor_row_into,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use divan::counter::ItemsCount;
@@ -96,17 +96,28 @@ fn inverse_dynamics_motion(bencher: Bencher<'_, '_>, name: &str) {
 fn inertia_matrix_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, ..] = moving.sample(100);
-    bencher
-        .counter(ItemsCount::new(1_usize))
-        .bench_local(|| inertia_matrix(&moving.arm, black_box(&q)));
+    let n = moving.arm.dof();
+    let mut sweep = InertiaSweep::new(n);
+    let mut h = vec![0.0; n * n];
+    bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
+        inertia_matrix_into(&moving.arm, black_box(&q), &mut sweep, &mut h);
+        black_box(&h);
+    });
 }
 
 #[divan::bench(args = ARMS)]
 fn standard_regressor_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
+    let n = moving.arm.dof();
     let [q, dq, ddq] = moving.sample(100);
+    let mut sweep = Sweep::new(n);
+    let mut rows = vec![0.0; 10 * n * n];
     bencher.counter(ItemsCount::new(1_usize)).bench_local(|| {
-        standard_regressor(&moving.arm, black_box(&q), black_box(&dq), black_box(&ddq))
+        sweep.run(&moving.arm, black_box(&q), black_box(&dq), black_box(&ddq));
+        for (joint, row) in rows.chunks_mut(10 * n).enumerate() {
+            regressor_row_into(&moving.arm, &sweep, joint, row);
+        }
+        black_box(&rows);
     });
 }
 

@@ -43,15 +43,23 @@ pub struct CompositeBody<T> {
 /// The sums (5)-(7) by recursion: `m̂_i = m_i + m̂_p`, `ĉ_i = m_i c_i + R ĉ_p + m̂_p s`,
 /// `Ĵ_i = J_i + R Ĵ_p Rᵀ + m̂_p Σ(s) + Π(s, R ĉ_p)` with `p = i + 1`.
 pub fn composite_bodies<T: Real>(arm: &RigidArm, poses: &[JointPose<T>]) -> Vec<CompositeBody<T>> {
-    let mut bodies: Vec<CompositeBody<T>> = arm
-        .links
-        .iter()
-        .map(|link| CompositeBody {
-            mass: link.mass_kg,
-            first_moment: link.first_moment_kgm.map(T::splat),
-            inertia: link.inertia_origin_kgm2.map(T::splat),
-        })
-        .collect();
+    let mut bodies = Vec::with_capacity(arm.dof());
+    composite_bodies_into(arm, poses, &mut bodies);
+    bodies
+}
+
+/// [`composite_bodies`] into memory that is kept between samples.
+pub(crate) fn composite_bodies_into<T: Real>(
+    arm: &RigidArm,
+    poses: &[JointPose<T>],
+    bodies: &mut Vec<CompositeBody<T>>,
+) {
+    bodies.clear();
+    bodies.extend(arm.links.iter().map(|link| CompositeBody {
+        mass: link.mass_kg,
+        first_moment: link.first_moment_kgm.map(T::splat),
+        inertia: link.inertia_origin_kgm2.map(T::splat),
+    }));
     for p in (1..bodies.len()).rev() {
         let (outer, pose) = (bodies[p], &poses[p]);
         let mass = T::splat(outer.mass);
@@ -62,5 +70,4 @@ pub fn composite_bodies<T: Real>(arm: &RigidArm, poses: &[JointPose<T>]) -> Vec<
         body.inertia +=
             pose.tensor_to_parent(&outer.inertia) + sigma(&pose.s) * mass + pi(&pose.s, &turned);
     }
-    bodies
 }

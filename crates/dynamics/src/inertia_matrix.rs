@@ -1,30 +1,72 @@
 //! Renaud's inertia matrix and the gravity effort, read off the composite bodies.
 
 use armident_kinematics::JointKind::{Rotational, Translational};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 
-use crate::arm::RigidArm;
-use crate::composite::{CompositeBody, composite_bodies};
+use crate::arm::{JointPose, RigidArm};
+use crate::composite::{CompositeBody, composite_bodies, composite_bodies_into};
 use crate::real::Real;
 
 /// Inertia matrix `H(q)`, n x n symmetric \[kg m2, kg m or kg by the joints' kinds\]
 /// (Lin 1992, eq. 9 and 10).
 pub fn inertia_matrix<T: Real>(arm: &RigidArm, q: &[T]) -> DMatrix<T> {
-    let poses = arm.poses(q);
-    let bodies = composite_bodies(arm, &poses);
-    inertia_matrix_of(arm, &poses, &bodies)
+    let n = arm.dof();
+    let mut h = DMatrix::from_element(n, n, T::splat(0.0));
+    inertia_matrix_into(arm, q, &mut InertiaSweep::new(n), h.as_mut_slice());
+    h
+}
+
+/// Scratch memory of [`inertia_matrix_into`]: no allocation per sample.
+#[derive(Debug, Clone)]
+pub struct InertiaSweep<T> {
+    poses: Vec<JointPose<T>>,
+    bodies: Vec<CompositeBody<T>>,
+}
+
+impl<T: Real> InertiaSweep<T> {
+    /// Scratch for `dof` joints.
+    pub fn new(dof: usize) -> Self {
+        Self { poses: Vec::with_capacity(dof), bodies: Vec::with_capacity(dof) }
+    }
+}
+
+/// [`inertia_matrix`] without allocation; `h` has n² entries (the matrix is symmetric, so row- and
+/// column-major are the same).
+pub fn inertia_matrix_into<T: Real>(
+    arm: &RigidArm,
+    q: &[T],
+    sweep: &mut InertiaSweep<T>,
+    h: &mut [T],
+) {
+    sweep.poses.clear();
+    sweep.poses.extend(arm.joints.iter().zip(q).map(|(joint, &q)| joint.at(q)));
+    composite_bodies_into(arm, &sweep.poses, &mut sweep.bodies);
+    fill(arm, &sweep.poses, &sweep.bodies, h);
 }
 
 /// [`inertia_matrix`] from composite bodies already at hand.
 pub fn inertia_matrix_of<T: Real>(
     arm: &RigidArm,
-    poses: &[crate::JointPose<T>],
+    poses: &[JointPose<T>],
     bodies: &[CompositeBody<T>],
 ) -> DMatrix<T> {
     let n = arm.dof();
     let mut h = DMatrix::from_element(n, n, T::splat(0.0));
+    fill(arm, poses, bodies, h.as_mut_slice());
+    h
+}
+
+fn fill<T: Real>(arm: &RigidArm, poses: &[JointPose<T>], bodies: &[CompositeBody<T>], h: &mut [T]) {
+    let n = arm.dof();
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
     for m in 0..n {
-        for (i, (u, s)) in (m..n).zip(arm.axis_in_frames(poses, m)) {
+        let mut u = Vector3::new(zero, zero, one);
+        let mut s = Vector3::new(zero, zero, zero);
+        for i in m..n {
+            if i > m {
+                u = poses[i].to_child(&u);
+                s = poses[i].to_child(&(s + poses[i].s));
+            }
             let (c, j) = (&bodies[i].first_moment, &bodies[i].inertia);
             let mass = T::splat(bodies[i].mass);
             let a = u.cross(&s);
@@ -37,11 +79,10 @@ pub fn inertia_matrix_of<T: Real>(
                 (Rotational, Translational) => mass * a.z - turning,
                 (Translational, Translational) => mass * u.z,
             };
-            h[(m, i)] = entry;
-            h[(i, m)] = entry;
+            h[m * n + i] = entry;
+            h[i * n + m] = entry;
         }
     }
-    h
 }
 
 /// Gravity part `τᵍ(q)` of the actuator effort, length n \[N m or N\] (Lin 1992, eq. 11).

@@ -20,7 +20,7 @@
 //! | `τ` | actuator effort, positive along the joint axis | [`inverse_dynamics`] |
 //! | `Y` | regressor | [`standard_regressor`], [`ParameterColumns`] |
 //!
-//! The kernels are generic over [`Real`]: one sample (`f64`) or eight at once ([`Batch`]).
+//! The kernels are generic over [`Real`]: one sample (`f64`) or four at once ([`Batch`]).
 //! Not handled: branches and loops, more than one degree of freedom per joint, moving bases.
 //!
 //! ```
@@ -60,7 +60,9 @@ pub use constants::{
 };
 pub use coriolis::{coriolis_effort, inertia_matrix_derivatives};
 pub use forward::{NotPositiveDefinite, energy, forward_dynamics};
-pub use inertia_matrix::{gravity_effort, inertia_matrix, inertia_matrix_of};
+pub use inertia_matrix::{
+    InertiaSweep, gravity_effort, inertia_matrix, inertia_matrix_into, inertia_matrix_of,
+};
 pub use newton_euler::{
     LinkMotion, Sweep, inverse_dynamics, inverse_dynamics_into, inverse_dynamics_of_motion,
 };

@@ -120,7 +120,7 @@ pub fn inverse_dynamics_into<T: Real>(
 
 /// Effort of a whole motion, joint-major: `q[j][t]` in, `effort[j][t]` out.
 ///
-/// Runs eight samples at a time; memory is the result alone.
+/// Runs four samples at a time; memory is the result alone.
 ///
 /// # Panics
 /// When the three inputs do not have n columns of one length.

@@ -141,7 +141,7 @@ impl ParameterColumns {
 
     /// Columns of one joint over a whole motion, `[column][sample]`, for the columns in `wanted`.
     ///
-    /// Eight samples at a time; memory is the result alone.
+    /// Four samples at a time; memory is the result alone.
     pub fn of_motion(
         &self,
         arm: &RigidArm,

@@ -420,7 +420,7 @@ proptest! {
     }
 }
 
-// ---- eight samples at once
+// ---- several samples at once
 
 /// A motion of `samples` samples around the state of a case, joint-major.
 fn motion(case: &Case, samples: usize) -> [Vec<Vec<f64>>; 3] {

@@ -204,9 +204,11 @@ impl IdentifyReport {
     }
 
     fn constants_text(&self) -> String {
-        let rows: Vec<Vec<String>> = self
-            .constants
-            .iter()
+        // by joint, and within a joint in the order of the theorem
+        let mut sorted: Vec<&ConstantRow> = self.constants.iter().collect();
+        sorted.sort_by_key(|row| self.joints.iter().position(|j| *j == row.joint));
+        let rows: Vec<Vec<String>> = sorted
+            .into_iter()
             .map(|row| {
                 let (value, error) = match (row.value, row.standard_error) {
                     (Some(value), Some(error)) => uncertain(value, error),

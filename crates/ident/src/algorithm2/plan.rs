@@ -28,6 +28,9 @@ const CONDITION_LIMIT: f64 = 1e3;
 const RANK_CUT: f64 = 1e-9;
 /// Share of a limit that a motion may use.
 const LIMIT_SHARE: f64 = 0.8;
+/// Slowest motion accepted, as a share of the quickness that the speed limit allows: a pose in which
+/// the arm can only creep is worth less than another pose.
+const SLOWEST: f64 = 0.25;
 /// Coulomb level assumed where none is given, as a share of the effort limit: harmonic-drive and
 /// belt joints of industrial arms lie at 1-5 %.
 const ASSUMED_COULOMB: f64 = 0.03;
@@ -401,7 +404,8 @@ impl Planner<'_> {
         if let Some(speed) = joint.limits.velocity {
             sigma = sigma.min(LIMIT_SHARE * speed * std::f64::consts::E / amplitude);
         }
-        for _ in 0..24 {
+        let slowest = SLOWEST * sigma;
+        while sigma >= slowest {
             let motion = StepMotion { start: q[moving], amplitude, sigma_per_s: sigma };
             if self.within_effort(moving, q, &motion) {
                 return Some(motion);

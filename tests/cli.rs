@@ -1,0 +1,298 @@
+//! Exit codes, streams, and what is said about wrong command lines and wrong files.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::shared::project;
+use crate::tool::{read_json, run, run_in, scratch, text};
+
+/// `urdf/stanford.urdf` has one warning (the inertia of link 1 as printed in the paper).
+const WARNS: &str = "urdf/stanford.urdf";
+
+#[test]
+fn exit_codes() {
+    let code = |args: &[&str]| run(args).code;
+    assert_eq!(code(&["params", WARNS]), 0, "a warning is no failure");
+    assert_eq!(code(&["params", WARNS, "--fail-on", "warning"]), 3);
+    assert_eq!(code(&["params", WARNS, "--fail-on", "warning", "--quiet"]), 3);
+    assert_eq!(code(&["params", "urdf/scara.urdf", "--fail-on", "warning"]), 0);
+    assert_eq!(code(&["params", "urdf/absent.urdf"]), 1);
+    assert_eq!(code(&["params", "urdf/absent.urdf", "--fail-on", "warning"]), 1);
+    assert_eq!(code(&["params", WARNS, "--colour"]), 2);
+    assert_eq!(code(&["params", WARNS, "--gravity", "0,0"]), 2);
+    assert_eq!(code(&["params", WARNS, "--lock", "joint_1"]), 2);
+    assert_eq!(code(&["params"]), 2);
+    assert_eq!(code(&[]), 2);
+    assert_eq!(code(&["--help"]), 0);
+    assert_eq!(code(&["--version"]), 0);
+    for command in ["params", "plan", "simulate", "identify", "predict"] {
+        assert_eq!(code(&[command, "--help"]), 0, "{command}");
+    }
+}
+
+#[test]
+fn results_on_stdout_messages_on_stderr() {
+    let plain = run(&["params", WARNS]).fine();
+    assert!(plain.stdout.starts_with("stanford: 6 joints RRPRRR"));
+    assert!(plain.stderr.starts_with("warning: ") && plain.stderr.lines().count() == 1);
+
+    let json = run(&["params", WARNS, "--json", "-"]).fine();
+    assert_eq!(json.json()["robot"], "stanford", "stdout is JSON and nothing else");
+    assert_eq!(json.stderr, plain.stderr);
+
+    let folder = scratch("cli_streams");
+    let file = folder.join("minimal.json");
+    let both = run(&["params", WARNS, "--json", text(&file)]).fine();
+    assert_eq!(both.stdout, plain.stdout, "JSON in a file leaves the text on stdout");
+    assert_eq!(read_json(&file), json.json());
+    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().collect();
+    assert_eq!(left.len(), 1, "no half-written file is left");
+
+    let quiet = run(&["params", WARNS, "--quiet"]).fine();
+    assert_eq!((quiet.stdout, quiet.stderr.as_str()), (plain.stdout, ""));
+    let failed = run(&["params", "urdf/absent.urdf", "--quiet"]);
+    assert!(failed.stderr.starts_with("error: ") && failed.stdout.is_empty());
+}
+
+/// The same command gives the same bytes.
+#[test]
+fn results_repeat() {
+    for args in [&["params", "urdf/panda.urdf", "--json", "-"][..], &["params", "urdf/gantry.urdf"]]
+    {
+        assert_eq!(run(args).fine().stdout, run(args).fine().stdout);
+    }
+}
+
+/// A motion of `planar_2r`, 2 s at 100 Hz; `columns` are written behind `t`.
+fn motion(columns: &[&str], value: impl Fn(usize, f64) -> f64) -> String {
+    let mut csv = format!("t,{}\n", columns.join(","));
+    for k in 0..200 {
+        let t = f64::from(k) / 100.0;
+        let _ = write!(csv, "{t}");
+        for column in 0..columns.len() {
+            let _ = write!(csv, ",{}", value(column, t));
+        }
+        csv.push('\n');
+    }
+    csv
+}
+
+fn waves(column: usize, t: f64) -> f64 {
+    (3.0 * t + column as f64).sin() * 0.5 + (7.0 * t).cos() * 0.1
+}
+
+const POSITIONS: [&str; 2] = ["joint_1/position", "joint_2/position"];
+const RECORDED: [&str; 4] =
+    ["joint_1/position", "joint_1/effort", "joint_2/position", "joint_2/effort"];
+
+/// Good and broken files, all small.
+fn lay_out(folder: &Path) {
+    let write = |name: &str, content: &[u8]| {
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    };
+    for arm in ["planar_2r", "scara"] {
+        let from = project(&format!("urdf/{arm}.urdf"));
+        std::fs::copy(from, folder.join(format!("{arm}.urdf"))).unwrap();
+    }
+    let urdf = std::fs::read_to_string(folder.join("planar_2r.urdf")).unwrap();
+    write("sdf.urdf", b"<?xml version=\"1.0\"?>\n<sdf version=\"1.7\"><model name=\"a\"/></sdf>\n");
+    let xacro = "<robot name=\"a\" xmlns:xacro=\"http://ros.org/wiki/xacro\">\n  \
+                 <xacro:arm prefix=\"left\"/>\n  <link name=\"base\"/>\n</robot>\n";
+    write("arm.urdf.xacro", xacro.as_bytes());
+    write("empty.urdf", b"");
+    write("photo.urdf", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR");
+    write("cut_off.urdf", &urdf.as_bytes()[..urdf.len() / 2]);
+    write("no_child.urdf", urdf.replace("<child link=\"link_2\"/>", "").as_bytes());
+    write("text.txt", b"not a folder\n");
+
+    let recording = motion(&RECORDED, waves);
+    write("motion.csv", motion(&POSITIONS, waves).as_bytes());
+    write("run.csv", recording.as_bytes());
+    write("other_arm.csv", motion(&["elbow/position", "elbow/effort"], waves).as_bytes());
+    let one = ["joint_1/position", "joint_1/effort", "joint_2/effort"];
+    write("one_position.csv", motion(&one, waves).as_bytes());
+    write("half.csv", motion(&["joint_1/position", "joint_1/effort"], waves).as_bytes());
+    write("photo.csv", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR");
+    write("empty.csv", b"");
+    let lines = |n: usize| recording.lines().take(n).collect::<Vec<_>>().join("\n") + "\n";
+    write("short.csv", lines(6).as_bytes());
+    write("semicolons.csv", recording.replace(',', ";").as_bytes());
+    write("no_time.csv", recording.replacen("t,", "stamp,", 1).as_bytes());
+    write("words.csv", recording.replacen("\n0.5,", "\n0.5,up,", 1).as_bytes());
+    write("nan.csv", recording.replacen("\n0.5,", "\n0.5,nan,", 1).as_bytes());
+    write("backwards.csv", recording.replacen("\n0.5,", "\n0.1,", 1).as_bytes());
+    let no_numbers: String = recording
+        .lines()
+        .enumerate()
+        .map(|(k, line)| if k == 20 { "0.19,a,b,c,d\n".to_owned() } else { format!("{line}\n") })
+        .collect();
+    write("letters.csv", no_numbers.as_bytes());
+    std::fs::create_dir_all(folder.join("no_csv")).unwrap();
+
+    let identify = ["identify", "planar_2r.urdf", "run.csv", "--save-model", "model.json", "-q"];
+    run_in(folder, &identify).fine();
+    let model = std::fs::read_to_string(folder.join("model.json")).unwrap();
+    write("broken.json", &model.as_bytes()[..model.len() / 3]);
+    write("schema.json", model.replace("armident.model/1", "armident.model/7").as_bytes());
+    write("effect.json", model.replace("coulomb_friction", "coulomb_fiction").as_bytes());
+    write("skewed.json", model.replacen("\"quaternion_wxyz\": [", "\"quaternion_wxyz\": [9,", 1).as_bytes());
+    write("joints.json", b"{\"schema\": \"armident.model/1\", \"joints\": []}\n");
+
+    run_in(folder, &["plan", "planar_2r.urdf", "-o", "plan", "-q"]).fine();
+    run_in(folder, &["simulate", "planar_2r.urdf", "plan", "-o", "runs", "-q"]).fine();
+    let plan = std::fs::read_to_string(folder.join("runs/plan.json")).unwrap();
+    write("runs_broken/plan.json", &plan.as_bytes()[..plan.len() / 2]);
+    write("runs_schema/plan.json", plan.replace("armident.plan/1", "armident.plan/2").as_bytes());
+    write("runs_missing/plan.json", plan.as_bytes());
+    run_in(folder, &["simulate", "planar_2r.urdf", "plan", "-o", "runs_other", "-q"]).fine();
+    write("runs_other/plan.json", plan.replace("U1_33", "U7_33").as_bytes());
+}
+
+/// Every line is one wrong command; its page is the snapshot.
+const WRONG: &str = "\
+params
+params absent.urdf
+params runs
+params sdf.urdf
+params arm.urdf.xacro
+params empty.urdf
+params photo.urdf
+params cut_off.urdf
+params no_child.urdf
+params planar_2r.urdf --tip flnge
+params planar_2r.urdf --base gripper
+params planar_2r.urdf --base link_2 --tip base
+params planar_2r.urdf --tip base
+params planar_2r.urdf --lock joint_7=0
+params planar_2r.urdf --lock joint_1=0 --lock joint_2=0
+params planar_2r.urdf --lock joint_1
+params planar_2r.urdf --lock joint_1=up
+params planar_2r.urdf --gravity 0,0
+params planar_2r.urdf --gravity 0,0,inf
+params planar_2r.urdf --snap-rpy -1
+params planar_2r.urdf --tipp flange
+params planar_2r.urdf --json absent/out.json
+params planar_2r.urdf --fail-on everything
+params broken.json
+params schema.json
+params effect.json
+params skewed.json
+params joints.json
+params absent.json
+params model.json --tip flange
+params run.csv
+param planar_2r.urdf
+plan planar_2r.urdf
+plan planar_2r.urdf -o text.txt/plan
+plan planar_2r.urdf -o out --amplitude 0
+plan planar_2r.urdf -o out --dither 0.004
+plan planar_2r.urdf -o out --coulomb elbow=2
+simulate planar_2r.urdf motion.csv -o motion.csv
+simulate planar_2r.urdf absent.csv -o out.csv
+simulate planar_2r.urdf no_csv -o out
+simulate planar_2r.urdf other_arm.csv -o out.csv
+simulate planar_2r.urdf motion.csv -o out.csv --effect stribeck:joint_1=1
+simulate planar_2r.urdf motion.csv -o out.csv --effect coulomb_friction:joint_1=1,2
+simulate planar_2r.urdf motion.csv -o out.csv --effect coulomb_friction
+simulate planar_2r.urdf motion.csv -o out.csv --effect coulomb_friction:elbow=1
+simulate planar_2r.urdf motion.csv -o out.csv --effect coulomb_friction:joint_1=-1
+simulate planar_2r.urdf motion.csv -o out.csv --encoder-bits 2
+simulate planar_2r.urdf motion.csv -o out.csv --torque-noise -1
+simulate planar_2r.urdf motion.csv -o out.csv --direction forward
+simulate planar_2r.urdf motion.csv -o out.csv --rate-hz 1e12
+identify planar_2r.urdf
+identify planar_2r.urdf absent.csv
+identify planar_2r.urdf no_csv
+identify planar_2r.urdf motion.csv
+identify planar_2r.urdf other_arm.csv
+identify planar_2r.urdf one_position.csv --tip flange
+identify planar_2r.urdf photo.csv
+identify planar_2r.urdf empty.csv
+identify planar_2r.urdf short.csv
+identify planar_2r.urdf semicolons.csv
+identify planar_2r.urdf no_time.csv
+identify planar_2r.urdf words.csv
+identify planar_2r.urdf letters.csv
+identify planar_2r.urdf backwards.csv
+identify planar_2r.urdf run.csv --holdout absent.csv
+identify planar_2r.urdf run.csv --holdout half.csv
+identify planar_2r.urdf run.csv --holdout motion.csv
+identify planar_2r.urdf run.csv --cutoff-hz 80
+identify planar_2r.urdf run.csv --cutoff-hz 0
+identify planar_2r.urdf run.csv --save-model absent/model.json
+identify planar_2r.urdf runs run.csv
+identify scara.urdf runs
+identify planar_2r.urdf runs_broken
+identify planar_2r.urdf runs_schema
+identify planar_2r.urdf runs_missing
+identify planar_2r.urdf runs_other
+predict model.json
+predict model.json absent.csv -o out.csv
+predict model.json other_arm.csv -o out.csv
+predict model.json half.csv -o out.csv
+predict model.json motion.csv -o absent/out.csv
+predict model.json motion.csv -o out.csv --cutoff-hz 60";
+
+/// The lines after the warnings and notes: `error:`, `   in:` and mostly ` hint:`.
+fn is_three_lines(stderr: &str) -> bool {
+    let lines: Vec<&str> = stderr
+        .lines()
+        .filter(|line| !line.starts_with("warning: ") && !line.starts_with("note: "))
+        .collect();
+    let starts = ["error: ", "   in: ", " hint: "];
+    (2..=3).contains(&lines.len())
+        && lines.iter().zip(starts).all(|(line, start)| {
+            line.strip_prefix(start).is_some_and(|rest| !rest.trim().is_empty())
+        })
+}
+
+#[test]
+fn errors() {
+    let folder = scratch("cli_errors");
+    lay_out(&folder);
+    let mut page = String::new();
+    for line in WRONG.lines() {
+        let args: Vec<&str> = line.split(' ').collect();
+        let ran = run_in(&folder, &args);
+        assert!(ran.stdout.is_empty(), "{line}: {}", ran.stdout);
+        assert!(matches!(ran.code, 1 | 2), "{line}: exit code {}\n{}", ran.code, ran.stderr);
+        if ran.code == 1 {
+            assert!(is_three_lines(&ran.stderr), "{line}:\n{}", ran.stderr);
+        } else {
+            assert!(ran.stderr.starts_with("error: "), "{line}:\n{}", ran.stderr);
+        }
+        let _ = writeln!(page, "$ armident {line}\n(exit code {})\n{}", ran.code, ran.stderr);
+    }
+    insta::with_settings!({prepend_module_to_snapshot => false, omit_expression => true}, {
+        insta::assert_snapshot!("cli__errors", page);
+    });
+    // nothing half-written, and the trajectory that was to be overwritten is as it was
+    let left: Vec<String> = std::fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert!(!left.iter().any(|name| name.ends_with(".part") || name.starts_with("out")), "{left:?}");
+    let kept = std::fs::read_to_string(folder.join("motion.csv")).unwrap();
+    assert_eq!(kept, motion(&POSITIONS, waves));
+}
+
+/// Doubtful, but there is a result: what was done is said.
+#[test]
+fn doubts() {
+    let folder = scratch("cli_doubts");
+    lay_out(&folder);
+    let said = |line: &str| {
+        let args: Vec<&str> = line.split(' ').collect();
+        run_in(&folder, &args).fine().stderr
+    };
+    let half = said("identify planar_2r.urdf half.csv");
+    assert!(half.contains("locked at 0") && half.contains("[joint-not-recorded]"), "{half}");
+    let predicted = said("predict planar_2r.urdf run.csv -o out.csv --cutoff-hz 9");
+    assert_eq!(predicted, "");
+    let silent = said("predict planar_2r.urdf run.csv -o out.csv --quiet");
+    assert_eq!(silent, "");
+    let chosen = said("predict planar_2r.urdf run.csv -o out.csv");
+    assert!(chosen.is_empty() || chosen.starts_with("note: "), "{chosen}");
+}
