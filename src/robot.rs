@@ -31,6 +31,11 @@ pub(crate) fn load(
     Ok(ArmModel::from_chain(DrivingAxisChain::from_chain(&serial)))
 }
 
+/// What to say about a chain beside its warnings.
+pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
+    model.chain.ignored_note().into_iter().collect()
+}
+
 fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
     let chosen = [
         ("--base", chain.base.is_some()),

@@ -137,7 +137,9 @@ fn lay_out(folder: &Path) {
     write("broken.json", &model.as_bytes()[..model.len() / 3]);
     write("schema.json", model.replace("armident.model/1", "armident.model/7").as_bytes());
     write("effect.json", model.replace("coulomb_friction", "coulomb_fiction").as_bytes());
-    write("skewed.json", model.replacen("\"quaternion_wxyz\": [", "\"quaternion_wxyz\": [9,", 1).as_bytes());
+    let mut skewed: serde_json::Value = serde_json::from_str(&model).unwrap();
+    skewed["base_from_e0"]["quaternion_wxyz"][0] = 9.0.into();
+    write("skewed.json", skewed.to_string().as_bytes());
     write("joints.json", b"{\"schema\": \"armident.model/1\", \"joints\": []}\n");
 
     run_in(folder, &["plan", "planar_2r.urdf", "-o", "plan", "-q"]).fine();
@@ -207,7 +209,7 @@ identify planar_2r.urdf absent.csv
 identify planar_2r.urdf no_csv
 identify planar_2r.urdf motion.csv
 identify planar_2r.urdf other_arm.csv
-identify planar_2r.urdf one_position.csv --tip flange
+identify model.json one_position.csv
 identify planar_2r.urdf photo.csv
 identify planar_2r.urdf empty.csv
 identify planar_2r.urdf short.csv
@@ -273,7 +275,10 @@ fn errors() {
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
-    assert!(!left.iter().any(|name| name.ends_with(".part") || name.starts_with("out")), "{left:?}");
+    assert!(
+        !left.iter().any(|name| name.ends_with(".part") || name.starts_with("out")),
+        "{left:?}"
+    );
     let kept = std::fs::read_to_string(folder.join("motion.csv")).unwrap();
     assert_eq!(kept, motion(&POSITIONS, waves));
 }

@@ -53,18 +53,13 @@ fn short(package: &str) -> Option<&str> {
 
 /// Names of the dependencies a package is built with.
 fn dependencies(package: &Value) -> impl Iterator<Item = &str> {
-    list(&package["dependencies"])
-        .iter()
-        .filter(|d| d["kind"] != "dev")
-        .map(|d| string(&d["name"]))
+    list(&package["dependencies"]).iter().filter(|d| d["kind"] != "dev").map(|d| string(&d["name"]))
 }
 
 #[test]
 fn arrows() {
-    let expected: BTreeMap<&str, BTreeSet<&str>> = ARROWS
-        .iter()
-        .map(|(name, used)| (*name, used.iter().copied().collect()))
-        .collect();
+    let expected: BTreeMap<&str, BTreeSet<&str>> =
+        ARROWS.iter().map(|(name, used)| (*name, used.iter().copied().collect())).collect();
     let packages = packages();
     let found: BTreeMap<&str, BTreeSet<&str>> = packages
         .iter()

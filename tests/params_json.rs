@@ -103,9 +103,7 @@ fn assert_alike(place: &str, found: &Value, expected: &Value, tolerance: f64) {
                 let f = f.get(name).unwrap_or_else(|| panic!("{place}: no field `{name}`"));
                 assert_alike(&format!("{place}.{name}"), f, e, tolerance);
             }
-            let more = f.keys().filter(|k| {
-                !e.contains_key(*k) && !OURS_ONLY.contains(&k.as_str())
-            });
+            let more = f.keys().filter(|k| !e.contains_key(*k) && !OURS_ONLY.contains(&k.as_str()));
             assert_eq!(more.count(), 0, "{place}: {f:?}");
         }
         _ => assert_eq!(found, expected, "{place}"),

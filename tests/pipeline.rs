@@ -113,7 +113,13 @@ fn algorithm_2_with_noise() {
     let noise = ["--torque-noise", "0.1", "--seed", "3"];
     let (_, found) = ByPlan { simulate: &noise, ..STANFORD }.run("pipeline_noise");
     for f in &found {
-        assert!(f.error > 0.0 && f.off() <= 5.0 * f.error, "{}: {} of {}", f.label, f.off(), f.error);
+        assert!(
+            f.error > 0.0 && f.off() <= 5.0 * f.error,
+            "{}: {} of {}",
+            f.label,
+            f.off(),
+            f.error
+        );
     }
     let inside =
         found.iter().filter(|f| (f.interval[0]..=f.interval[1]).contains(&f.truth)).count();
@@ -151,8 +157,7 @@ fn algorithm_2_with_friction_of_the_moving_joint() {
 /// Held joints that are kept moving a little move the equations too.
 #[test]
 fn algorithm_2_with_dither() {
-    let (_, found) =
-        ByPlan { plan: &["--dither", "0.004,3"], ..STANFORD }.run("pipeline_dither");
+    let (_, found) = ByPlan { plan: &["--dither", "0.004,3"], ..STANFORD }.run("pipeline_dither");
     assert_exact(&found, 1e-9);
 }
 

@@ -136,10 +136,9 @@ fn fits_no_worse_than_the_baseline() {
 /// Currents and voltages are no efforts: said in words, with what to do.
 #[test]
 fn recordings_without_efforts_are_refused() {
-    for (folder, training, joint) in [
-        ("tiago-arm", "train.csv", "arm_1_joint"),
-        ("bam-xl330", "sin_sin_kp100.csv", "servo"),
-    ] {
+    for (folder, training, joint) in
+        [("tiago-arm", "train.csv", "arm_1_joint"), ("bam-xl330", "sin_sin_kp100.csv", "servo")]
+    {
         let Some(folder) = shared("real_data", &format!("data/{folder}")) else { return };
         let urdf = folder.join(dataset(&folder)["urdf"].as_str().unwrap());
         let ran = run(&["identify", text(&urdf), text(&folder.join(training))]);

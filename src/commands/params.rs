@@ -11,5 +11,6 @@ pub(crate) fn run(args: &ParamsArgs) -> Result<Outcome, Failure> {
     let model = robot::load(&args.robot, &args.chain, None)?;
     let set = MinimalSet::of(&model.rigid_arm())?;
     let report = ParamsReport::new(&model, &set);
+    output::say_all(&args.output, "note", &robot::notes(&model));
     output::write_result(&args.output, &report.text(), &report, report.warnings())
 }

@@ -50,6 +50,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
     }
     let warnings: Vec<String> =
         model.chain.warnings.iter().map(ToString::to_string).chain(plan.notes.clone()).collect();
+    output::say_all(&args.output, "note", &robot::notes(&model));
     output::write_result(&args.output, &plan_text(&plan), &plan, &warnings)
 }
 

@@ -14,6 +14,7 @@
 //!
 //! Not handled yet: robust and instrumental-variable estimation, physical consistency of the links.
 
+mod algorithm1;
 pub mod algorithm2;
 mod batch;
 mod constant;
@@ -22,6 +23,7 @@ mod model;
 mod quantiles;
 mod theorem2;
 
+pub use algorithm1::algorithm1;
 pub use batch::{BatchEstimate, BatchProblem, JointFit, JointRows, MergedTerm, Term};
 pub use constant::{Constant, Quantity};
 pub use minimal_set::{DroppedConstant, MinimalSet};

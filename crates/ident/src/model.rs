@@ -361,6 +361,7 @@ impl ModelFile {
                 joints,
                 axis_pairs,
                 snap_error: 0.0,
+                ignored: Vec::new(),
                 warnings: Vec::new(),
             },
             effects: self.effects,

@@ -1,13 +1,22 @@
 //! Algorithm 2: equations against the general regressor, exact recovery, honest standard errors.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_ident::MinimalSet;
 use armident_ident::algorithm2::{Plan, PlanSettings, algorithm2, plan, single_motion_row, tasks};
-use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_kinematics::{
+    AxisPair, ChainSelection, DrivingAxisChain, DrivingAxisJoint, JointLimits, SerialChain,
+    load_urdf,
+};
 use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
+use random_arms::{Case, cases, repeated};
+
+#[path = "../../dynamics/tests/random_arms/mod.rs"]
+mod random_arms;
 
 fn chain(name: &str, gravity: [f64; 3]) -> DrivingAxisChain {
     let path = format!("{}/../../urdf/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -155,4 +164,65 @@ fn intervals_of_the_stanford_arm_cover_the_truth() {
     let spread = (squares / total as f64).sqrt();
     assert!((0.92..=0.98).contains(&share), "coverage {share}");
     assert!((0.9..=1.1).contains(&spread), "standardised errors have SD {spread}");
+}
+
+/// A chain without limits around a random arm.
+fn chain_of(arm: &RigidArm) -> DrivingAxisChain {
+    let joints: Vec<DrivingAxisJoint> = arm
+        .joints
+        .iter()
+        .zip(&arm.links)
+        .enumerate()
+        .map(|(i, (joint, link))| DrivingAxisJoint {
+            name: format!("j{}", i + 1),
+            kind: joint.kind,
+            frame: joint.frame,
+            link: *link,
+            child_link: format!("l{}", i + 1),
+            body_links: vec![format!("l{}", i + 1)],
+            child_link_in_e: nalgebra::Isometry3::identity(),
+            limits: JointLimits::default(),
+            dynamics: None,
+        })
+        .collect();
+    DrivingAxisChain {
+        robot: "random".to_owned(),
+        source: "random".to_owned(),
+        base_link: "l0".to_owned(),
+        tip_link: format!("l{}", joints.len()),
+        tip_in_e: nalgebra::Isometry3::identity(),
+        locked: std::collections::BTreeMap::new(),
+        base_from_e0: nalgebra::Isometry3::identity(),
+        gravity_base: arm.gravity_e0,
+        gravity_e0: arm.gravity_e0,
+        axis_pairs: vec![AxisPair::Skew; joints.len() - 1],
+        joints,
+        snap_error: 0.0,
+        ignored: Vec::new(),
+        warnings: Vec::new(),
+    }
+}
+
+proptest::proptest! {
+    #![proptest_config(repeated(120))]
+
+    /// Random arms of 1 to 7 joints, special geometry and zero gravity among them: exact efforts give
+    /// every constant, to 1e-9 of the arm's largest one times the steps' condition numbers.
+    #[test]
+    fn exact_efforts_give_every_constant_of_random_arms(Case { arm, .. } in cases()) {
+        let chain = chain_of(&arm);
+        let set = MinimalSet::of(&arm).unwrap();
+        let settings = PlanSettings { rate_hz: 50.0, ..PlanSettings::default() };
+        let plan = plan(&chain, &set, &settings).unwrap();
+        proptest::prop_assert!(plan.notes.is_empty(), "{:?}", plan.notes);
+        let found = algorithm2(&arm, &set, &plan, &recordings(&arm, &plan, 0.0, 0)).unwrap();
+        let truth = set.values(&arm.constants());
+        let scale = truth.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
+        for (k, (f, t)) in found.values.iter().zip(&truth).enumerate() {
+            proptest::prop_assert!(
+                (f - t).abs() < 1e-9 * scale,
+                "{}: {f} {t}, gravity {:?}", set.constants[k], arm.gravity_e0
+            );
+        }
+    }
 }

@@ -16,7 +16,9 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::serial_chain::{NEARLY, nearest_twelfth, snapped};
-use crate::{InertialParameters, JointDynamics, JointKind, JointLimits, SerialChain, Warning};
+use crate::{
+    IgnoredElement, InertialParameters, JointDynamics, JointKind, JointLimits, SerialChain, Warning,
+};
 
 /// Two directions are parallel when `|z_i × z_j|` is at most this \[rad\].
 pub const PARALLEL_TOLERANCE_RAD: f64 = 1e-4;
@@ -116,6 +118,8 @@ pub struct DrivingAxisChain {
     /// Largest entry of the difference between the poses of the snapped chain at q = 0 and those
     /// it came from.
     pub snap_error: f64,
+    /// Elements of the URDF that are not used.
+    pub ignored: Vec<IgnoredElement>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -181,6 +185,7 @@ impl DrivingAxisChain {
             joints,
             axis_pairs: placed.pairs,
             snap_error: 0.0,
+            ignored: chain.ignored.clone(),
             warnings,
         };
         result.snap_error = result
@@ -195,6 +200,22 @@ impl DrivingAxisChain {
     /// Number of joints.
     pub fn dof(&self) -> usize {
         self.joints.len()
+    }
+
+    /// One sentence on the elements of the URDF that are not used, if there are any.
+    pub fn ignored_note(&self) -> Option<String> {
+        let mut lines: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        for element in &self.ignored {
+            lines.entry(&element.tag).or_default().push(element.line.to_string());
+        }
+        let list: Vec<String> = lines
+            .iter()
+            .map(|(tag, lines)| match lines.len() {
+                1..=4 => format!("<{tag}> (line {})", lines.join(", ")),
+                n => format!("<{tag}> ({n} times, from line {})", lines[0]),
+            })
+            .collect();
+        (!list.is_empty()).then(|| format!("not used of the URDF: {}", list.join(", ")))
     }
 
     /// Joint names in chain order.

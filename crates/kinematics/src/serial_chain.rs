@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::{
-    ChainError, InertialParameters, JointDynamics, JointLimits, RobotDescription, UrdfJointType,
-    Warning,
+    ChainError, IgnoredElement, InertialParameters, JointDynamics, JointLimits, RobotDescription,
+    UrdfJointType, Warning,
 };
 
 /// Which part of the robot is the arm, and how the rest is held.
@@ -112,6 +112,8 @@ pub struct SerialChain {
     pub locked: BTreeMap<String, f64>,
     /// Gravity acceleration in the base link frame \[m/s2\].
     pub gravity_base: Vector3<f64>,
+    /// Elements of the URDF that are not used.
+    pub ignored: Vec<IgnoredElement>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -266,6 +268,7 @@ impl<'a> Builder<'a> {
             joints,
             locked,
             gravity_base: Vector3::from(self.selection.gravity_base),
+            ignored: robot.ignored.clone(),
             warnings: self.warnings,
         })
     }

@@ -48,6 +48,7 @@ pub struct ParamsReport {
     sufficiency_error: f64,
     confirmed: bool,
     snap_error: f64,
+    ignored_elements: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -227,6 +228,11 @@ impl ParamsReport {
             sufficiency_error: set.sufficiency_error,
             confirmed: set.is_confirmed(),
             snap_error: chain.snap_error,
+            ignored_elements: chain
+                .ignored
+                .iter()
+                .map(|e| format!("<{}>, line {}", e.tag, e.line))
+                .collect(),
             warnings,
         }
     }
