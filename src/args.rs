@@ -29,6 +29,7 @@ pub(crate) enum Command {
     Plan(PlanArgs),
     Simulate(SimulateArgs),
     Identify(IdentifyArgs),
+    Validate(ValidateArgs),
     Predict(PredictArgs),
 }
 
@@ -213,6 +214,37 @@ pub(crate) struct IdentifyArgs {
     /// Write the model found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Judge a model on recordings it was not fitted to
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident validate model.json day3.csv
+  armident validate urdf/ur10.urdf day3.csv --cutoff-hz 8 --predictions predicted.csv
+
+Effort error per joint, on the low-passed effort and on the effort as recorded; share of samples inside
+the model's 95 % band; whether the residual is white; and forward replay: the recorded efforts drive the
+simulated arm through windows of half a second, before (URDF) and after (model).")]
+pub(crate) struct ValidateArgs {
+    /// Model written by identify, or a URDF
+    pub(crate) robot: PathBuf,
+    /// Recordings (CSV) or folders of them
+    #[arg(required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    pub(crate) cutoff_hz: Option<f64>,
+    /// Write the predicted effort of every sample (one recording only)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) predictions: Option<PathBuf>,
+    /// Leave forward replay out
+    #[arg(long)]
+    pub(crate) no_replay: bool,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]

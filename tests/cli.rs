@@ -283,6 +283,25 @@ fn errors() {
     assert_eq!(kept, motion(&POSITIONS, waves));
 }
 
+/// However its path is written, what goes in is not overwritten by what comes out.
+#[test]
+fn inputs_are_kept() {
+    let folder = scratch("cli_inputs");
+    lay_out(&folder);
+    for line in [
+        "simulate planar_2r.urdf motion.csv -o motion.csv",
+        "simulate planar_2r.urdf motion.csv -o ./motion.csv",
+        "simulate planar_2r.urdf plan -o ./plan",
+        "predict planar_2r.urdf motion.csv -o ./motion.csv",
+    ] {
+        let args: Vec<&str> = line.split(' ').collect();
+        let ran = run_in(&folder, &args);
+        assert_eq!(ran.code, 1, "{line}: {}", ran.stdout);
+        let kept = std::fs::read_to_string(folder.join("motion.csv")).unwrap();
+        assert_eq!(kept, motion(&POSITIONS, waves), "{line}");
+    }
+}
+
 /// Doubtful, but there is a result: what was done is said.
 #[test]
 fn doubts() {

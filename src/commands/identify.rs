@@ -149,12 +149,13 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         effort_noise: by_joint(&estimate.effort_noise, &joints),
         fit,
         warnings,
-        notes: notes(train_motions.iter().chain(&holdout_motions)),
+        notes: recordings::notes(train_motions.iter().chain(&holdout_motions)),
     };
     let found_effects = problem.effects(&estimate.values, &joints);
     let mut found = model.with_constants(&set, &problem.constants(&estimate.values));
     found.effects = found_effects;
     found.cutoff_hz = cutoff_hz;
+    found.effort_noise = Some(estimate.effort_noise.clone());
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
     Ok((report, found))
 }
@@ -224,6 +225,8 @@ fn by_algorithm2(
     let urdf_errors = effort_errors(&arm, &motions, &joints);
     let mut found = model.with_constants(&set, &values);
     found.cutoff_hz = cutoff_hz;
+    found.effort_noise = (estimate.effort_noise.iter().all(|s| s.is_finite()))
+        .then(|| estimate.effort_noise.clone());
     found.provenance.push(format!("Algorithm 2 on {}", folder.display()));
     let report = IdentifyReport {
         schema: "armident.identify/1",
@@ -263,7 +266,7 @@ fn by_algorithm2(
             urdf: urdf_errors,
         },
         warnings: report_warnings,
-        notes: notes(motions.iter()),
+        notes: recordings::notes(&motions),
     };
     Ok((report, found))
 }
@@ -407,18 +410,4 @@ fn fit_rows(fits: &[JointFit], joints: &[&str]) -> FitRows {
 
 fn by_joint(values: &[f64], joints: &[&str]) -> BTreeMap<String, f64> {
     joints.iter().zip(values).map(|(j, v)| ((*j).to_owned(), *v)).collect()
-}
-
-/// Notes of all motions with their source, each said once.
-fn notes<'a>(motions: impl Iterator<Item = &'a Motion>) -> Vec<String> {
-    let mut all: Vec<String> = Vec::new();
-    for motion in motions {
-        for note in &motion.notes {
-            let line = format!("{}: {note}", motion.source);
-            if !all.contains(&line) {
-                all.push(line);
-            }
-        }
-    }
-    all
 }

@@ -6,3 +6,4 @@ pub(crate) mod plan;
 pub(crate) mod predict;
 pub(crate) mod recordings;
 pub(crate) mod simulate;
+pub(crate) mod validate;

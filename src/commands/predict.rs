@@ -1,5 +1,6 @@
 //! `armident predict`.
 
+use armident_ident::ArmModel;
 use armident_recording::{
     JointChannels, Motion, MotionSettings, Recording, read_csv, write_csv_to,
 };
@@ -37,17 +38,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     )?;
     let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
     let motion = Motion::from_recording(&recording, &joints, &settings)?;
-    let predicted = model.predict(&motion)?;
-    let channels = names
-        .iter()
-        .zip(&predicted)
-        .map(|(name, effort)| {
-            let mut channels = JointChannels::new(name);
-            channels.effort = Some(motion.at_stamps(effort));
-            channels
-        })
-        .collect();
-    let result = Recording::new("prediction", recording.time_s.clone(), channels)?;
+    let result = predicted_efforts(&model, &motion)?;
     let mut bytes = Vec::new();
     write_csv_to(&mut bytes, &result)?;
 
@@ -79,4 +70,19 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     };
     output::say_all(&args.output, "note", &report.notes);
     output::write_result(&args.output, &text, &report, &warnings)
+}
+
+/// `t` and the effort of every joint at every stamp of the motion.
+pub(crate) fn predicted_efforts(model: &ArmModel, motion: &Motion) -> Result<Recording, Failure> {
+    let predicted = model.predict(motion)?;
+    let channels = motion
+        .joints
+        .iter()
+        .zip(&predicted)
+        .map(|(name, effort)| JointChannels {
+            effort: Some(motion.at_stamps(effort)),
+            ..JointChannels::new(name)
+        })
+        .collect();
+    Ok(Recording::new("prediction", motion.stamps_s.clone(), channels)?)
 }

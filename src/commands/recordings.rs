@@ -129,3 +129,17 @@ pub(crate) fn plan_in(path: &Path) -> Option<PathBuf> {
     let plan = path.join(super::plan::PLAN_FILE);
     (path.is_dir() && plan.is_file()).then_some(plan)
 }
+
+/// Notes of all motions with their source, each said once.
+pub(crate) fn notes<'a>(motions: impl IntoIterator<Item = &'a Motion>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for motion in motions {
+        for note in &motion.notes {
+            let line = format!("{}: {note}", motion.source);
+            if !all.contains(&line) {
+                all.push(line);
+            }
+        }
+    }
+    all
+}

@@ -22,6 +22,7 @@ mod minimal_set;
 mod model;
 mod quantiles;
 mod theorem2;
+pub mod validate;
 
 pub use algorithm1::algorithm1;
 pub use batch::{BatchEstimate, BatchProblem, JointFit, JointRows, MergedTerm, Term};

@@ -29,6 +29,10 @@ pub struct ArmModel {
     pub effects: Vec<EffectOnJoint>,
     /// Cut-off of the low-pass the model was estimated with \[Hz\]; predictions use it too.
     pub cutoff_hz: Option<f64>,
+    /// Noise level of each joint's filtered effort in the fit \[N m or N\]; none for a URDF.
+    pub effort_noise: Option<Vec<f64>>,
+    /// The links before the fit, those of the URDF; none for a URDF itself.
+    pub prior_links: Option<Vec<InertialParameters>>,
     /// Where the numbers come from, one sentence each.
     pub provenance: Vec<String>,
 }
@@ -66,7 +70,14 @@ impl ArmModel {
     /// The model a URDF describes: its rigid body and nothing else.
     pub fn from_chain(chain: DrivingAxisChain) -> Self {
         let provenance = vec![format!("inertials of {}", chain.source)];
-        Self { chain, effects: Vec::new(), cutoff_hz: None, provenance }
+        Self {
+            chain,
+            effects: Vec::new(),
+            cutoff_hz: None,
+            effort_noise: None,
+            prior_links: None,
+            provenance,
+        }
     }
 
     /// The same arm with minimal constants of these values.
@@ -76,6 +87,7 @@ impl ArmModel {
     #[must_use]
     pub fn with_constants(mut self, set: &MinimalSet, values: &[f64]) -> Self {
         let arm = RigidArm::from_chain(&self.chain);
+        self.prior_links.get_or_insert_with(|| arm.links.clone());
         let mut bodies = arm.constants();
         let difference: Vec<f64> =
             values.iter().zip(set.values(&bodies)).map(|(new, old)| new - old).collect();
@@ -86,6 +98,20 @@ impl ArmModel {
             joint.link = link;
         }
         self
+    }
+
+    /// The model before the fit: the prior links and no effects. A URDF is its own.
+    #[must_use]
+    pub fn before(&self) -> Self {
+        let mut model = self.clone();
+        model.effects.clear();
+        model.effort_noise = None;
+        if let Some(links) = model.prior_links.take() {
+            for (joint, link) in model.chain.joints.iter_mut().zip(links) {
+                joint.link = link;
+            }
+        }
+        model
     }
 
     /// The rigid body alone.
@@ -174,6 +200,11 @@ struct ModelFile {
     axis_pairs: Vec<String>,
     effects: Vec<EffectOnJoint>,
     cutoff_hz: Option<f64>,
+    #[serde(default)]
+    effort_noise: Option<Vec<f64>>,
+    /// ten parameters a link, as in the joints
+    #[serde(default)]
+    prior_links: Option<Vec<[f64; 10]>>,
     provenance: Vec<String>,
 }
 
@@ -264,6 +295,11 @@ impl From<&ArmModel> for ModelFile {
             axis_pairs: chain.axis_pairs.iter().map(|p| p.name().to_owned()).collect(),
             effects: model.effects.clone(),
             cutoff_hz: model.cutoff_hz,
+            effort_noise: model.effort_noise.clone(),
+            prior_links: model
+                .prior_links
+                .as_ref()
+                .map(|links| links.iter().map(InertialParameters::to_array).collect()),
             provenance: model.provenance.clone(),
         }
     }
@@ -324,6 +360,20 @@ impl ModelFile {
                 dynamics: None,
             });
         }
+        let count = joints.len();
+        let links_fit = self
+            .prior_links
+            .as_ref()
+            .is_none_or(|l| l.len() == count && l.iter().flatten().all(|x| x.is_finite()));
+        let noise_fits = self
+            .effort_noise
+            .as_ref()
+            .is_none_or(|s| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0));
+        if !links_fit || !noise_fits {
+            return bad(
+                "prior_links and effort_noise must have one finite entry per joint".to_owned()
+            );
+        }
         let axis_pairs = self
             .axis_pairs
             .iter()
@@ -366,6 +416,10 @@ impl ModelFile {
             },
             effects: self.effects,
             cutoff_hz: self.cutoff_hz,
+            effort_noise: self.effort_noise,
+            prior_links: self
+                .prior_links
+                .map(|links| links.iter().map(InertialParameters::from_array).collect()),
             provenance: self.provenance,
         })
     }

@@ -8,6 +8,7 @@ mod numbers;
 mod params;
 mod plan;
 mod table;
+mod validate;
 
 pub use identify::{
     ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
@@ -16,3 +17,4 @@ pub use numbers::{significant, uncertain};
 pub use params::ParamsReport;
 pub use plan::plan_text;
 pub use table::aligned;
+pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};

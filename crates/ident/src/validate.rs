@@ -1,0 +1,234 @@
+//! How good is a model on recordings it was not fitted to?
+//!
+//! Three judges: the effort error per joint with its bands, whether the residual is white, and forward
+//! replay, where the recorded efforts drive the simulated arm through short windows and the motions
+//! are compared.
+
+use armident_recording::{JointChannels, Motion, Recording};
+use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::model::ArmModel;
+
+/// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an
+/// unstable arm to stay near its recording.
+pub const REPLAY_WINDOW_S: f64 = 0.5;
+/// Lags of the whiteness test.
+const WHITENESS_LAGS: usize = 10;
+/// Samples kept per second for the whiteness test, in cut-off frequencies: a low-passed white noise
+/// is white again at twice its cut-off.
+const SAMPLES_PER_CUTOFF: f64 = 2.0;
+/// Periods of the cut-off left out at both ends, as in the fit.
+const EDGE_PERIODS: f64 = 1.0;
+
+/// Effort error of one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffortError {
+    /// Root mean square of measured less predicted on the filtered effort \[N m or N\].
+    pub rmse: f64,
+    /// `norm(residual) / norm(effort - mean)` on the filtered effort.
+    pub relative: f64,
+    /// Root mean square on the effort as recorded, every sample of it \[N m or N\].
+    pub rmse_raw: f64,
+    /// Share of filtered samples inside the model's 95 % band; NaN for a model without noise levels.
+    pub band_coverage: f64,
+    /// Correlation of neighbouring residuals, thinned to twice the cut-off.
+    pub lag1_correlation: f64,
+    /// p-value of the Ljung-Box test of whiteness over 10 lags of the thinned residual (null
+    /// hypothesis: white). Small: structure is left.
+    pub whiteness_p: f64,
+}
+
+/// Motion error of one joint under forward replay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayError {
+    /// Root mean square position error over all windows \[rad or m\].
+    pub position_rms: f64,
+    /// Root mean square velocity error \[rad/s or m/s\].
+    pub velocity_rms: f64,
+}
+
+/// Forward replay of all joints.
+#[derive(Debug, Clone)]
+pub struct Replay {
+    /// Per joint.
+    pub joints: Vec<ReplayError>,
+    /// Windows that were simulated to their end.
+    pub windows: usize,
+    /// Windows in which the simulation diverged; not part of the errors.
+    pub diverged: usize,
+}
+
+/// Effort errors of a model per joint, pooled over recordings with efforts.
+///
+/// # Errors
+/// When the model has an effect the library does not know.
+pub fn effort_errors(
+    model: &ArmModel,
+    motions: &[Motion],
+) -> Result<Vec<EffortError>, armident_effects::UnknownEffect> {
+    let n = model.chain.dof();
+    let mut pools = vec![Pool::default(); n];
+    for motion in motions {
+        let (Some(raw), Some(filtered)) = (&motion.effort, &motion.effort_filtered) else {
+            continue;
+        };
+        let predicted = model.predict(motion)?;
+        let mut smooth = predicted.clone();
+        motion.filter_columns(&mut smooth);
+        let (edge, stride) = match &motion.filter {
+            Some(f) => (
+                ((EDGE_PERIODS * motion.rate_hz / f.cutoff_hz()).ceil() as usize)
+                    .min(motion.len() / 4),
+                (motion.rate_hz / (SAMPLES_PER_CUTOFF * f.cutoff_hz())).round().max(1.0) as usize,
+            ),
+            None => (0, 1),
+        };
+        for joint in 0..n {
+            let band = model.effort_noise.as_ref().map_or(f64::NAN, |s| 1.96 * s[joint]);
+            let kept = edge..motion.len() - edge;
+            pools[joint].add(&filtered[joint][kept.clone()], &smooth[joint][kept], band, stride);
+            for (m, p) in raw[joint].iter().zip(&predicted[joint]) {
+                pools[joint].raw_squares += (m - p).powi(2);
+                pools[joint].raw_count += 1.0;
+            }
+        }
+    }
+    Ok(pools.iter().map(Pool::error).collect())
+}
+
+#[derive(Debug, Clone, Default)]
+struct Pool {
+    count: f64,
+    sum: f64,
+    squares: f64,
+    residual_squares: f64,
+    inside: f64,
+    has_band: bool,
+    raw_squares: f64,
+    raw_count: f64,
+    /// thinned residuals, one list per recording
+    thinned: Vec<Vec<f64>>,
+}
+
+impl Pool {
+    fn add(&mut self, measured: &[f64], predicted: &[f64], band: f64, stride: usize) {
+        let residual: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
+        self.has_band = band.is_finite();
+        self.count += measured.len() as f64;
+        self.sum += measured.iter().sum::<f64>();
+        self.squares += measured.iter().map(|m| m * m).sum::<f64>();
+        self.residual_squares += residual.iter().map(|r| r * r).sum::<f64>();
+        self.inside += residual.iter().filter(|r| r.abs() <= band).count() as f64;
+        self.thinned.push(residual.iter().step_by(stride).copied().collect());
+    }
+
+    fn error(&self) -> EffortError {
+        let varying = self.squares - self.sum * self.sum / self.count;
+        let (lag1_correlation, whiteness_p) = whiteness(&self.thinned);
+        EffortError {
+            rmse: (self.residual_squares / self.count).sqrt(),
+            relative: (self.residual_squares / varying).sqrt(),
+            rmse_raw: (self.raw_squares / self.raw_count).sqrt(),
+            band_coverage: if self.has_band { self.inside / self.count } else { f64::NAN },
+            lag1_correlation,
+            whiteness_p,
+        }
+    }
+}
+
+/// Lag-1 correlation and the p-value of Ljung and Box (1978), pooled over series.
+fn whiteness(series: &[Vec<f64>]) -> (f64, f64) {
+    let count: usize = series.iter().map(Vec::len).sum();
+    let mean = series.iter().flatten().sum::<f64>() / count as f64;
+    let variance: f64 = series.iter().flatten().map(|x| (x - mean).powi(2)).sum();
+    if variance == 0.0 || count <= 2 * WHITENESS_LAGS {
+        return (f64::NAN, f64::NAN);
+    }
+    let correlation = |lag: usize| -> f64 {
+        let products = series
+            .iter()
+            .flat_map(|s| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| (a - mean) * (b - mean)));
+        products.sum::<f64>() / variance
+    };
+    let n = count as f64;
+    let statistic: f64 = (1..=WHITENESS_LAGS)
+        .map(|lag| n * (n + 2.0) * correlation(lag).powi(2) / (n - lag as f64))
+        .sum();
+    let p = ChiSquared::new(WHITENESS_LAGS as f64).map_or(f64::NAN, |chi| chi.sf(statistic));
+    (correlation(1), p)
+}
+
+/// Drives the simulated arm with the recorded efforts from the recorded state, window by window.
+///
+/// # Errors
+/// [`SimulationError`] when the model cannot be simulated at all (an effect of the wrong sign, an
+/// inertia matrix that is not positive definite at the start of every window).
+pub fn replay(model: &ArmModel, motions: &[Motion]) -> Result<Replay, SimulationError> {
+    let names: Vec<&str> = model.chain.joint_names();
+    let arm = SimulatedArm::new(model.rigid_arm(), &names, &model.effects)?;
+    let n = names.len();
+    let mut squares = vec![(0.0, 0.0); n];
+    let (mut count, mut windows, mut diverged) = (0.0, 0, 0);
+    for motion in motions {
+        let Some(effort) = &motion.effort else { continue };
+        let length = ((REPLAY_WINDOW_S * motion.rate_hz).round() as usize).max(8);
+        for start in (0..motion.len().saturating_sub(length)).step_by(length) {
+            let span = start..start + length;
+            let joints = (0..n)
+                .map(|j| JointChannels {
+                    effort: Some(effort[j][span.clone()].to_vec()),
+                    ..JointChannels::new(names[j])
+                })
+                .collect();
+            let time: Vec<f64> = motion.time_s[span.clone()].to_vec();
+            let efforts = Recording::new(&motion.source, time, joints)?;
+            let state = ArmState {
+                position: (0..n).map(|j| motion.position[j][start]).collect(),
+                velocity: (0..n).map(|j| motion.velocity[j][start]).collect(),
+            };
+            let moved = match forward(&arm, &efforts, state, &ForwardSettings::default()) {
+                Ok(moved) => moved,
+                Err(SimulationError::Diverged { .. }) => {
+                    diverged += 1;
+                    continue;
+                }
+                Err(other) => return Err(other),
+            };
+            windows += 1;
+            count += length as f64;
+            for (j, joint) in moved.joints.iter().enumerate() {
+                let (Some(q), Some(v)) = (&joint.position, &joint.velocity) else { continue };
+                for (k, at) in span.clone().enumerate() {
+                    squares[j].0 += (q[k] - motion.position[j][at]).powi(2);
+                    squares[j].1 += (v[k] - motion.velocity[j][at]).powi(2);
+                }
+            }
+        }
+    }
+    let joints = squares
+        .iter()
+        .map(|(q, v)| ReplayError {
+            position_rms: (q / count).sqrt(),
+            velocity_rms: (v / count).sqrt(),
+        })
+        .collect();
+    Ok(Replay { joints, windows, diverged })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn white_series_pass_and_coloured_ones_fail() {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(4);
+        let white: Vec<f64> = (0..500).map(|_| random.random_range(-1.0..1.0)).collect();
+        let (lag1, p) = whiteness(std::slice::from_ref(&white));
+        assert!(lag1.abs() < 0.1 && p > 0.01, "{lag1} {p}");
+        let coloured: Vec<f64> = white.windows(2).map(|w| w[0] + w[1]).collect();
+        let (lag1, p) = whiteness(&[coloured]);
+        assert!((lag1 - 0.5).abs() < 0.1 && p < 1e-6, "{lag1} {p}");
+    }
+}

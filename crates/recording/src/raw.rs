@@ -1,0 +1,56 @@
+//! Columns of numbers before anything is known of joints and units.
+
+/// One column of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawColumn {
+    /// Its name in the file.
+    pub name: String,
+    /// Its numbers, NaN where missing; none for a column that was not read.
+    pub values: Option<Vec<f64>>,
+}
+
+/// The columns of a file. What they mean is told by their names or by a
+/// [`Mapping`](crate::Mapping).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RawColumns {
+    /// Where they come from: a path, or a description.
+    pub source: String,
+    /// All columns in the order of the file.
+    pub columns: Vec<RawColumn>,
+    /// Line of each row in a text file; empty for sources without lines.
+    pub lines: Vec<u64>,
+    /// Row, column and text of the first value that is NaN or infinite.
+    pub(crate) first_not_finite: Option<(usize, usize, String)>,
+}
+
+impl RawColumns {
+    /// No columns yet.
+    pub fn new(source: impl Into<String>) -> Self {
+        Self { source: source.into(), ..Self::default() }
+    }
+
+    /// The same with one more column.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, values: Vec<f64>) -> Self {
+        self.columns.push(RawColumn { name: name.into(), values: Some(values) });
+        self
+    }
+
+    /// Names of all columns.
+    pub fn names(&self) -> Vec<String> {
+        self.columns.iter().map(|column| column.name.clone()).collect()
+    }
+
+    /// The line that a row was read from.
+    pub(crate) fn line(&self, row: usize) -> Option<u64> {
+        self.lines.get(row).copied()
+    }
+
+    /// How the value of this row and column was written, as far as known.
+    pub(crate) fn text(&self, row: usize, column: usize, value: f64) -> String {
+        match &self.first_not_finite {
+            Some((r, c, text)) if (*r, *c) == (row, column) => text.clone(),
+            _ => value.to_string(),
+        }
+    }
+}

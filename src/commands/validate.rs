@@ -1,0 +1,95 @@
+//! `armident validate`.
+
+use std::collections::BTreeMap;
+
+use armident_ident::ArmModel;
+use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_recording::{Motion, write_csv_to};
+use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
+
+use super::{predict, recordings};
+use crate::args::ValidateArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
+    let recorded = recordings::read_all(&recordings::expand(&args.recordings)?)?;
+    if args.predictions.is_some() && recorded.len() != 1 {
+        return Err(Failure::new(
+            format!("--predictions needs one recording, found {}", recorded.len()),
+            "--predictions",
+            Some("name one recording, or use `armident predict` for each"),
+        ));
+    }
+    let names = recordings::joints_with_position(&recorded);
+    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let cutoff_hz =
+        recordings::common_cutoff(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
+    let motions = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?;
+
+    let before = model.before();
+    let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
+    let mut replayed = |which: &str, model: &ArmModel| match replay(model, &motions) {
+        Ok(replay) => Some(ReplayReport {
+            window_s: REPLAY_WINDOW_S,
+            windows: replay.windows,
+            diverged: replay.diverged,
+            position_rms: by_joint(&names, replay.joints.iter().map(|r| r.position_rms)),
+            velocity_rms: by_joint(&names, replay.joints.iter().map(|r| r.velocity_rms)),
+        }),
+        Err(error) => {
+            warnings.push(format!("no forward replay of the {which}: {error} [no-replay]"));
+            None
+        }
+    };
+    let (replay_before, replay_after) = if args.no_replay {
+        (None, None)
+    } else {
+        (replayed("URDF", &before), replayed("model", &model))
+    };
+    if let Some(path) = &args.predictions {
+        let mut bytes = Vec::new();
+        write_csv_to(&mut bytes, &predict::predicted_efforts(&model, &motions[0])?)?;
+        output::write_file(path, &bytes)?;
+    }
+    let report = ValidateReport {
+        schema: "armident.validate/1",
+        robot: model.chain.robot.clone(),
+        model: args.robot.display().to_string(),
+        recordings: recorded.iter().map(|r| r.source.clone()).collect(),
+        before: errors(&names, &before, &motions)?,
+        after: errors(&names, &model, &motions)?,
+        replay_before,
+        replay_after,
+        joints: names,
+        cutoff_hz,
+        warnings,
+        notes: recordings::notes(&motions),
+    };
+    output::say_all(&args.output, "note", &report.notes);
+    output::write_result(&args.output, &report.text(), &report, &report.warnings)
+}
+
+fn errors(
+    names: &[String],
+    model: &ArmModel,
+    motions: &[Motion],
+) -> Result<BTreeMap<String, EffortErrorRow>, Failure> {
+    let known = |x: f64| x.is_finite().then_some(x);
+    let row = |e: &EffortError| EffortErrorRow {
+        rmse: e.rmse,
+        relative: e.relative,
+        rmse_raw: e.rmse_raw,
+        band_coverage: known(e.band_coverage),
+        lag1_correlation: known(e.lag1_correlation),
+        whiteness_p: known(e.whiteness_p),
+    };
+    let all = effort_errors(model, motions)?;
+    Ok(names.iter().cloned().zip(all.iter().map(row)).collect())
+}
+
+fn by_joint(names: &[String], values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {
+    names.iter().cloned().zip(values).collect()
+}
