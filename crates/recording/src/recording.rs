@@ -2,17 +2,13 @@
 
 use std::fmt;
 
-use serde::Serialize;
-
 use crate::error::{Fault, RecordingError};
-use crate::finding::Finding;
 
 /// Fewest samples that make a recording.
 pub const MIN_SAMPLES: usize = 8;
 
 /// What a channel of a joint holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Quantity {
     /// Joint position, rad (revolute) or m (prismatic).
     Position,
@@ -26,24 +22,17 @@ pub enum Quantity {
     Current,
     /// Motor voltage, V.
     Voltage,
-    /// Position of the encoder on the motor side, divided by the gear ratio: without elasticity and
-    /// backlash that of the joint, rad or m.
-    MotorPosition,
-    /// Temperature of motor or drive, °C.
-    Temperature,
 }
 
 impl Quantity {
     /// All quantities, in the order in which they are written.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 6] = [
         Self::Position,
         Self::Velocity,
         Self::Acceleration,
         Self::Effort,
         Self::Current,
         Self::Voltage,
-        Self::MotorPosition,
-        Self::Temperature,
     ];
 
     /// The last part of a column's name: `position` in `elbow/position`.
@@ -55,8 +44,6 @@ impl Quantity {
             Self::Effort => "effort",
             Self::Current => "current",
             Self::Voltage => "voltage",
-            Self::MotorPosition => "motor_position",
-            Self::Temperature => "temperature",
         }
     }
 
@@ -90,10 +77,6 @@ pub struct JointChannels {
     pub current: Option<Vec<f64>>,
     /// Motor voltage \[V\].
     pub voltage: Option<Vec<f64>>,
-    /// Position of the motor's own encoder, divided by the gear ratio \[rad or m\].
-    pub motor_position: Option<Vec<f64>>,
-    /// Temperature of motor or drive \[°C\].
-    pub temperature: Option<Vec<f64>>,
 }
 
 impl JointChannels {
@@ -111,8 +94,6 @@ impl JointChannels {
             Quantity::Effort => self.effort.as_deref(),
             Quantity::Current => self.current.as_deref(),
             Quantity::Voltage => self.voltage.as_deref(),
-            Quantity::MotorPosition => self.motor_position.as_deref(),
-            Quantity::Temperature => self.temperature.as_deref(),
         }
     }
 
@@ -125,8 +106,6 @@ impl JointChannels {
             Quantity::Effort => &mut self.effort,
             Quantity::Current => &mut self.current,
             Quantity::Voltage => &mut self.voltage,
-            Quantity::MotorPosition => &mut self.motor_position,
-            Quantity::Temperature => &mut self.temperature,
         }
     }
 
@@ -151,9 +130,6 @@ pub struct Recording {
     pub notes: Vec<String>,
     /// Columns of the file that were not read.
     pub ignored_columns: Vec<String>,
-    /// What reading repaired or left alone although it is doubtful, with place and share; more is
-    /// found by [`quality`](crate::quality()).
-    pub findings: Vec<Finding>,
 }
 
 impl Recording {
@@ -172,7 +148,6 @@ impl Recording {
             joints,
             notes: Vec::new(),
             ignored_columns: Vec::new(),
-            findings: Vec::new(),
         };
         recording.check()?;
         Ok(recording)
