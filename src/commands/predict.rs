@@ -26,6 +26,13 @@ struct PredictReport {
 }
 
 pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
+    if output::same_file(&args.output_file, &args.motion) {
+        return Err(Failure::new(
+            "the prediction would overwrite the motion it is made for",
+            args.output_file.display(),
+            Some("write to another file"),
+        ));
+    }
     let recording = read_csv(&args.motion)?;
     let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;

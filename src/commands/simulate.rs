@@ -94,7 +94,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
         let recording = sensors.apply(&arm, &exact)?;
         let path =
             if one_file { args.output_path.clone() } else { target(&args.output_path, file) };
-        if path == *file {
+        if output::same_file(&path, file) {
             return Err(Failure::new(
                 "the recording would overwrite its own trajectory",
                 path.display(),

@@ -318,8 +318,9 @@ impl ParamsReport {
              dropped below {:.0e}\n",
             self.rank_numeric,
             if self.rank_numeric == self.minimal.len() { "agrees" } else { "DIFFERS" },
-            floor_power(self.rank_smallest_kept),
-            ceil_power(self.rank_largest_dropped)
+            power_below(self.rank_smallest_kept),
+            // round-off differs between machines: only its order is said
+            (10.0 * power_below(self.rank_largest_dropped)).max(1e-12)
         );
         text
     }
@@ -383,10 +384,7 @@ fn variable(constant: &str) -> String {
     }
 }
 
-fn floor_power(x: f64) -> f64 {
+/// The power of ten at or below a positive number.
+fn power_below(x: f64) -> f64 {
     if x > 0.0 { 10f64.powf(x.log10().floor()) } else { 0.0 }
-}
-
-fn ceil_power(x: f64) -> f64 {
-    if x > 0.0 { 10f64.powf(x.log10().ceil()) } else { 0.0 }
 }

@@ -12,8 +12,11 @@ use crate::quantiles::student_t_975;
 
 /// Relative rank cut of unit columns.
 const RANK_CUT: f64 = 1e-9;
-/// A held joint slower than this share of the moving one is taken as standing.
+/// Periods of the cut-off left out at both ends of a recording, where filtered columns are not what
+/// the equations say.
 const EDGE_PERIODS: f64 = 1.5;
+/// Speed below which the direction of a filtered motion is not trusted, as a share of the largest.
+const SPEED_RESOLUTION: f64 = 1e-3;
 
 /// Why recordings cannot be used with a plan.
 #[derive(Debug, thiserror::Error)]
@@ -147,7 +150,18 @@ pub fn algorithm2(
             .filter(|&k| values[k].is_finite() && set.constants[k].joint >= observed)
             .filter(|k| !unknowns.contains(k))
             .collect();
-        let rows = rows_of_step(arm, set, plan, recordings, step, observed, &unknowns, &known)?;
+        // own constants left for a later step (U_33 of an axis perpendicular to that of joint r) show
+        // themselves here only if the observed joint is dithered
+        let dithered = plan
+            .experiments
+            .iter()
+            .any(|e| step.experiments.contains(&e.id) && e.dither.contains_key(&step.observed));
+        let later: Vec<usize> = (0..set.len())
+            .filter(|&k| dithered && set.constants[k].joint == observed)
+            .filter(|k| !unknowns.contains(k) && !known.contains(k))
+            .collect();
+        let rows =
+            rows_of_step(arm, set, plan, recordings, step, observed, &unknowns, &known, &later)?;
         let one = solve_step(&rows, &known, &values)?;
         for (&k, &x) in unknowns.iter().zip(&one.solution) {
             values[k] = x;
@@ -161,6 +175,8 @@ pub fn algorithm2(
 struct StepRows {
     unknown: Vec<Vec<f64>>,
     friction: Vec<Vec<f64>>,
+    /// constants of the observed joint that a later step determines
+    later: Vec<Vec<f64>>,
     known: Vec<Vec<f64>>,
     effort: Vec<f64>,
     /// samples counted as independent, over samples
@@ -168,7 +184,7 @@ struct StepRows {
 }
 
 struct SolvedStep {
-    /// unknowns, then friction
+    /// unknowns, then friction, then constants of a later step
     solution: Vec<f64>,
     unit_covariance: Mat<f64>,
     /// `A⁺B`, rows as `solution`, columns as the known constants
@@ -178,6 +194,7 @@ struct SolvedStep {
     rank: usize,
     condition: f64,
     share: f64,
+    has_friction: bool,
 }
 
 fn joint_index(plan: &Plan, name: &str) -> Result<usize, Algorithm2Error> {
@@ -196,10 +213,12 @@ fn rows_of_step(
     observed: usize,
     unknowns: &[usize],
     known: &[usize],
+    later: &[usize],
 ) -> Result<StepRows, Algorithm2Error> {
     let mut all = StepRows {
         unknown: vec![Vec::new(); unknowns.len()],
         friction: Vec::new(),
+        later: vec![Vec::new(); later.len()],
         known: vec![Vec::new(); known.len()],
         effort: Vec::new(),
         share: 1.0,
@@ -231,7 +250,7 @@ fn rows_of_step(
         let q = still(&motion.position, true);
         let dq = still(&motion.velocity, false);
         let ddq = still(&motion.acceleration, false);
-        let wanted: Vec<usize> = unknowns.iter().chain(known).copied().collect();
+        let wanted: Vec<usize> = unknowns.iter().chain(known).chain(later).copied().collect();
         let mut columns = set.columns().of_motion(arm, observed, &q, &dq, &ddq, &wanted);
         let own_motion = experiment.moving == step.observed || moves[observed];
         let mut friction = Vec::new();
@@ -241,25 +260,32 @@ fn rows_of_step(
                 position: &q[observed],
                 velocity: &dq[observed],
                 acceleration: &ddq[observed],
-                speed_resolution: 1e-3
-                    * dq[observed].iter().fold(0.0_f64, |a, v| a.max(v.abs())).max(1e-12),
+                // exact velocities have exact signs; filtered ones fade through zero
+                speed_resolution: if motion.filter.is_some() {
+                    SPEED_RESOLUTION * dq[observed].iter().fold(0.0_f64, |a, v| a.max(v.abs()))
+                } else {
+                    0.0
+                },
             };
             friction.extend(ViscousFriction.columns(&joint_motion));
             friction.extend(CoulombFriction.columns(&joint_motion));
         }
         motion.filter_columns(&mut columns);
         motion.filter_columns(&mut friction);
-        // filtered columns are not what the equations say near the ends of a recording
         let edge = motion
             .filter
             .as_ref()
             .map_or(0, |f| (EDGE_PERIODS * motion.rate_hz / f.cutoff_hz()).ceil() as usize);
         let kept = edge.min(motion.len() / 4)..motion.len() - edge.min(motion.len() / 4);
-        let (unknown, known_columns) = columns.split_at(unknowns.len());
+        let (unknown, rest) = columns.split_at(unknowns.len());
+        let (known_columns, later_columns) = rest.split_at(known.len());
         for (all, column) in all.unknown.iter_mut().zip(unknown) {
             all.extend_from_slice(&column[kept.clone()]);
         }
         for (all, column) in all.known.iter_mut().zip(known_columns) {
+            all.extend_from_slice(&column[kept.clone()]);
+        }
+        for (all, column) in all.later.iter_mut().zip(later_columns) {
             all.extend_from_slice(&column[kept.clone()]);
         }
         let before = all.effort.len();
@@ -283,7 +309,8 @@ fn solve_step(
     known: &[usize],
     values: &[f64],
 ) -> Result<SolvedStep, Algorithm2Error> {
-    let columns: Vec<&Vec<f64>> = rows.unknown.iter().chain(&rows.friction).collect();
+    let columns: Vec<&Vec<f64>> =
+        rows.unknown.iter().chain(&rows.friction).chain(&rows.later).collect();
     let count = rows.effort.len();
     let a = Mat::from_fn(count, columns.len(), |i, j| columns[j][i]);
     let mut rest = rows.effort.clone();
@@ -313,6 +340,7 @@ fn solve_step(
         rank: inverse.rank,
         condition: inverse.condition,
         share: rows.share,
+        has_friction: !rows.friction.is_empty(),
     })
 }
 
@@ -385,7 +413,7 @@ fn with_covariance(
             }
         }
         let first_friction = unknowns.len();
-        let friction = (step.solution.len() > first_friction).then(|| {
+        let friction = step.has_friction.then(|| {
             [0, 1].map(|f| {
                 let k = first_friction + f;
                 (step.solution[k], own[k][k].sqrt())
