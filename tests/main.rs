@@ -22,7 +22,7 @@ mod corpus;
 /// `params --json`: field names and values of the shared golden data
 mod params_json;
 
-/// exit codes, streams, and what is said about some forty wrong command lines
+/// exit codes, streams, and what is said about eighty wrong command lines
 mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;

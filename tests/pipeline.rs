@@ -292,6 +292,16 @@ fn batch_identify_predict_and_back() {
     let written = std::fs::read_to_string(folder.join("predicted.csv")).unwrap();
     assert_eq!(printed.stdout, written);
 
+    // judged on it: no effort error, and its efforts drive the arm along the motion
+    let judged = run_in(&folder, &["validate", "model.json", "b.csv", "--json", "-"]).fine().json();
+    assert_eq!(judged["schema"], "armident.validate/1");
+    for joint in UR5 {
+        assert!(number(&judged["after"][joint]["relative"]) < 1e-6, "{joint}");
+        let [before, after] = ["replay_before", "replay_after"]
+            .map(|replay| number(&judged[replay]["position_rms"][joint]));
+        assert!(after < 1e-3 && after < 0.01 * before, "{joint}: {after}, before {before}");
+    }
+
     // a second run says the same bytes
     let twice = run_in(&folder, &[&args[..], &["--json", "-"]].concat()).fine().json();
     assert_eq!(twice, identified);
