@@ -52,7 +52,7 @@ pub(crate) struct ChainArgs {
     pub(crate) gravity: Option<[f64; 3]>,
     /// Take joint angles of the URDF within this distance of a multiple of pi/12 as that multiple,
     /// rad; 2e-3 also catches 1.57 and 3.14
-    #[arg(long, value_name = "RAD", default_value_t = 1e-4, value_parser = parse_positive)]
+    #[arg(long, value_name = "RAD", default_value_t = 1e-4, value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) snap_rpy: f64,
 }
 
@@ -69,6 +69,14 @@ pub(crate) struct OutputArgs {
     /// Say nothing on stderr but errors
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PriorArg {
+    /// every number of a link is right to its own size
+    Urdf,
+    /// nothing: the recordings alone
+    None,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -110,16 +118,16 @@ pub(crate) struct PlanArgs {
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output_folder: PathBuf,
     /// Amplitude of rotational joints, rad
-    #[arg(long, default_value_t = std::f64::consts::FRAC_PI_6, value_parser = parse_positive)]
+    #[arg(long, default_value_t = std::f64::consts::FRAC_PI_6, value_parser = parse_amplitude)]
     pub(crate) amplitude: f64,
     /// Amplitude of translational joints, m
-    #[arg(long, default_value_t = 0.15, value_parser = parse_positive)]
+    #[arg(long, default_value_t = 0.15, value_parser = parse_amplitude)]
     pub(crate) amplitude_m: f64,
     /// Quickness of the critically damped step, 1/s; lowered where limits ask for it
-    #[arg(long, default_value_t = 10.0, value_parser = parse_positive)]
+    #[arg(long, default_value_t = 10.0, value_parser = parse_sigma)]
     pub(crate) sigma: f64,
     /// Samples per second of the trajectories
-    #[arg(long, default_value_t = 200.0, value_parser = parse_positive)]
+    #[arg(long, default_value_t = 200.0, value_parser = parse_rate)]
     pub(crate) rate_hz: f64,
     /// Known Coulomb level of a joint, N m or N; repeat for more joints
     #[arg(long, value_name = "JOINT=LEVEL", value_parser = parse_named_number)]
@@ -167,13 +175,13 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum, default_value_t = Direction::Inverse)]
     pub(crate) direction: Direction,
     /// Standard deviation of white effort noise, N m or N; with % relative to each joint's effort
-    #[arg(long, value_name = "SIGMA", value_parser = parse_noise)]
+    #[arg(long, value_name = "SIGMA", value_parser = parse_noise, allow_negative_numbers = true)]
     pub(crate) torque_noise: Option<Noise>,
     /// Quantise positions to this many bits per turn (or metre)
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=40))]
     pub(crate) encoder_bits: Option<u32>,
     /// Resample to this rate first
-    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) rate_hz: Option<f64>,
     /// Put an effect on a joint; repeat for more
     #[arg(long, value_name = "EFFECT:JOINT=P1[,P2..]", value_parser = parse_effect)]
@@ -209,8 +217,11 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, num_args = 1.., value_name = "FILE")]
     pub(crate) holdout: Vec<PathBuf>,
     /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
-    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
+    /// What is believed of the links before the recordings; no matter with a plan
+    #[arg(long, value_name = "WHAT", default_value = "urdf")]
+    pub(crate) prior: PriorArg,
     /// Write the model found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
@@ -237,7 +248,7 @@ pub(crate) struct ValidateArgs {
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
-    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
     /// Write the predicted effort of every sample (one recording only)
     #[arg(long, value_name = "FILE")]
@@ -266,7 +277,7 @@ pub(crate) struct PredictArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
-    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
@@ -295,6 +306,26 @@ fn parse_positive(text: &str) -> Result<f64, String> {
         x if x > 0.0 => Ok(x),
         x => Err(format!("must be above zero, found {x}")),
     }
+}
+
+fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {
+    match parse_number(text)? {
+        x if (low..=high).contains(&x) => Ok(x),
+        x => Err(format!("must lie between {low} and {high}, found {x}")),
+    }
+}
+
+fn parse_amplitude(text: &str) -> Result<f64, String> {
+    parse_within(text, 1e-3, 10.0)
+}
+
+/// Slower steps last for minutes, quicker ones are impacts.
+fn parse_sigma(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.2, 200.0)
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    parse_within(text, 10.0, 20_000.0)
 }
 
 fn parse_named_number(text: &str) -> Result<(String, f64), String> {

@@ -1,7 +1,7 @@
 //! Data on stdout, messages on stderr, files written whole.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -76,6 +76,24 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 /// Creates a folder and its parents.
 pub(crate) fn create_folder(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, &error))
+}
+
+/// Refuses to write a result over one of its inputs.
+pub(crate) fn protect<'a>(
+    inputs: impl IntoIterator<Item = &'a Path>,
+    outputs: impl IntoIterator<Item = Option<&'a PathBuf>>,
+) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = inputs.into_iter().collect();
+    for written in outputs.into_iter().flatten() {
+        if inputs.iter().any(|input| same_file(written, input)) {
+            return Err(Failure::new(
+                "the result would overwrite one of its inputs",
+                written.display(),
+                Some("write to another file"),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Whether two paths name the same existing file.

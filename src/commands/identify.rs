@@ -6,18 +6,29 @@ use std::path::{Path, PathBuf};
 use armident_dynamics::RigidArm;
 use armident_effects::LIBRARY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
-use armident_ident::{ArmModel, BatchProblem, JointFit, MinimalSet, Term};
+use armident_ident::{
+    ArmModel, BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows, MinimalSet, Term,
+    with_recorded_velocity,
+};
 use armident_recording::{Motion, Recording};
 use armident_report::{
     ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
 };
 
 use super::recordings;
-use crate::args::IdentifyArgs;
+use crate::args::{IdentifyArgs, PriorArg};
 use crate::failure::{Failure, Outcome};
 use crate::{output, robot};
 
+/// Recorded velocities are taken when they lower the joints' errors by more than this share (geometric
+/// mean): a lag would raise them, and less is not worth another source.
+const VELOCITY_GAIN: f64 = 0.01;
+
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
+    // a folder without recordings is refused below, where it is known whether it holds a plan
+    let files = recordings::expand(&args.recordings).unwrap_or_default();
+    let inputs = files.iter().chain(&args.holdout).chain([&args.robot]).map(PathBuf::as_path);
+    output::protect(inputs, [args.output.json.as_ref(), args.save_model.as_ref()])?;
     let with_plan: Vec<PathBuf> =
         args.recordings.iter().filter_map(|p| recordings::plan_in(p)).collect();
     let (report, model) = match &with_plan[..] {
@@ -53,11 +64,37 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
 
     let arm = model.rigid_arm();
     let set = MinimalSet::of(&arm)?;
-    let problem = BatchProblem::new(&arm, &set);
-    let rows = problem.accumulate(&train_motions.iter().collect::<Vec<_>>());
-    let estimate = problem.estimate(&rows)?;
-    let holdout_rows = (!holdout_motions.is_empty())
-        .then(|| problem.accumulate(&holdout_motions.iter().collect::<Vec<_>>()));
+    let mut problem = BatchProblem::new(&arm, &set);
+    problem.choose_speed_resolution(&train_motions.iter().collect::<Vec<_>>())?;
+    let settings = BatchSettings {
+        link_prior: match args.prior {
+            PriorArg::Urdf => BatchSettings::default().link_prior,
+            PriorArg::None => None,
+        },
+        ..BatchSettings::default()
+    };
+    let from_positions = Fit::of(&problem, &settings, &train_motions, &holdout_motions)?;
+    let with_recorded = |motions: &[Motion], recordings: &[Recording]| -> Option<Vec<Motion>> {
+        motions.iter().zip(recordings).map(|(m, r)| with_recorded_velocity(m, r)).collect()
+    };
+    let recorded_motions =
+        with_recorded(&train_motions, &train).zip(with_recorded(&holdout_motions, &holdout));
+    let from_recorded = recorded_motions
+        .map(|(train, holdout)| Fit::of(&problem, &settings, &train, &holdout))
+        .transpose()?
+        .filter(|fit| fit.mean_log_error() < from_positions.mean_log_error() - VELOCITY_GAIN);
+    let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
+    let mut velocities = if cutoff_hz.is_some() { "position" } else { "recorded" };
+    if let Some(fit) = &from_recorded {
+        velocities = "recorded";
+        let gain = 1.0 - (fit.mean_log_error() - from_positions.mean_log_error()).exp();
+        notes.push(format!(
+            "recorded velocities explain the efforts better than differentiated positions do \
+             (error {:.1} % lower): they are used",
+            100.0 * gain
+        ));
+    }
+    let Fit { rows, estimate, holdout_rows } = from_recorded.unwrap_or(from_positions);
 
     let of_urdf = set.values(&arm.constants());
     let urdf_terms: Vec<f64> = problem
@@ -80,13 +117,15 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     for (k, term) in problem.terms.iter().enumerate() {
         let (value, error) = (estimate.values[k], estimate.standard_error(k));
         match *term {
+            // a constant has no bound, so its error is always there
             Term::Constant(c) => constants.push(constant_row(
                 &set,
                 c,
                 &joints,
                 of_urdf[c],
-                Some((value, error, estimate.quantile_95)),
+                error.map(|error| (value, error, estimate.quantile_95)),
                 estimate.undetermined[k],
+                estimate.from_prior[k],
             )),
             Term::Effect { joint, effect, parameter } => {
                 let parameter = &LIBRARY[effect].law().parameters[parameter];
@@ -98,6 +137,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
                     value,
                     standard_error: error,
                     admissible: parameter.admissible.allows(value),
+                    at_bound: estimate.at_bound[k],
                     undetermined: estimate.undetermined[k],
                 });
             }
@@ -137,6 +177,8 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         holdout_recordings: holdout.iter().map(|r| r.source.clone()).collect(),
         joints: names.clone(),
         cutoff_hz,
+        velocities,
+        link_prior: settings.link_prior,
         constants,
         effects,
         merged,
@@ -149,15 +191,44 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         effort_noise: by_joint(&estimate.effort_noise, &joints),
         fit,
         warnings,
-        notes: recordings::notes(train_motions.iter().chain(&holdout_motions)),
+        notes,
     };
+    let speed_resolution = problem.speed_resolution.clone();
     let found_effects = problem.effects(&estimate.values, &joints);
     let mut found = model.with_constants(&set, &problem.constants(&estimate.values));
     found.effects = found_effects;
     found.cutoff_hz = cutoff_hz;
+    found.speed_resolution = speed_resolution;
     found.effort_noise = Some(estimate.effort_noise.clone());
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
     Ok((report, found))
+}
+
+/// A batch fit of one source of velocities.
+struct Fit {
+    rows: JointRows,
+    estimate: BatchEstimate,
+    holdout_rows: Option<JointRows>,
+}
+
+impl Fit {
+    fn of(
+        problem: &BatchProblem<'_>,
+        settings: &BatchSettings,
+        train: &[Motion],
+        holdout: &[Motion],
+    ) -> Result<Self, Failure> {
+        let of = |motions: &[Motion]| problem.accumulate(&motions.iter().collect::<Vec<_>>());
+        let rows = of(train);
+        let estimate = problem.estimate_with(&rows, settings)?;
+        Ok(Self { rows, estimate, holdout_rows: (!holdout.is_empty()).then(|| of(holdout)) })
+    }
+
+    /// Mean logarithm of the joints' training errors.
+    fn mean_log_error(&self) -> f64 {
+        let fits = &self.estimate.train;
+        fits.iter().map(|f| f.rmse.ln()).sum::<f64>() / fits.len() as f64
+    }
 }
 
 fn by_algorithm2(
@@ -212,6 +283,7 @@ fn by_algorithm2(
                 of_urdf[k],
                 known.then(|| (value, estimate.standard_error(k), estimate.quantile_95[k])),
                 if known { 0.0 } else { 1.0 },
+                0.0,
             )
         })
         .collect();
@@ -236,6 +308,8 @@ fn by_algorithm2(
         holdout_recordings: Vec::new(),
         joints: names.clone(),
         cutoff_hz,
+        velocities: if cutoff_hz.is_some() { "position" } else { "recorded" },
+        link_prior: None,
         constants,
         effects: own_friction(&found, &estimate),
         merged: Vec::new(),
@@ -303,6 +377,7 @@ fn constant_row(
     urdf: f64,
     found: Option<(f64, f64, f64)>,
     undetermined: f64,
+    from_prior: f64,
 ) -> ConstantRow {
     let constant = &set.constants[k];
     ConstantRow {
@@ -313,6 +388,7 @@ fn constant_row(
         standard_error: found.map(|(_, error, _)| error),
         interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
         urdf,
+        from_prior,
         undetermined,
     }
 }
@@ -354,13 +430,23 @@ fn own_friction(model: &ArmModel, estimate: &Algorithm2Estimate) -> Vec<EffectRo
         };
         for (effect, (value, standard_error)) in LIBRARY[..2].iter().zip(friction) {
             let law = effect.law();
+            // several steps may move one joint: the most certain word counts
+            if let Some(earlier) =
+                rows.iter().position(|r| r.effect == law.slug && r.joint == step.observed)
+            {
+                if rows[earlier].standard_error.is_some_and(|e| e <= standard_error) {
+                    continue;
+                }
+                rows.remove(earlier);
+            }
             rows.push(EffectRow {
                 effect: law.slug.to_owned(),
                 joint: step.observed.clone(),
                 parameter: law.parameters[0].name.to_owned(),
                 unit: law.parameters[0].unit(joint.kind).to_owned(),
                 value,
-                standard_error,
+                standard_error: Some(standard_error),
+                at_bound: false,
                 // noise of either sign around zero is no wrong sign
                 admissible: value >= -3.0 * standard_error,
                 undetermined: 0.0,

@@ -15,6 +15,7 @@ use crate::{output, robot};
 pub(crate) const PLAN_FILE: &str = "plan.json";
 
 pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
+    output::protect([args.robot.as_path()], [args.output.json.as_ref()])?;
     let model = robot::load(&args.robot, &args.chain, None)?;
     let set = MinimalSet::of(&model.rigid_arm())?;
     for (joint, _) in &args.coulomb {

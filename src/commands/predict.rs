@@ -26,11 +26,16 @@ struct PredictReport {
 }
 
 pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
-    if output::same_file(&args.output_file, &args.motion) {
+    output::protect(
+        [args.robot.as_path(), args.motion.as_path()],
+        [Some(&args.output_file), args.output.json.as_ref()],
+    )?;
+    let json_on_stdout = args.output.json.as_deref().is_some_and(output::is_stdout);
+    if output::is_stdout(&args.output_file) && json_on_stdout {
         return Err(Failure::new(
-            "the prediction would overwrite the motion it is made for",
-            args.output_file.display(),
-            Some("write to another file"),
+            "the prediction and the JSON cannot both go to stdout",
+            "--output-file, --json",
+            Some("write one of them to a file"),
         ));
     }
     let recording = read_csv(&args.motion)?;

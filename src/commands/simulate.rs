@@ -40,6 +40,8 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
         _ => None,
     };
     let files = recordings::expand(&args.trajectories)?;
+    let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
+    output::protect(inputs, [args.output.json.as_ref()])?;
     let trajectories: Vec<Recording> = recordings::read_all(&files)?;
     let recorded = match args.direction {
         Direction::Inverse => recordings::joints_with_position(&trajectories),

@@ -1,6 +1,7 @@
 //! `armident validate`.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
@@ -13,7 +14,10 @@ use crate::failure::{Failure, Outcome};
 use crate::{output, robot};
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
-    let recorded = recordings::read_all(&recordings::expand(&args.recordings)?)?;
+    let files = recordings::expand(&args.recordings)?;
+    let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
+    output::protect(inputs, [args.output.json.as_ref(), args.predictions.as_ref()])?;
+    let recorded = recordings::read_all(&files)?;
     if args.predictions.is_some() && recorded.len() != 1 {
         return Err(Failure::new(
             format!("--predictions needs one recording, found {}", recorded.len()),

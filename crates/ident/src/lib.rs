@@ -18,16 +18,21 @@ mod algorithm1;
 pub mod algorithm2;
 mod batch;
 mod constant;
+mod link_prior;
 mod minimal_set;
 mod model;
 mod quantiles;
 mod theorem2;
 pub mod validate;
+mod velocity;
 
 pub use algorithm1::algorithm1;
-pub use batch::{BatchEstimate, BatchProblem, JointFit, JointRows, MergedTerm, Term};
+pub use batch::{
+    BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows, MergedTerm, Term,
+};
 pub use constant::{Constant, Quantity};
 pub use minimal_set::{DroppedConstant, MinimalSet};
 pub use model::{ArmModel, MODEL_SCHEMA, ModelError};
 pub use quantiles::student_t_975;
 pub use theorem2::Theorem2;
+pub use velocity::with_recorded_velocity;

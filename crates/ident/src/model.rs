@@ -29,6 +29,8 @@ pub struct ArmModel {
     pub effects: Vec<EffectOnJoint>,
     /// Cut-off of the low-pass the model was estimated with \[Hz\]; predictions use it too.
     pub cutoff_hz: Option<f64>,
+    /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\].
+    pub speed_resolution: Option<Vec<f64>>,
     /// Noise level of each joint's filtered effort in the fit \[N m or N\]; none for a URDF.
     pub effort_noise: Option<Vec<f64>>,
     /// The links before the fit, those of the URDF; none for a URDF itself.
@@ -74,6 +76,7 @@ impl ArmModel {
             chain,
             effects: Vec::new(),
             cutoff_hz: None,
+            speed_resolution: None,
             effort_noise: None,
             prior_links: None,
             provenance,
@@ -136,7 +139,8 @@ impl ArmModel {
             else {
                 continue;
             };
-            let columns = effect_columns(effect, joint, motion);
+            let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
+            let columns = effect_columns(effect, joint, motion, resolution);
             for (column, parameter) in columns.iter().zip(&on_joint.parameters) {
                 for (e, x) in effort[joint].iter_mut().zip(column) {
                     *e += parameter * x;
@@ -200,6 +204,8 @@ struct ModelFile {
     axis_pairs: Vec<String>,
     effects: Vec<EffectOnJoint>,
     cutoff_hz: Option<f64>,
+    #[serde(default)]
+    speed_resolution: Option<Vec<f64>>,
     #[serde(default)]
     effort_noise: Option<Vec<f64>>,
     /// ten parameters a link, as in the joints
@@ -295,6 +301,7 @@ impl From<&ArmModel> for ModelFile {
             axis_pairs: chain.axis_pairs.iter().map(|p| p.name().to_owned()).collect(),
             effects: model.effects.clone(),
             cutoff_hz: model.cutoff_hz,
+            speed_resolution: model.speed_resolution.clone(),
             effort_noise: model.effort_noise.clone(),
             prior_links: model
                 .prior_links
@@ -371,7 +378,7 @@ impl ModelFile {
             .is_none_or(|s| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0));
         if !links_fit || !noise_fits {
             return bad(
-                "prior_links and effort_noise must have one finite entry per joint".to_owned()
+                "prior_links, effort_noise and speed_resolution must have one finite entry per joint".to_owned()
             );
         }
         let axis_pairs = self
@@ -416,6 +423,7 @@ impl ModelFile {
             },
             effects: self.effects,
             cutoff_hz: self.cutoff_hz,
+            speed_resolution: self.speed_resolution,
             effort_noise: self.effort_noise,
             prior_links: self
                 .prior_links

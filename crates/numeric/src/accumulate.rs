@@ -3,7 +3,7 @@
 
 use faer::Mat;
 
-use crate::least_squares::{LeastSquares, NumericError, solve_triangle};
+use crate::least_squares::{LeastSquares, NumericError, column_norms, solve_triangle};
 
 /// The triangle `R` of the QR factors of all rows `[A | y]` pushed so far.
 ///
@@ -121,6 +121,52 @@ impl AccumulatedQr {
                 (fitted - self.triangle[(i, p)]).powi(2)
             })
             .sum()
+    }
+
+    /// `Aᵀ (y - A x)`: how much each column is left in the residual.
+    pub fn residual_moments(&self, x: &[f64]) -> Vec<f64> {
+        let p = self.unknowns;
+        let residual: Vec<f64> = (0..p)
+            .map(|i| {
+                let fitted: f64 = (i..p).map(|j| self.triangle[(i, j)] * x[j]).sum();
+                self.triangle[(i, p)] - fitted
+            })
+            .collect();
+        (0..p).map(|j| (0..=j).map(|i| self.triangle[(i, j)] * residual[i]).sum()).collect()
+    }
+
+    /// Norms of the columns of `A`.
+    pub fn column_norms(&self) -> Vec<f64> {
+        column_norms(&self.triangle, self.unknowns)
+    }
+
+    /// The same rows with some unknowns only, in the order given: the others are 0.
+    ///
+    /// # Panics
+    /// When an index is not below `p`.
+    #[must_use]
+    pub fn with_unknowns(&self, unknowns: &[usize]) -> Self {
+        let (p, q) = (self.unknowns, unknowns.len());
+        let mut picked = Self::new(q);
+        let column = |j: usize| if j < q { unknowns[j] } else { p };
+        picked.push(p + 1, |i, j| self.triangle[(i, column(j))]);
+        picked.rows = self.rows;
+        picked
+    }
+
+    /// The same rows for what is left to `x`: right-hand sides `y - A x`.
+    ///
+    /// # Panics
+    /// When `x` does not have `p` entries.
+    #[must_use]
+    pub fn beyond(&self, x: &[f64]) -> Self {
+        let p = self.unknowns;
+        assert_eq!(x.len(), p, "one value per unknown");
+        let mut left = self.clone();
+        for i in 0..p {
+            left.triangle[(i, p)] -= (i..p).map(|j| self.triangle[(i, j)] * x[j]).sum::<f64>();
+        }
+        left
     }
 
     /// `tr(A C Aᵀ)` for a p x p matrix `C`: with the covariance of the unknowns, the number of

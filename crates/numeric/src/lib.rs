@@ -6,6 +6,7 @@
 //! | question | function |
 //! | --- | --- |
 //! | `min |A x - y|`, rows in blocks, states merged | [`AccumulatedQr`] |
+//! | the same with unknowns that must not be negative | [`AccumulatedQr::solve_non_negative`] |
 //! | `A⁺` for several right-hand sides | [`PseudoInverse`] |
 //! | rank with its gap | [`rank_of_columns`] |
 //! | which columns depend on which, in a stated order | [`eliminate_in_order`] |
@@ -23,9 +24,11 @@
 
 mod accumulate;
 mod least_squares;
+mod non_negative;
 mod rank;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
 pub use least_squares::{LeastSquares, NumericError, PseudoInverse};
+pub use non_negative::NonNegative;
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};

@@ -7,6 +7,9 @@ use serde::Serialize;
 use crate::numbers::{significant, uncertain};
 use crate::table::aligned;
 
+/// Share of the prior in a constant above which the page says so.
+const PRIOR_SHOWN: f64 = 0.1;
+
 /// The result of `identify`.
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifyReport {
@@ -24,6 +27,11 @@ pub struct IdentifyReport {
     pub joints: Vec<String>,
     /// Cut-off of the low-pass \[Hz\]; absent when recorded accelerations were used.
     pub cutoff_hz: Option<f64>,
+    /// `position` or `recorded`: what velocities were taken from.
+    pub velocities: &'static str,
+    /// Standard deviation of the links' numbers before the recordings, relative to their size; absent
+    /// when nothing was believed.
+    pub link_prior: Option<f64>,
     /// Constants of the minimal set.
     pub constants: Vec<ConstantRow>,
     /// Parameters of effects on joints.
@@ -69,6 +77,8 @@ pub struct ConstantRow {
     pub interval_95: Option<[f64; 2]>,
     /// Value of the URDF.
     pub urdf: f64,
+    /// Share of what is known of it that is the prior's and not the recordings', 0 to 1.
+    pub from_prior: f64,
     /// Share of the constant the recordings leave open, 0 to 1.
     pub undetermined: f64,
 }
@@ -86,10 +96,12 @@ pub struct EffectRow {
     pub unit: String,
     /// Estimate.
     pub value: f64,
-    /// Standard error.
-    pub standard_error: f64,
+    /// Standard error; absent at a bound, where none is claimed.
+    pub standard_error: Option<f64>,
     /// Whether the sign is one the law admits.
     pub admissible: bool,
+    /// Whether the sign the law admits holds the estimate at 0.
+    pub at_bound: bool,
     /// Share the recordings leave open, 0 to 1.
     pub undetermined: f64,
 }
@@ -174,6 +186,12 @@ impl IdentifyReport {
                 None => "recorded accelerations, no filter".to_owned(),
             }
         );
+        if let Some(relative) = self.link_prior {
+            text += &format!(
+                "prior: every number of a link known to {} % of its size (--prior none: nothing)\n",
+                significant(100.0 * relative, 3, 0.0)
+            );
+        }
         text += "\nInertia constants\n";
         text += &self.constants_text();
         if !self.effects.is_empty() {
@@ -230,6 +248,8 @@ impl IdentifyReport {
                     row.unit.to_owned(),
                     if row.undetermined > 1e-3 {
                         format!("{:.0} % open", 100.0 * row.undetermined)
+                    } else if row.from_prior > PRIOR_SHOWN {
+                        format!("{:.0} % prior", 100.0 * row.from_prior)
                     } else {
                         String::new()
                     },
@@ -248,14 +268,19 @@ impl IdentifyReport {
             .effects
             .iter()
             .map(|row| {
-                let (value, error) = uncertain(row.value, row.standard_error);
+                let (value, error) = match row.standard_error {
+                    Some(error) => uncertain(row.value, error),
+                    None => ("0".to_owned(), "-".to_owned()),
+                };
                 vec![
                     row.effect.clone(),
                     row.joint.clone(),
                     value,
                     error,
                     row.unit.clone(),
-                    if row.undetermined > 1e-3 {
+                    if row.at_bound {
+                        "at bound 0".to_owned()
+                    } else if row.undetermined > 1e-3 {
                         format!("{:.0} % open", 100.0 * row.undetermined)
                     } else if row.admissible {
                         String::new()

@@ -1,0 +1,304 @@
+//! The batch estimator on a UR5 with friction, rotor inertia and offsets, all of them known.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_effects::LIBRARY;
+use armident_ident::{
+    ArmModel, BatchEstimate, BatchProblem, BatchSettings, MinimalSet, Quantity, Term,
+};
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use rand::SeedableRng;
+use rand_distr::{Distribution, Normal};
+use rand_pcg::Pcg64;
+
+const SIGNS_ONLY: BatchSettings = BatchSettings { admissible_signs: true, link_prior: None };
+const PRIOR_ONLY: BatchSettings = BatchSettings { admissible_signs: false, link_prior: Some(1.0) };
+/// Viscous, Coulomb, offset, rotor inertia, per joint.
+const EFFECTS: [[f64; 4]; 6] = [
+    [12.0, 8.0, 0.5, 0.7],
+    [10.0, 9.0, -0.8, 0.9],
+    [7.5, 5.0, -1.25, 0.4],
+    [1.8, 1.2, 0.1, 0.06],
+    [1.6, 1.5, 0.0, 0.05],
+    [1.4, 0.9, -0.2, 0.08],
+];
+
+struct Bench {
+    model: ArmModel,
+    arm: RigidArm,
+    set: MinimalSet,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../urdf/ur5.urdf");
+        let robot = load_urdf(&file).unwrap();
+        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+        let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+        let arm = model.rigid_arm();
+        let set = MinimalSet::of(&arm).unwrap();
+        Self { model, arm, set }
+    }
+
+    /// Sums of three sines a joint with exact derivatives, 10 s at 100 Hz, driven by the inverse
+    /// dynamics of the URDF, the effects given, and white noise.
+    fn motion(&self, effects: &[[f64; 4]; 6], noise: Option<(f64, u64)>) -> Motion {
+        let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
+        let columns = |derivative: i32| -> Vec<Vec<f64>> {
+            let joint = |j: usize| -> Vec<f64> {
+                let at = |t: &f64| -> f64 {
+                    (1..4)
+                        .map(|k| {
+                            let w = TAU * (0.11 * f64::from(k) + 0.017 * j as f64);
+                            let turn = 0.25 * TAU * f64::from(derivative);
+                            let phase = w * t + 1.3 * j as f64 + f64::from(k * k) + turn;
+                            0.9 / f64::from(k) * w.powi(derivative) * phase.sin()
+                        })
+                        .sum()
+                };
+                time.iter().map(at).collect()
+            };
+            (0..6).map(joint).collect()
+        };
+        let (q, dq, ddq) = (columns(0), columns(1), columns(2));
+        let mut effort = inverse_dynamics_of_motion(&self.arm, &q, &dq, &ddq);
+        let mut random = noise
+            .map(|(level, seed)| (Normal::new(0.0, level).unwrap(), Pcg64::seed_from_u64(seed)));
+        for (j, [viscous, coulomb, offset, rotor]) in effects.iter().enumerate() {
+            for (t, e) in effort[j].iter_mut().enumerate() {
+                *e += viscous * dq[j][t] + coulomb * dq[j][t].signum() + offset + rotor * ddq[j][t];
+                if let Some((normal, random)) = &mut random {
+                    *e += normal.sample(random);
+                }
+            }
+        }
+        let names: Vec<&str> = self.model.chain.joint_names();
+        let channels = (0..6)
+            .map(|j| JointChannels {
+                position: Some(q[j].clone()),
+                velocity: Some(dq[j].clone()),
+                acceleration: Some(ddq[j].clone()),
+                effort: Some(effort[j].clone()),
+                ..JointChannels::new(names[j])
+            })
+            .collect();
+        let recording = Recording::new("simulated", time, channels).unwrap();
+        Motion::from_recording(&recording, &names, &MotionSettings::default()).unwrap()
+    }
+
+    /// True values of all terms: those of the URDF and the effects, merged ones added on.
+    fn truth(&self, problem: &BatchProblem<'_>, effects: &[[f64; 4]; 6]) -> Vec<f64> {
+        let constants = self.set.values(&self.arm.constants());
+        // every law of the library has one parameter
+        let value = |term: &Term| match *term {
+            Term::Constant(k) => constants[k],
+            Term::Effect { joint, effect, .. } => effects[joint][effect],
+        };
+        let mut truth: Vec<f64> = problem.terms.iter().map(value).collect();
+        for merged in &problem.merged {
+            for &(k, factor) in &merged.into {
+                truth[k] += factor * value(&merged.term);
+            }
+        }
+        truth
+    }
+}
+
+#[track_caller]
+fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
+    for (k, (f, e)) in found.iter().zip(expected).enumerate() {
+        assert!((f - e).abs() <= tolerance * e.abs().max(1.0), "term {k}: {f}, true {e}");
+    }
+}
+
+#[test]
+fn exact_motion_gives_exact_values_whatever_is_believed() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let rows = problem.accumulate(&[&bench.motion(&EFFECTS, None)]);
+    let truth = bench.truth(&problem, &EFFECTS);
+    for settings in [BatchSettings::PLAIN, SIGNS_ONLY, PRIOR_ONLY, BatchSettings::default()] {
+        let found = problem.estimate_with(&rows, &settings).unwrap();
+        assert_eq!(found.rank, problem.terms.len());
+        assert_close(&found.values, &truth, 1e-8);
+        assert!(found.at_bound.iter().all(|held| !held));
+        assert!(found.from_prior.iter().all(|share| *share < 1e-12));
+    }
+    assert_eq!(
+        problem.estimate(&rows).unwrap().values,
+        problem.estimate_with(&rows, &BatchSettings::default()).unwrap().values
+    );
+}
+
+/// The arm is believed to be what the URDF says, but it is another one: the recordings decide.
+#[test]
+fn a_wrong_description_does_not_move_what_the_recordings_determine() {
+    let bench = Bench::new();
+    let mut wrong = bench.arm.clone();
+    for link in &mut wrong.links {
+        link.mass_kg *= 1.5;
+        link.first_moment_kgm *= 0.5;
+    }
+    let problem = BatchProblem::new(&wrong, &bench.set);
+    let rows = problem.accumulate(&[&bench.motion(&EFFECTS, None)]);
+    let found = problem.estimate(&rows).unwrap();
+    assert_close(&found.values, &bench.truth(&problem, &EFFECTS), 1e-8);
+}
+
+/// The rotor of joint 1 turns with link 1: one constant.
+#[test]
+fn rotor_inertia_of_the_first_joint_is_part_of_a_constant() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let names: Vec<String> =
+        bench.model.chain.joint_names().iter().map(|n| (*n).to_owned()).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let first = &problem.merged[0];
+    assert_eq!(problem.label(&first.term, &names), "rotor_inertia(shoulder_pan_joint)");
+    let [(k, factor)] = first.into[..] else { unreachable!("{:?}", first.into) };
+    let Term::Constant(constant) = problem.terms[k] else { unreachable!("an effect") };
+    let constant = &bench.set.constants[constant];
+    assert_eq!((constant.joint, constant.quantity), (0, Quantity::U33));
+    assert!((factor - 1.0).abs() < 1e-9, "{factor}");
+}
+
+#[test]
+fn a_wrong_sign_is_held_at_zero_and_has_no_error() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let mut effects = EFFECTS;
+    effects[3][3] = -0.4; // rotor inertia
+    effects[4][1] = -0.5; // Coulomb friction
+    effects[4][2] = -0.5; // an offset may be negative
+    let rows = problem.accumulate(&[&bench.motion(&effects, Some((0.05, 1)))]);
+    let term = |joint, effect| {
+        let wanted = Term::Effect { joint, effect, parameter: 0 };
+        problem.terms.iter().position(|t| *t == wanted).unwrap()
+    };
+    let violated = [term(3, 3), term(4, 1)];
+
+    let plain = problem.estimate_with(&rows, &BatchSettings::PLAIN).unwrap();
+    assert!(violated.iter().all(|&k| plain.values[k] < -0.1 && plain.standard_error(k).is_some()));
+    let held = problem.estimate_with(&rows, &SIGNS_ONLY).unwrap();
+    for k in violated {
+        assert!(held.at_bound[k] && held.values[k] == 0.0 && held.standard_error(k).is_none());
+        assert!((0..problem.terms.len()).all(|j| held.covariance[(k, j)] == 0.0));
+    }
+    for (k, term) in problem.terms.iter().enumerate() {
+        if let Term::Effect { effect, .. } = *term
+            && LIBRARY[effect].law().slug != "torque_offset"
+        {
+            assert!(held.values[k] >= 0.0);
+        }
+        assert_eq!(held.at_bound[k], held.standard_error(k).is_none());
+    }
+    assert!(held.values[term(4, 2)] < -0.1);
+    assert_eq!(held.rank, plain.rank);
+
+    // the bounds are the best ones: no residual falls along an admissible direction
+    let weighted = |values: &[f64]| -> f64 {
+        let fits = problem.fit(&rows, values);
+        fits.iter().zip(&held.effort_noise).map(|(f, s)| (f.rmse / s).powi(2)).sum()
+    };
+    let best = weighted(&held.values);
+    for k in 0..problem.terms.len() {
+        for step in [-1e-4, 1e-4] {
+            if held.at_bound[k] && step < 0.0 {
+                continue;
+            }
+            let mut values = held.values.clone();
+            values[k] += step;
+            assert!(weighted(&values) >= best * (1.0 - 1e-9), "term {k} by {step}");
+        }
+    }
+}
+
+#[test]
+fn bounds_that_hold_nothing_change_no_bit() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let rows = problem.accumulate(&[&bench.motion(&EFFECTS, Some((0.02, 7)))]);
+    let plain = problem.estimate_with(&rows, &BatchSettings::PLAIN).unwrap();
+    let bound = problem.estimate_with(&rows, &SIGNS_ONLY).unwrap();
+    assert!(bound.at_bound.iter().all(|held| !held));
+    assert_eq!(plain.values, bound.values);
+    assert_eq!(plain.effort_noise, bound.effort_noise);
+    assert_eq!(plain.covariance, bound.covariance);
+}
+
+/// A motion of one joint leaves the others' constants open: they are the description's then, and the
+/// error says how little is known.
+#[test]
+fn what_the_recordings_leave_open_comes_from_the_prior() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let whole = bench.motion(&EFFECTS, Some((0.05, 3)));
+    let mut still = whole.clone();
+    for joint in 0..5 {
+        still.position[joint].fill(0.3);
+        still.velocity[joint].fill(0.0);
+        still.acceleration[joint].fill(0.0);
+    }
+    let rigid = inverse_dynamics_of_motion(
+        &bench.arm,
+        &still.position,
+        &still.velocity,
+        &still.acceleration,
+    );
+    let constants = bench.set.values(&bench.arm.constants());
+    // exact or with noise: the description is right here, and what is left to it says so
+    for level in [0.0, 0.05] {
+        let normal = Normal::new(0.0, level).unwrap();
+        let mut random = Pcg64::seed_from_u64(11);
+        let mut with_noise = |e: &f64| e + normal.sample(&mut random);
+        let effort = rigid.iter().map(|e| e.iter().map(&mut with_noise).collect()).collect();
+        still.effort_filtered = Some(effort);
+        let rows = problem.accumulate(&[&still]);
+        let found = problem.estimate_with(&rows, &PRIOR_ONLY).unwrap();
+        assert!(found.rank < problem.terms.len() - 20, "{}", found.rank);
+        for (k, truth) in constants.iter().enumerate() {
+            if found.undetermined[k] > 0.999 {
+                let off = (found.values[k] - truth).abs();
+                assert!(off <= 1e-9 + 0.5 * found.standard_error(k).unwrap(), "{k}: {off}");
+            }
+        }
+        if level > 0.0 {
+            let open = (0..constants.len()).filter(|&k| found.from_prior[k] > 0.9).count();
+            assert!(open > 10, "{:?}", found.from_prior);
+        }
+    }
+    // a moving arm leaves little to it
+    let moved = problem.estimate_with(&problem.accumulate(&[&whole]), &PRIOR_ONLY).unwrap();
+    let believed: f64 = moved.from_prior.iter().sum();
+    assert!(believed < 0.1 * constants.len() as f64, "{believed}");
+}
+
+#[test]
+fn intervals_cover_the_truth_as_often_as_they_say() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let truth = bench.truth(&problem, &EFFECTS);
+    let inside = |found: &BatchEstimate| -> (usize, usize) {
+        let errors = (0..truth.len()).filter_map(|k| found.standard_error(k).map(|e| (k, e)));
+        let hits = errors.map(|(k, e)| (found.values[k] - truth[k]).abs() <= found.quantile_95 * e);
+        hits.fold((0, 0), |(hits, all), hit| (hits + usize::from(hit), all + 1))
+    };
+    let mut pooled = [(0, 0); 3];
+    for seed in 0..60 {
+        let rows = problem.accumulate(&[&bench.motion(&EFFECTS, Some((0.3, seed)))]);
+        let settings = [BatchSettings::PLAIN, PRIOR_ONLY, BatchSettings::default()];
+        for (pooled, settings) in pooled.iter_mut().zip(settings) {
+            let (hits, all) = inside(&problem.estimate_with(&rows, &settings).unwrap());
+            *pooled = (pooled.0 + hits, pooled.1 + all);
+        }
+    }
+    for (hits, all) in pooled {
+        let coverage = hits as f64 / all as f64;
+        assert!((0.92..=0.98).contains(&coverage), "{coverage} of {all}");
+    }
+}
