@@ -56,6 +56,15 @@ pub(crate) struct ChainArgs {
     pub(crate) snap_rpy: f64,
 }
 
+/// How recordings are read.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Recordings")]
+pub(crate) struct ReadingArgs {
+    /// TOML file that says which column is which joint, quantity and unit (docs/mapping.md)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mapping: Option<PathBuf>,
+}
+
 /// Where results go.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Output")]
@@ -190,6 +199,8 @@ pub(crate) struct SimulateArgs {
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
     #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -226,6 +237,8 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -257,6 +270,8 @@ pub(crate) struct ValidateArgs {
     #[arg(long)]
     pub(crate) no_replay: bool,
     #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
@@ -279,6 +294,8 @@ pub(crate) struct PredictArgs {
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]

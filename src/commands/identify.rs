@@ -52,8 +52,10 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
 }
 
 fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
-    let train = recordings::read_all(&recordings::expand(&args.recordings)?)?;
-    let holdout = recordings::read_all(&recordings::expand(&args.holdout)?)?;
+    let train =
+        recordings::read_all(&recordings::expand(&args.recordings)?, &args.reading, &args.output)?;
+    let holdout =
+        recordings::read_all(&recordings::expand(&args.holdout)?, &args.reading, &args.output)?;
     let recorded = recordings::joints_with_position(&train);
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
@@ -264,7 +266,7 @@ fn by_algorithm2(
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let files: Vec<PathBuf> =
         plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
-    let recordings: Vec<Recording> = recordings::read_all(&files)?;
+    let recordings: Vec<Recording> = recordings::read_all(&files, &args.reading, &args.output)?;
     let cutoff_hz = recordings::common_cutoff(&recordings, &joints, args.cutoff_hz)?;
     let motions = recordings::motions_with_effort(&recordings, &joints, cutoff_hz)?;
 

@@ -1,9 +1,7 @@
 //! `armident predict`.
 
 use armident_ident::ArmModel;
-use armident_recording::{
-    JointChannels, Motion, MotionSettings, Recording, read_csv, write_csv_to,
-};
+use armident_recording::{JointChannels, Motion, MotionSettings, Recording, write_csv_to};
 use serde::Serialize;
 
 use super::recordings;
@@ -38,7 +36,9 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
             Some("write one of them to a file"),
         ));
     }
-    let recording = read_csv(&args.motion)?;
+    let mut motions =
+        recordings::read_all(std::slice::from_ref(&args.motion), &args.reading, &args.output)?;
+    let recording = motions.remove(0);
     let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();

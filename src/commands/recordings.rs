@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use armident_recording::{
-    Motion, MotionSettings, Quantity, Recording, default_cutoff_hz, read_csv,
+    Action, FindingKind, Mapping, Motion, MotionSettings, Quantity, Recording, default_cutoff_hz,
+    quality, read_csv, read_csv_mapped,
 };
 
+use crate::args::{OutputArgs, ReadingArgs};
 use crate::failure::Failure;
+use crate::output;
 
 /// Files as given, folders replaced by their CSV files in the order of their names.
 pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
@@ -40,9 +43,39 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// Reads all files.
-pub(crate) fn read_all(files: &[PathBuf]) -> Result<Vec<Recording>, Failure> {
-    files.iter().map(|file| Ok(read_csv(file)?)).collect()
+/// Reads all files, through a mapping where one is given.
+pub(crate) fn read_all(
+    files: &[PathBuf],
+    reading: &ReadingArgs,
+    output: &OutputArgs,
+) -> Result<Vec<Recording>, Failure> {
+    let mapping = reading.mapping.as_deref().map(Mapping::load).transpose()?;
+    let recordings: Vec<Recording> = files
+        .iter()
+        .map(|file| {
+            Ok(match &mapping {
+                Some(mapping) => read_csv_mapped(file, mapping)?,
+                None => read_csv(file)?,
+            })
+        })
+        .collect::<Result<_, Failure>>()?;
+    // what was repaired is in the recordings' notes; what was left as it is, is said here
+    let mut doubts = Vec::new();
+    for recording in &recordings {
+        let worth_saying = [
+            FindingKind::Stuck,
+            FindingKind::Saturated,
+            FindingKind::Gap,
+            FindingKind::SuspectedUnit,
+        ];
+        for finding in quality(recording).findings {
+            if finding.action == Action::Kept && worth_saying.contains(&finding.kind) {
+                doubts.push(format!("{}: {}", recording.source, finding.message));
+            }
+        }
+    }
+    output::say_all(output, "note", &doubts);
+    Ok(recordings)
 }
 
 /// Joints with a position in every one of the recordings, in the order of the first.
@@ -113,9 +146,9 @@ pub(crate) fn motions_with_effort(
                     format!("there is no effort column for {}", without.join(", ")),
                     &recording.source,
                     Some(
-                        "every chain joint needs <joint>/effort in N m or N (currents must be \
-                         multiplied by the drive gain first); lock joints without one by \
-                         --lock JOINT=VALUE",
+                        "every chain joint needs <joint>/effort in N m or N (currents and voltages \
+                         become efforts by --mapping FILE, see docs/mapping.md); lock joints without \
+                         one by --lock JOINT=VALUE",
                     ),
                 ));
             }

@@ -42,7 +42,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
     let files = recordings::expand(&args.trajectories)?;
     let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
     output::protect(inputs, [args.output.json.as_ref()])?;
-    let trajectories: Vec<Recording> = recordings::read_all(&files)?;
+    let trajectories: Vec<Recording> = recordings::read_all(&files, &args.reading, &args.output)?;
     let recorded = match args.direction {
         Direction::Inverse => recordings::joints_with_position(&trajectories),
         Direction::Forward => trajectories

@@ -17,7 +17,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let files = recordings::expand(&args.recordings)?;
     let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
     output::protect(inputs, [args.output.json.as_ref(), args.predictions.as_ref()])?;
-    let recorded = recordings::read_all(&files)?;
+    let recorded = recordings::read_all(&files, &args.reading, &args.output)?;
     if args.predictions.is_some() && recorded.len() != 1 {
         return Err(Failure::new(
             format!("--predictions needs one recording, found {}", recorded.len()),

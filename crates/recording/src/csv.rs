@@ -1,22 +1,17 @@
-//! Recordings as comma-separated text: a column `t` \[s\], then `<joint>/<quantity>`.
+//! Reads comma-separated text: our own column names, those of PlotJuggler, or any with a mapping.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Write};
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Terminator};
 
 use crate::error::{Fault, RecordingError};
 use crate::header::Header;
-use crate::recording::{JointChannels, MIN_SAMPLES, Recording};
-use crate::timing::Timing;
+use crate::mapping::Mapping;
+use crate::raw::{RawColumn, RawColumns};
+use crate::recording::Recording;
 
-/// Median steps at and above this cannot be seconds \[s\].
-const LONGEST_STEP_S: f64 = 0.5;
-/// Median steps at and below this cannot be seconds \[s\].
-const SHORTEST_STEP_S: f64 = 1e-6;
-/// Share of samples that may repeat the stamp before them.
-const REPEATED_SHARE: f64 = 0.01;
 /// Bytes looked at to tell other formats.
 const START_BYTES: u64 = 4096;
 
@@ -25,7 +20,23 @@ const START_BYTES: u64 = 4096;
 /// # Errors
 /// The file cannot be read, or any of the faults of [`read_csv_from`].
 pub fn read_csv(path: impl AsRef<Path>) -> Result<Recording, RecordingError> {
-    let path = path.as_ref();
+    let (file, source) = open(path.as_ref())?;
+    read_csv_from(file, &source)
+}
+
+/// Reads a CSV file whose columns a mapping explains.
+///
+/// # Errors
+/// The file cannot be read, or any of the faults of [`read_csv_mapped_from`].
+pub fn read_csv_mapped(
+    path: impl AsRef<Path>,
+    mapping: &Mapping,
+) -> Result<Recording, RecordingError> {
+    let (file, source) = open(path.as_ref())?;
+    read_csv_mapped_from(file, &source, mapping)
+}
+
+fn open(path: &Path) -> Result<(File, String), RecordingError> {
     let source = path.display().to_string();
     if path.is_dir() {
         return Err(RecordingError::new(Fault::IsDirectory, &source));
@@ -37,22 +48,56 @@ pub fn read_csv(path: impl AsRef<Path>) -> Result<Recording, RecordingError> {
         };
         RecordingError::new(fault, &source)
     })?;
-    read_csv_from(file, &source)
+    Ok((file, source))
 }
 
 /// Reads CSV text; `source` names it in messages.
 ///
 /// The first line names the columns: `t` in seconds, then `<joint>/<quantity>` where the quantity
-/// is the part after the last slash and one of position, velocity, acceleration, effort, current,
-/// voltage. Other columns are listed in [`Recording::ignored_columns`] and noted. Byte order marks,
-/// CRLF, blank lines and spaces around fields are accepted. Samples that repeat the stamp before
-/// them are dropped and noted.
+/// is the part after the last slash and a name of a [`Quantity`](crate::Quantity). Without a column
+/// `t`, the names that PlotJuggler writes are understood: `__time` or `time`, then
+/// `/joint_states/<joint>/<quantity>` or another topic. Other columns are listed in
+/// [`Recording::ignored_columns`] and noted. Byte order marks, CRLF, blank lines and spaces around
+/// fields are accepted. What is repaired on reading is listed in [`Recording::findings`].
 ///
 /// # Errors
-/// A file of another kind; a header without `t` or without a joint column, or with a column twice;
-/// rows with another number of fields; fields that are not finite numbers; stamps that go
-/// backwards, are not in seconds or repeat in more than 1 % of the samples; fewer than 8 samples.
-pub fn read_csv_from(mut reader: impl Read, source: &str) -> Result<Recording, RecordingError> {
+/// A file of another kind; a header without time stamps or without a joint column, or with a column
+/// twice; rows with another number of fields; fields that are not numbers; infinite values, and NaN
+/// beyond what is filled in; stamps that go backwards, are not in seconds or repeat in more than
+/// 1 % of the samples; fewer than 8 samples; positions that their velocities show to be in degrees
+/// or millimetres.
+pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, RecordingError> {
+    let mut header = None;
+    let raw = read_columns(reader, source, |columns, line| {
+        let known = header.insert(Header::new(columns.to_vec(), source, line)?);
+        Ok(known.is_read())
+    })?;
+    match header {
+        Some(header) => header.draft(raw).finish(),
+        None => Err(RecordingError::new(Fault::Empty, source)),
+    }
+}
+
+/// Reads CSV text whose columns a mapping explains; `source` names it in messages. Columns that the
+/// mapping does not mention may hold anything.
+///
+/// # Errors
+/// A mapping that does not fit the columns, or any of the faults of [`read_csv_from`].
+pub fn read_csv_mapped_from(
+    reader: impl Read,
+    source: &str,
+    mapping: &Mapping,
+) -> Result<Recording, RecordingError> {
+    let raw = read_columns(reader, source, |columns, _| mapping.reads(columns, source))?;
+    mapping.apply(&raw)
+}
+
+/// Reads the columns that `choose` marks, given the names of all and the line of the header.
+fn read_columns(
+    mut reader: impl Read,
+    source: &str,
+    choose: impl FnOnce(&[String], u64) -> Result<Vec<bool>, RecordingError>,
+) -> Result<RawColumns, RecordingError> {
     let fault = |fault| RecordingError::new(fault, source);
     let io_fault = |error| fault(Fault::Io { doing: "read", error });
     let mut start = Vec::new();
@@ -93,180 +138,67 @@ pub fn read_csv_from(mut reader: impl Read, source: &str) -> Result<Recording, R
         let decimal_commas = below && row.len() > 1;
         return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(line));
     }
-    let header = Header::new(columns, source, line)?;
-
-    let mut table = Table::new(&header, source);
+    let chosen = choose(&columns, line)?;
+    let mut table = Table::new(columns, &chosen, source);
     while rows.read_byte_record(&mut row).map_err(csv_fault)? {
-        if is_blank(&row) && header.columns.len() > 1 {
+        if is_blank(&row) && chosen.len() > 1 {
             continue;
         }
         let line = rows.position().line() - 1;
         if let Err(error) = table.push(&row, line) {
-            // the first fault of the file is the one to tell
             let unclosed =
                 || Some(fault(Fault::UnclosedQuote).on_line(unclosed_quote(&row, line)?));
-            return Err(table.not_finite().or_else(unclosed).unwrap_or(error));
+            return Err(unclosed().unwrap_or(error));
         }
     }
-    table.finish()
+    if table.raw.lines.is_empty() {
+        return Err(fault(Fault::HeaderOnly));
+    }
+    Ok(table.raw)
 }
 
-/// The samples read so far.
+/// The rows read so far.
 struct Table<'a> {
-    header: &'a Header,
     source: &'a str,
-    time_s: Vec<f64>,
-    /// One column per [`Header::channels`].
-    values: Vec<Vec<f64>>,
-    rows: usize,
-    repeated: usize,
-    first_repeated_s: f64,
-    /// Line, column and text of the first value that is NaN or infinite.
-    first_not_finite: Option<(u64, usize, String)>,
-    not_finite: usize,
+    raw: RawColumns,
 }
 
 impl<'a> Table<'a> {
-    fn new(header: &'a Header, source: &'a str) -> Self {
-        Self {
-            header,
-            source,
-            time_s: Vec::new(),
-            values: vec![Vec::new(); header.channels.len()],
-            rows: 0,
-            repeated: 0,
-            first_repeated_s: 0.0,
-            first_not_finite: None,
-            not_finite: 0,
-        }
+    fn new(names: Vec<String>, chosen: &[bool], source: &'a str) -> Self {
+        let columns = names
+            .into_iter()
+            .zip(chosen)
+            .map(|(name, chosen)| RawColumn { name, values: chosen.then(Vec::new) })
+            .collect();
+        Self { source, raw: RawColumns { columns, ..RawColumns::new(source) } }
     }
 
     fn push(&mut self, row: &ByteRecord, line: u64) -> Result<(), RecordingError> {
         let fault = |fault| RecordingError::new(fault, self.source).on_line(line);
-        let (expected, found) = (self.header.columns.len(), row.len());
+        let (expected, found) = (self.raw.columns.len(), row.len());
         if found != expected {
             return Err(fault(Fault::RaggedRow { expected, found }));
         }
-        self.rows += 1;
-        let time_s = self.number(row, self.header.time, line)?;
-        let fault = |fault| RecordingError::new(fault, self.source).on_line(line);
-        let previous_s = self.time_s.last().copied();
-        if let Some(previous_s) = previous_s.filter(|previous_s| time_s < *previous_s) {
-            let fault = fault(Fault::TimeBackwards { previous_s, found_s: time_s });
-            return Err(fault.in_column("t"));
-        }
-        let keep = previous_s != Some(time_s);
-        if keep {
-            // a stamp that is NaN would hide a step back; the file is refused at its end
-            if time_s.is_finite() {
-                self.time_s.push(time_s);
-            }
-        } else {
-            if self.repeated == 0 {
-                self.first_repeated_s = time_s;
-            }
-            self.repeated += 1;
-        }
-        for index in 0..self.header.channels.len() {
-            let value = self.number(row, self.header.channels[index].column, line)?;
-            if keep {
-                self.values[index].push(value);
-            }
-        }
-        Ok(())
-    }
-
-    /// The number in a field; NaN and infinities are counted.
-    fn number(
-        &mut self,
-        row: &ByteRecord,
-        column: usize,
-        line: u64,
-    ) -> Result<f64, RecordingError> {
-        let field = row.get(column).unwrap_or_default().trim_ascii();
-        let value = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok());
-        let shown = || String::from_utf8_lossy(field).chars().take(40).collect::<String>();
-        let Some(value) = value else {
-            let fault = match field {
-                [] => Fault::EmptyField,
-                _ => Fault::NotANumber { text: shown() },
+        let index = self.raw.lines.len();
+        for (number, column) in self.raw.columns.iter_mut().enumerate() {
+            let Some(values) = &mut column.values else { continue };
+            let field = row.get(number).unwrap_or_default().trim_ascii();
+            let value = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok());
+            let shown = || String::from_utf8_lossy(field).chars().take(40).collect::<String>();
+            let Some(value) = value else {
+                let kind = match field {
+                    [] => Fault::EmptyField,
+                    _ => Fault::NotANumber { text: shown() },
+                };
+                return Err(fault(kind).in_column(&column.name));
             };
-            return Err(RecordingError::new(fault, self.source)
-                .on_line(line)
-                .in_column(&self.header.columns[column]));
-        };
-        if !value.is_finite() {
-            self.not_finite += 1;
-            self.first_not_finite.get_or_insert_with(|| (line, column, shown()));
+            if !value.is_finite() {
+                self.raw.first_not_finite.get_or_insert_with(|| (index, number, shown()));
+            }
+            values.push(value);
         }
-        Ok(value)
-    }
-
-    fn not_finite(&self) -> Option<RecordingError> {
-        let (line, column, text) = self.first_not_finite.as_ref()?;
-        let fault = Fault::NotFinite { text: text.clone(), count: self.not_finite };
-        Some(
-            RecordingError::new(fault, self.source)
-                .on_line(*line)
-                .in_column(&self.header.columns[*column]),
-        )
-    }
-
-    fn finish(self) -> Result<Recording, RecordingError> {
-        let fault = |fault| RecordingError::new(fault, self.source);
-        if self.rows == 0 {
-            return Err(fault(Fault::HeaderOnly));
-        }
-        if let Some(error) = self.not_finite() {
-            return Err(error);
-        }
-        let (found, required) = (self.time_s.len(), MIN_SAMPLES);
-        if self.rows < required {
-            return Err(fault(Fault::TooFewSamples { found: self.rows, required }));
-        }
-        if self.repeated as f64 > REPEATED_SHARE * self.rows as f64 {
-            let fault = fault(Fault::RepeatedStamps { count: self.repeated, total: self.rows });
-            return Err(fault.in_column("t"));
-        }
-        if found < required {
-            return Err(fault(Fault::TooFewSamples { found, required }));
-        }
-        let median_step_s = Timing::of(&self.time_s).median_step_s;
-        if let Some((unit, factor)) = not_seconds(median_step_s) {
-            let median_step = format!("{median_step_s:.3e}").parse().unwrap_or(median_step_s);
-            let fault = fault(Fault::NotSeconds { median_step, unit, factor });
-            return Err(fault.in_column("t"));
-        }
-
-        let mut notes = self.header.notes.clone();
-        if self.repeated > 0 {
-            notes.push(format!(
-                "{} of {} samples repeated the time stamp before them and were dropped, the first \
-                 at t = {} s",
-                self.repeated, self.rows, self.first_repeated_s
-            ));
-        }
-        let mut joints: Vec<JointChannels> =
-            self.header.joints.iter().map(JointChannels::new).collect();
-        for (channel, values) in self.header.channels.iter().zip(self.values) {
-            *joints[channel.joint].channel_mut(channel.quantity) = Some(values);
-        }
-        let mut recording = Recording::new(self.source, self.time_s, joints)?;
-        recording.notes = notes;
-        recording.ignored_columns.clone_from(&self.header.ignored);
-        Ok(recording)
-    }
-}
-
-/// Unit of stamps with this median step, and the factor that makes them seconds.
-fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
-    match median_step {
-        step if step >= 5e5 => Some(("nanoseconds", 1e-9)),
-        step if step >= 5e2 => Some(("microseconds", 1e-6)),
-        1.0 => Some(("sample numbers or milliseconds", 1e-3)),
-        step if step >= LONGEST_STEP_S => Some(("milliseconds", 1e-3)),
-        step if step <= SHORTEST_STEP_S => Some(("days", 86_400.0)),
-        _ => None,
+        self.raw.lines.push(line);
+        Ok(())
     }
 }
 
@@ -314,67 +246,4 @@ fn other_format(start: &[u8]) -> Option<&'static str> {
     let known = FORMATS.into_iter().find(|(magic, _)| start.starts_with(magic));
     let binary = || start.contains(&0).then_some("binary data");
     known.map(|(_, format)| format).or_else(binary)
-}
-
-/// Writes a CSV file: `t` and the channels. Numbers have as many digits as bring back the same
-/// value; notes and ignored columns are not written.
-///
-/// # Errors
-/// The recording is inconsistent, or the file cannot be written.
-pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), RecordingError> {
-    let path = path.as_ref();
-    recording.check()?;
-    let fault = |doing| {
-        move |error| RecordingError::new(Fault::Io { doing, error }, &path.display().to_string())
-    };
-    let file = File::create(path).map_err(fault("opened"))?;
-    let mut writer = BufWriter::new(file);
-    write_csv_to(&mut writer, recording)?;
-    let written = writer.into_inner().map_err(io::IntoInnerError::into_error);
-    if let Err(error) = written {
-        // half a recording would be read as a whole one
-        let _ = fs::remove_file(path);
-        return Err(fault("written")(error));
-    }
-    Ok(())
-}
-
-/// Writes CSV text, as [`write_csv`].
-///
-/// # Errors
-/// The recording is inconsistent, or the writer fails.
-pub fn write_csv_to(writer: impl Write, recording: &Recording) -> Result<(), RecordingError> {
-    recording.check()?;
-    let channels: Vec<(String, &[f64])> = recording
-        .joints
-        .iter()
-        .flat_map(|joint| {
-            let named = |(quantity, values)| (format!("{}/{quantity}", joint.name), values);
-            joint.channels().map(named)
-        })
-        .collect();
-    let columns: Vec<&[f64]> = [recording.time_s.as_slice()]
-        .into_iter()
-        .chain(channels.iter().map(|(_, values)| *values))
-        .collect();
-    let fault =
-        |error| RecordingError::new(Fault::Io { doing: "written", error }, &recording.source);
-
-    let mut out = BufWriter::with_capacity(1 << 16, writer);
-    let mut names = csv::Writer::from_writer(Vec::new());
-    let header = std::iter::once("t").chain(channels.iter().map(|(name, _)| name.as_str()));
-    names.write_record(header).map_err(|error| fault(error.into()))?;
-    let names = names.into_inner().map_err(|error| fault(error.into_error()))?;
-    let mut write_all = || -> io::Result<()> {
-        out.write_all(&names)?;
-        for row in 0..recording.len() {
-            for (index, column) in columns.iter().enumerate() {
-                let separator = if index == 0 { "" } else { "," };
-                write!(out, "{separator}{}", column[row])?;
-            }
-            out.write_all(b"\n")?;
-        }
-        out.flush()
-    };
-    write_all().map_err(fault)
 }

@@ -19,6 +19,8 @@ pub const HIGHEST_CUTOFF_SHARE: f64 = 0.2;
 /// Range of positions below which a joint counts as resting \[rad or m\].
 pub const RESTING_RANGE: f64 = 1e-3;
 
+/// Mean square of a Hann window.
+const HANN_POWER: f64 = 0.375;
 /// Bins to either side over which the spectrum is averaged before it is compared with the noise.
 const SMOOTHING_BINS: usize = 4;
 /// Multiple of the noise floor above which the averaged spectrum is motion.
@@ -49,8 +51,7 @@ pub fn band_edge_hz(position: &[f64], rate_hz: f64) -> Option<f64> {
         return None;
     }
     let power = windowed_power(position)?;
-    // the median of an exponentially distributed periodogram is ln 2 of its mean
-    let measured = median(&power[power.len() / 2..]) / LN_2;
+    let measured = noise_power(&power);
     let rounding = f64::EPSILON * largest.abs().max(smallest.abs());
     let floor = measured.max(position.len() as f64 * rounding.powi(2));
 
@@ -77,6 +78,24 @@ pub fn band_edge_hz(position: &[f64], rate_hz: f64) -> Option<f64> {
         below >= POWER_SHARE * total
     })?;
     Some(edge as f64 * rate_hz / position.len() as f64)
+}
+
+/// Mean power of a bin of white noise, from the upper half of the bins.
+fn noise_power(power: &[f64]) -> f64 {
+    // the median of an exponentially distributed periodogram is ln 2 of its mean
+    median(&power[power.len() / 2..]) / LN_2
+}
+
+/// Standard deviation of the white noise in evenly sampled values: from the median of the spectrum
+/// above a quarter of the sample rate, so that motion below and narrow lines do not count.
+pub(crate) fn noise_sigma(values: &[f64]) -> Option<f64> {
+    if values.len() < MIN_SAMPLES {
+        return None;
+    }
+    let power = windowed_power(values)?;
+    // the mean square of a Hann window
+    let sigma = (noise_power(&power) / (HANN_POWER * values.len() as f64)).sqrt();
+    sigma.is_finite().then_some(sigma)
 }
 
 /// Periodogram of the detrended signal under a Hann window, arbitrary scale.
@@ -132,6 +151,19 @@ mod tests {
                 assert!((found_hz - edge_hz).abs() < 0.15, "{found_hz} for {edge_hz}, {step}");
             }
         }
+    }
+
+    #[test]
+    fn noise_is_measured_beside_the_motion() {
+        let mut state = 7_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
+        };
+        let noisy: Vec<f64> = motion(5.1, 0.0).iter().map(|x| x + 0.01 * uniform()).collect();
+        let sigma = 0.01 / 12.0_f64.sqrt();
+        assert!((noise_sigma(&noisy).unwrap() / sigma - 1.0).abs() < 0.1);
+        assert_eq!(noise_sigma(&[1.0; 100]), Some(0.0));
     }
 
     #[test]

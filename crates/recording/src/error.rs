@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::io;
 
+use crate::draft::{MISSING_RUN, MISSING_SHARE};
+use crate::finding::Finding;
 use crate::recording::Quantity;
 
 /// A fault of a recording: what is wrong (`Display`, one sentence), the place, and a hint.
@@ -95,6 +97,23 @@ pub enum Fault {
     /// The header is not UTF-8.
     #[error("the header is not UTF-8 text")]
     HeaderNotUtf8,
+    /// Joints are in several topics, none of them the usual one.
+    #[error("several topics have joints: {}", .topics.join(", "))]
+    SeveralTopics {
+        /// The topics.
+        topics: Vec<String>,
+    },
+    /// A mapping file is wrong, or does not fit the recording.
+    #[error("{what}")]
+    Mapping {
+        /// What is wrong, one sentence.
+        what: String,
+        /// What to do.
+        advice: String,
+    },
+    /// The signals are not what their names say.
+    #[error("{0}")]
+    Refused(Box<Finding>),
     /// Nothing in the file but white space.
     #[error("the file is empty")]
     Empty,
@@ -164,12 +183,19 @@ pub enum Fault {
         count: usize,
     },
     /// Time runs backwards.
-    #[error("the time goes backwards, from {previous_s} s to {found_s} s")]
+    #[error(
+        "the time goes backwards, from {previous_s} s to {found_s} s{}",
+        several_times(*.count, *.total)
+    )]
     TimeBackwards {
         /// The stamp before \[s\].
         previous_s: f64,
         /// The stamp found \[s\].
         found_s: f64,
+        /// How often it does so.
+        count: usize,
+        /// Number of rows.
+        total: usize,
     },
     /// Too many samples repeat the stamp before them.
     #[error("{count} of {total} samples repeat the time stamp before them")]
@@ -191,6 +217,8 @@ pub enum Fault {
         unit: &'static str,
         /// What the stamps have to be multiplied by.
         factor: f64,
+        /// Whether a mapping said that they are seconds.
+        by_mapping: bool,
     },
     /// Too short for anything.
     #[error("the recording has {found} sample{}, at least {required} are needed", plural(*.found))]
@@ -287,6 +315,12 @@ pub enum Fault {
 impl Fault {
     fn hint(&self) -> Option<String> {
         let hint = match self {
+            Self::SeveralTopics { topics } => format!(
+                "choose one by a mapping file: `column = \"{}/{{joint}}/{{quantity}}\"`",
+                topics.first().map_or("/joint_states", String::as_str)
+            ),
+            Self::Mapping { advice, .. } => advice.clone(),
+            Self::Refused(finding) => return finding.advice.clone(),
             Self::NotFound | Self::NoJointsRequested | Self::Io { .. } => return None,
             Self::IsDirectory => "name one CSV file in it".to_owned(),
             Self::NotCsv { .. } => "export it as comma-separated UTF-8 text: a column `t` in \
@@ -338,15 +372,26 @@ impl Fault {
             Self::NotANumber { .. } => {
                 "write a number such as `-0.25` or `1e-3`, without a unit".to_owned()
             }
+            Self::NotFinite { text, .. } if is_nan(text) => format!(
+                "delete these rows: lost samples may be left out, their places are interpolated \
+                 (NaN is filled in up to {MISSING_RUN} in a row and {:.0} % of a channel, between \
+                 numbers)",
+                100.0 * MISSING_SHARE
+            ),
             Self::NotFinite { .. } => {
                 "delete these rows: lost samples may be left out, their places are interpolated"
                     .to_owned()
             }
-            Self::TimeBackwards { .. } => {
-                "sort the rows by time, or split the file where a new recording begins".to_owned()
-            }
+            Self::TimeBackwards { .. } => "sort the rows by time (a mapping file does it with \
+                                           `sort = true` under [time]), or split the file where a \
+                                           new recording begins"
+                .to_owned(),
             Self::RepeatedStamps { .. } => {
                 "write the stamps with more digits, or keep one row per stamp".to_owned()
+            }
+            Self::NotSeconds { by_mapping: true, .. } => {
+                "state the unit under [time] in the mapping file: unit = \"ms\", \"us\" or \"ns\""
+                    .to_owned()
             }
             Self::NotSeconds { median_step: 1.0, .. } => {
                 "multiply the column `t` by the sampling period in seconds".to_owned()
@@ -381,7 +426,7 @@ impl Fault {
 }
 
 /// Names in backquotes, the first twelve of them.
-fn listed(names: &[String]) -> String {
+pub(crate) fn listed(names: &[String]) -> String {
     const SHOWN: usize = 12;
     let mut text: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
     if names.len() > SHOWN {
@@ -390,6 +435,14 @@ fn listed(names: &[String]) -> String {
     text.join(", ")
 }
 
-fn plural(count: usize) -> &'static str {
+fn several_times(count: usize, total: usize) -> String {
+    if count < 2 { String::new() } else { format!(", and so {count} times in {total} samples") }
+}
+
+fn is_nan(text: &str) -> bool {
+    text.parse::<f64>().is_ok_and(f64::is_nan)
+}
+
+pub(crate) fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }

@@ -1,11 +1,13 @@
-//! The header of a CSV recording: which column is what.
+//! The header of a recording: which column is what.
 
+use crate::draft::Draft;
 use crate::error::{Fault, RecordingError};
+use crate::raw::RawColumns;
 use crate::recording::Quantity;
 
 /// What the columns of a file are.
 pub(crate) struct Header {
-    /// Index of the column `t`.
+    /// Index of the column with the time stamps.
     pub(crate) time: usize,
     /// The joints in order of first appearance.
     pub(crate) joints: Vec<String>,
@@ -65,17 +67,25 @@ const TIME_NAMES: [&str; 14] = [
     "elapsed",
 ];
 
+/// Columns that PlotJuggler puts the time stamps in, the preferred first.
+const PLOTJUGGLER_TIME: [&str; 2] = ["__time", "time"];
+/// Topic whose joints are taken where several topics have some.
+const JOINT_STATES: &str = "/joint_states";
+
 impl Header {
     /// Reads the trimmed column names.
     ///
     /// # Errors
-    /// No column `t`, no joint column, or a column that occurs twice.
+    /// No column with time stamps, no joint column, or a column that occurs twice.
     pub(crate) fn new(
         columns: Vec<String>,
         source: &str,
         line: u64,
     ) -> Result<Self, RecordingError> {
         let Some(time) = columns.iter().position(|name| name == "t") else {
+            if let Some((time, topic)) = plotjuggler(&columns, source, line)? {
+                return Self::of_topic(columns, time, &topic, source, line);
+            }
             let similar = columns.iter().find(|name| looks_like_time(name)).cloned();
             let fault = Fault::NoTimeColumn { similar, columns };
             return Err(RecordingError::new(fault, source).on_line(line));
@@ -100,16 +110,9 @@ impl Header {
                 ignored.push(label);
                 continue;
             }
-            if let Some(first) = columns[..column].iter().position(|earlier| earlier == name) {
-                let name = name.clone();
-                let fault = Fault::DuplicateColumn { name, first: first + 1, second: column + 1 };
-                return Err(RecordingError::new(fault, source).on_line(line));
-            }
+            refuse_twice(&columns, column, source, line)?;
             if let Some((joint, quantity)) = channel {
-                let joint = joints.iter().position(|known| known == joint).unwrap_or_else(|| {
-                    joints.push(joint.to_owned());
-                    joints.len() - 1
-                });
+                let joint = index_of(&mut joints, joint);
                 channels.push(Channel { column, joint, quantity });
             }
         }
@@ -124,6 +127,123 @@ impl Header {
         }
         Ok(Self { time, joints, channels, columns, ignored, notes })
     }
+
+    /// The columns `<topic>/<joint>/<quantity>` of a file by PlotJuggler.
+    fn of_topic(
+        columns: Vec<String>,
+        time: usize,
+        topic: &str,
+        source: &str,
+        line: u64,
+    ) -> Result<Self, RecordingError> {
+        let (mut joints, mut channels, mut ignored) = (Vec::new(), Vec::new(), Vec::new());
+        for (column, name) in columns.iter().enumerate() {
+            let known = topic_channel(name).filter(|(of, _, _)| *of == topic);
+            if known.is_none() && column != time {
+                ignored.push(name.clone());
+                continue;
+            }
+            refuse_twice(&columns, column, source, line)?;
+            if let Some((_, joint, quantity)) = known {
+                let joint = index_of(&mut joints, joint);
+                channels.push(Channel { column, joint, quantity });
+            }
+        }
+        let mut notes = vec![format!(
+            "names as PlotJuggler writes them: time stamps from `{}`, joints of the topic {topic}",
+            columns[time]
+        )];
+        if !ignored.is_empty() {
+            notes.push(format!("columns not read: {}", ignored.join(", ")));
+        }
+        Ok(Self { time, joints, channels, columns, ignored, notes })
+    }
+
+    /// Which of the columns are read.
+    pub(crate) fn is_read(&self) -> Vec<bool> {
+        let mut read = vec![false; self.columns.len()];
+        read[self.time] = true;
+        for channel in &self.channels {
+            read[channel.column] = true;
+        }
+        read
+    }
+
+    /// Sorts the columns into time stamps and channels.
+    pub(crate) fn draft(self, mut raw: RawColumns) -> Draft {
+        let mut take = |column: usize| raw.columns[column].values.take().unwrap_or_default();
+        let time_s = take(self.time);
+        let channels: Vec<(usize, Quantity, Vec<f64>)> = self
+            .channels
+            .iter()
+            .map(|channel| (channel.joint, channel.quantity, take(channel.column)))
+            .collect();
+        let mut draft = Draft::new(raw, self.time, time_s);
+        draft.notes = self.notes;
+        draft.ignored = self.ignored;
+        for (channel, (joint, quantity, values)) in self.channels.iter().zip(channels) {
+            draft.push(&self.joints[joint], quantity, Some(channel.column), values);
+        }
+        draft
+    }
+}
+
+/// A name that occurs for the second time is a fault.
+fn refuse_twice(
+    columns: &[String],
+    column: usize,
+    source: &str,
+    line: u64,
+) -> Result<(), RecordingError> {
+    let name = &columns[column];
+    let Some(first) = columns[..column].iter().position(|earlier| earlier == name) else {
+        return Ok(());
+    };
+    let fault = Fault::DuplicateColumn { name: name.clone(), first: first + 1, second: column + 1 };
+    Err(RecordingError::new(fault, source).on_line(line))
+}
+
+fn index_of(joints: &mut Vec<String>, joint: &str) -> usize {
+    joints.iter().position(|known| known == joint).unwrap_or_else(|| {
+        joints.push(joint.to_owned());
+        joints.len() - 1
+    })
+}
+
+/// Column of the time stamps and topic of the joints, if the names are those of PlotJuggler.
+///
+/// # Errors
+/// Several topics have joints and none is `/joint_states`.
+fn plotjuggler(
+    columns: &[String],
+    source: &str,
+    line: u64,
+) -> Result<Option<(usize, String)>, RecordingError> {
+    let stamps = |name: &&str| columns.iter().position(|column| column == name);
+    let Some(time) = PLOTJUGGLER_TIME.iter().find_map(stamps) else { return Ok(None) };
+    let mut topics: Vec<&str> = Vec::new();
+    for (topic, _, _) in columns.iter().filter_map(|name| topic_channel(name)) {
+        if !topics.contains(&topic) {
+            topics.push(topic);
+        }
+    }
+    match topics[..] {
+        [] => Ok(None),
+        [only] => Ok(Some((time, only.to_owned()))),
+        _ if topics.contains(&JOINT_STATES) => Ok(Some((time, JOINT_STATES.to_owned()))),
+        _ => {
+            let topics = topics.into_iter().map(str::to_owned).collect();
+            Err(RecordingError::new(Fault::SeveralTopics { topics }, source).on_line(line))
+        }
+    }
+}
+
+/// Topic, joint and quantity of a column `/<topic>/<joint>/<quantity>`.
+fn topic_channel(column: &str) -> Option<(&str, &str, Quantity)> {
+    let (path, quantity) = joint_channel(column)?;
+    let (topic, joint) = path.rsplit_once('/')?;
+    (topic.starts_with('/') && topic.len() > 1 && !joint.is_empty() && joint.trim() == joint)
+        .then_some((topic, joint, quantity))
 }
 
 /// Joint and quantity of a column `<joint>/<quantity>`; the joint may contain slashes.

@@ -2,9 +2,11 @@
 //!
 //! # From a file to a motion
 //!
-//! 1. [`read_csv`] gives a [`Recording`]: time stamps and joint channels as they were recorded,
-//!    checked, with notes on what was doubtful or repaired.
-//! 2. [`Motion::from_recording`] brings the joints asked for onto an even grid ([`EvenGrid`]),
+//! 1. [`read_csv`], or [`read_csv_mapped`] with a [`Mapping`] for files with names and units of
+//!    their own, gives a [`Recording`]: time stamps and joint channels, checked, with notes and
+//!    [`Finding`]s on what was doubtful or repaired.
+//! 2. [`quality()`] measures the recording and lists what else is doubtful in it.
+//! 3. [`Motion::from_recording`] brings the joints asked for onto an even grid ([`EvenGrid`]),
 //!    filters the position ([`ZeroPhaseLowPass`]) and differentiates it ([`differentiate()`]).
 //!    Recorded velocities are not used, because drives smooth them with delay; only where
 //!    accelerations are recorded too, as in exact simulations, are both taken as they are.
@@ -30,15 +32,36 @@
 //! | `<joint>/velocity`, `<joint>/acceleration` | per s, per s² |
 //! | `<joint>/effort` | N m, or N for a prismatic joint, on the joint side |
 //! | `<joint>/current`, `<joint>/voltage` | A, V |
+//! | `<joint>/motor_position` | encoder of the motor, divided by the gear ratio: rad or m |
+//! | `<joint>/temperature` | °C |
 //!
-//! Joint names may contain slashes. Other columns are ignored, with a note.
+//! Joint names may contain slashes. Other columns are ignored, with a note. Without a column `t`
+//! the names of PlotJuggler are understood: `__time` or `time`, then
+//! `/joint_states/<joint>/position` and so on. Anything else needs a [`Mapping`].
+//!
+//! # Defects on reading
+//!
+//! What can be repaired without guessing is repaired, noted and listed in
+//! [`Recording::findings`]; what would change the result is refused with advice; the rest is kept
+//! and told by [`quality()`].
+//!
+//! | defect | repaired | refused |
+//! |---|---|---|
+//! | stamps that repeat | dropped, up to 1 % of the samples | above |
+//! | stamps that go back | sorted, if a mapping says so | otherwise |
+//! | NaN | interpolated, up to 3 in a row and 1 % of a channel | above, at the ends, infinite |
+//! | empty or unreadable fields | | always |
+//! | angles that wrap at a full turn | made continuous | |
+//! | positions in degrees or mm | | if their velocities show it |
+//! | recorded derivatives that contradict the position | | if they would be used |
+//!
+//! Uneven stamps and gaps are kept: motions are resampled.
 //!
 //! # Not handled
 //!
-//! Other formats (ROS bags, MCAP, Parquet, MATLAB); stamps that differ between channels; joint
-//! angles that wrap around at ±π; other units than SI; delays between position and effort;
-//! channels with missing values (leave the row out instead); the end effects of the filter, which
-//! reach two to three periods of the cutoff into the motion: drop these samples.
+//! Other formats (ROS bags, MCAP, Parquet, MATLAB); stamps that differ between channels; delays
+//! between position and effort; the end effects of the filter, which reach two to three periods of
+//! the cutoff into the motion: drop these samples.
 //!
 //! # Example
 //!
@@ -64,26 +87,42 @@
 
 mod butterworth;
 mod csv;
+mod csv_write;
 mod cutoff;
 mod differentiate;
+mod draft;
 mod error;
+mod finding;
 mod header;
+mod mapping;
 mod motion;
+mod quality;
+mod raw;
 mod recording;
 mod resample;
+mod runs;
 mod timing;
+mod units;
+mod unwrap;
+mod velocity_check;
 
 pub use butterworth::{
     CUTOFF_SHARE_BOUND, DEFAULT_ORDER, HIGHEST_ORDER, LOWEST_CUTOFF_SHARE, ZeroPhaseLowPass,
 };
-pub use csv::{read_csv, read_csv_from, write_csv, write_csv_to};
+pub use csv::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from};
+pub use csv_write::{write_csv, write_csv_to};
 pub use cutoff::{
     CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, RESTING_RANGE,
     band_edge_hz, default_cutoff_hz,
 };
 pub use differentiate::differentiate;
+pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
 pub use error::{Fault, RecordingError};
+pub use finding::{Action, Finding, FindingKind, Span};
+pub use mapping::Mapping;
 pub use motion::{DerivativeSource, Motion, MotionSettings};
+pub use quality::{ChannelQuality, QualityReport, differences, quality};
+pub use raw::{RawColumn, RawColumns};
 pub use recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
 pub use resample::{BRIDGED_STEPS, EvenGrid, Interpolation};
 pub use timing::{GAP_STEPS, Gap, Timing};

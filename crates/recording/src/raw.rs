@@ -41,6 +41,15 @@ impl RawColumns {
         self.columns.iter().map(|column| column.name.clone()).collect()
     }
 
+    /// Rows of the longest column.
+    pub(crate) fn rows(&self) -> usize {
+        self.columns
+            .iter()
+            .filter_map(|column| column.values.as_ref().map(Vec::len))
+            .max()
+            .unwrap_or(0)
+    }
+
     /// The line that a row was read from.
     pub(crate) fn line(&self, row: usize) -> Option<u64> {
         self.lines.get(row).copied()

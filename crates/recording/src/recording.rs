@@ -2,13 +2,17 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::error::{Fault, RecordingError};
+use crate::finding::Finding;
 
 /// Fewest samples that make a recording.
 pub const MIN_SAMPLES: usize = 8;
 
 /// What a channel of a joint holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Joint position, rad (revolute) or m (prismatic).
     Position,
@@ -22,17 +26,24 @@ pub enum Quantity {
     Current,
     /// Motor voltage, V.
     Voltage,
+    /// Position of the encoder on the motor side, divided by the gear ratio: without elasticity and
+    /// backlash that of the joint, rad or m.
+    MotorPosition,
+    /// Temperature of motor or drive, °C.
+    Temperature,
 }
 
 impl Quantity {
     /// All quantities, in the order in which they are written.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Position,
         Self::Velocity,
         Self::Acceleration,
         Self::Effort,
         Self::Current,
         Self::Voltage,
+        Self::MotorPosition,
+        Self::Temperature,
     ];
 
     /// The last part of a column's name: `position` in `elbow/position`.
@@ -44,6 +55,8 @@ impl Quantity {
             Self::Effort => "effort",
             Self::Current => "current",
             Self::Voltage => "voltage",
+            Self::MotorPosition => "motor_position",
+            Self::Temperature => "temperature",
         }
     }
 
@@ -77,6 +90,10 @@ pub struct JointChannels {
     pub current: Option<Vec<f64>>,
     /// Motor voltage \[V\].
     pub voltage: Option<Vec<f64>>,
+    /// Position of the motor's own encoder, divided by the gear ratio \[rad or m\].
+    pub motor_position: Option<Vec<f64>>,
+    /// Temperature of motor or drive \[°C\].
+    pub temperature: Option<Vec<f64>>,
 }
 
 impl JointChannels {
@@ -94,6 +111,8 @@ impl JointChannels {
             Quantity::Effort => self.effort.as_deref(),
             Quantity::Current => self.current.as_deref(),
             Quantity::Voltage => self.voltage.as_deref(),
+            Quantity::MotorPosition => self.motor_position.as_deref(),
+            Quantity::Temperature => self.temperature.as_deref(),
         }
     }
 
@@ -106,6 +125,8 @@ impl JointChannels {
             Quantity::Effort => &mut self.effort,
             Quantity::Current => &mut self.current,
             Quantity::Voltage => &mut self.voltage,
+            Quantity::MotorPosition => &mut self.motor_position,
+            Quantity::Temperature => &mut self.temperature,
         }
     }
 
@@ -130,6 +151,9 @@ pub struct Recording {
     pub notes: Vec<String>,
     /// Columns of the file that were not read.
     pub ignored_columns: Vec<String>,
+    /// What reading repaired or left alone although it is doubtful, with place and share; more is
+    /// found by [`quality`](crate::quality()).
+    pub findings: Vec<Finding>,
 }
 
 impl Recording {
@@ -148,6 +172,7 @@ impl Recording {
             joints,
             notes: Vec::new(),
             ignored_columns: Vec::new(),
+            findings: Vec::new(),
         };
         recording.check()?;
         Ok(recording)
@@ -167,8 +192,10 @@ impl Recording {
         }
         self.check_finite("t", &self.time_s)?;
         if let Some(pair) = self.time_s.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return Err(fault(Fault::TimeBackwards { previous_s: pair[0], found_s: pair[1] })
-                .in_column("t"));
+            let count = self.time_s.windows(2).filter(|pair| pair[1] <= pair[0]).count();
+            let (previous_s, found_s) = (pair[0], pair[1]);
+            let fault = fault(Fault::TimeBackwards { previous_s, found_s, count, total: expected });
+            return Err(fault.in_column("t"));
         }
         if self.joints.is_empty() {
             return Err(fault(Fault::NoJointColumns { rename: None, columns: vec!["t".into()] }));

@@ -1,12 +1,14 @@
 //! How even the time stamps of a recording are.
 
+use serde::Serialize;
+
 /// Steps longer than this many median steps are gaps: samples are lost there.
 pub const GAP_STEPS: f64 = 2.5;
 /// Relative deviation of a step from the mean that still counts as even.
 const EVEN_TOLERANCE: f64 = 1e-3;
 
 /// A stretch without samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gap {
     /// Stamp of the last sample before it \[s\].
     pub at_s: f64,
@@ -15,7 +17,7 @@ pub struct Gap {
 }
 
 /// Steps between time stamps, summarised.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Timing {
     /// Median step \[s\].
     pub median_step_s: f64,

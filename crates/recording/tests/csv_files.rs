@@ -53,13 +53,13 @@ fn forms_that_mean_the_same() {
 
 #[test]
 fn unknown_columns_are_ignored_and_noted() {
-    let text = "t,elbow/position,elbow/torque,elbow/temperature,supply,,base_pos\n".to_owned()
+    let text = "t,elbow/position,elbow/torque,elbow/humidity,supply,,base_pos\n".to_owned()
         + &rows(9, |t| format!("{t},{t},{t},warm,,-,1"));
     let recording = read(&text);
     assert_eq!(recording.joint_names(), ["elbow"]);
     assert_eq!(
         recording.ignored_columns,
-        ["elbow/torque", "elbow/temperature", "supply", "(column 6 has no name)", "base_pos"]
+        ["elbow/torque", "elbow/humidity", "supply", "(column 6 has no name)", "base_pos"]
     );
     assert_eq!(
         recording.notes,
@@ -68,7 +68,7 @@ fn unknown_columns_are_ignored_and_noted() {
              `elbow/effort`",
             "column `base_pos` is not read; if it is one of the channels, rename it to \
              `base/position`",
-            "columns not read: elbow/temperature, supply, (column 6 has no name)",
+            "columns not read: elbow/humidity, supply, (column 6 has no name)",
         ]
     );
 }
@@ -166,7 +166,7 @@ fn value() -> impl Strategy<Value = f64> {
 fn joints() -> impl Strategy<Value = Vec<JointChannels>> {
     let name = "[a-z\"',;/ _é.-]{0,6}[a-z0-9\"]";
     let channels =
-        proptest::collection::vec(proptest::option::of(proptest::collection::vec(value(), 10)), 6);
+        proptest::collection::vec(proptest::option::of(proptest::collection::vec(value(), 10)), 8);
     let joint = (name, channels).prop_map(|(name, channels)| {
         let mut joint = JointChannels::new(name.trim());
         for (quantity, values) in Quantity::ALL.into_iter().zip(channels) {

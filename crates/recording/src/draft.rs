@@ -1,0 +1,383 @@
+//! From columns that are known by name to a checked recording: what is repaired on reading, and
+//! what is refused.
+
+use crate::error::{Fault, RecordingError};
+use crate::finding::{Action, Finding, FindingKind, percent, places, spans_of};
+use crate::raw::RawColumns;
+use crate::recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
+use crate::resample::{BRIDGED_STEPS, Interpolation};
+use crate::timing::Timing;
+use crate::unwrap::unwrap_turns;
+use crate::velocity_check;
+
+/// Most NaN in a row that are filled in. The cubic through two samples on either side spans five
+/// steps then, which a motion sampled ten times per period still follows to about 1 %.
+pub const MISSING_RUN: usize = 3;
+/// Largest share of NaN in a channel that is filled in: more is a fault of the logging, not a lost
+/// value now and then.
+pub const MISSING_SHARE: f64 = 0.01;
+/// Share of samples that may repeat the stamp before them.
+pub const REPEATED_SHARE: f64 = 0.01;
+/// Median steps at and above this cannot be seconds \[s\].
+const LONGEST_STEP_S: f64 = 0.5;
+/// Median steps at and below this cannot be seconds \[s\].
+const SHORTEST_STEP_S: f64 = 1e-6;
+
+/// A channel as read.
+struct Channel {
+    joint: String,
+    quantity: Quantity,
+    /// The column it comes from; none if it comes from several.
+    column: Option<usize>,
+    values: Vec<f64>,
+}
+
+impl Channel {
+    fn name(&self) -> String {
+        format!("{}/{}", self.joint, self.quantity)
+    }
+}
+
+/// A recording that is not checked yet: stamps may repeat, values may be NaN.
+pub(crate) struct Draft {
+    raw: RawColumns,
+    time_column: usize,
+    time_s: Vec<f64>,
+    channels: Vec<Channel>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) ignored: Vec<String>,
+    pub(crate) findings: Vec<Finding>,
+    /// Whether a mapping gave the columns their meaning.
+    pub(crate) by_mapping: bool,
+    /// Whether the unit of the stamps was stated, so that it need not be guarded.
+    pub(crate) time_unit_is_stated: bool,
+    /// Whether rows may be put into the order of time.
+    pub(crate) sort: bool,
+}
+
+impl Draft {
+    /// Time stamps in seconds and no channel yet. `raw` tells lines, names and texts.
+    pub(crate) fn new(raw: RawColumns, time_column: usize, time_s: Vec<f64>) -> Self {
+        Self {
+            raw,
+            time_column,
+            time_s,
+            channels: Vec::new(),
+            notes: Vec::new(),
+            ignored: Vec::new(),
+            findings: Vec::new(),
+            by_mapping: false,
+            time_unit_is_stated: false,
+            sort: false,
+        }
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        joint: &str,
+        quantity: Quantity,
+        column: Option<usize>,
+        values: Vec<f64>,
+    ) {
+        self.channels.push(Channel { joint: joint.to_owned(), quantity, column, values });
+    }
+
+    /// Repairs what is safe to repair and refuses the rest.
+    pub(crate) fn finish(mut self) -> Result<Recording, RecordingError> {
+        if let Some(error) =
+            self.not_finite(|value| !value.is_finite(), |value| value.is_infinite())
+        {
+            return Err(error);
+        }
+        self.sort_rows()?;
+        let rows = self.time_s.len();
+        if let Some(error) = self.missing_at_length() {
+            return Err(error);
+        }
+        let too_few = |found| Fault::TooFewSamples { found, required: MIN_SAMPLES };
+        if rows < MIN_SAMPLES {
+            return Err(self.fault(too_few(rows)));
+        }
+        self.drop_repeated()?;
+        if self.time_s.len() < MIN_SAMPLES {
+            return Err(self.fault(too_few(self.time_s.len())));
+        }
+        let timing = Timing::of(&self.time_s);
+        self.check_seconds(&timing)?;
+        self.fill_in_missing(&timing);
+        self.unwrap_angles();
+
+        let (source, by_mapping) = (self.raw.source, self.by_mapping);
+        let mut joints: Vec<JointChannels> = Vec::new();
+        for channel in self.channels {
+            let index =
+                joints.iter().position(|joint| joint.name == channel.joint).unwrap_or_else(|| {
+                    joints.push(JointChannels::new(&channel.joint));
+                    joints.len() - 1
+                });
+            *joints[index].channel_mut(channel.quantity) = Some(channel.values);
+        }
+        let mut recording = Recording::new(source, self.time_s, joints)?;
+        if let Some(finding) = velocity_check::refusal(&recording, by_mapping) {
+            let quantity = finding.quantity.unwrap_or(Quantity::Position);
+            let place = format!("{}/{quantity}", finding.joint.as_deref().unwrap_or_default());
+            let fault = Fault::Refused(Box::new(finding));
+            return Err(RecordingError::new(fault, &recording.source).in_column(&place));
+        }
+        recording.notes = self.notes;
+        recording.ignored_columns = self.ignored;
+        let repaired = self.findings.iter().filter(|finding| finding.action == Action::Repaired);
+        recording.notes.extend(repaired.map(|finding| finding.message.clone()));
+        recording.findings = self.findings;
+        Ok(recording)
+    }
+
+    fn fault(&self, fault: Fault) -> RecordingError {
+        RecordingError::new(fault, &self.raw.source)
+    }
+
+    /// A fault in a row of a column.
+    fn fault_at(
+        &self,
+        fault: Fault,
+        row: usize,
+        column: Option<usize>,
+        name: &str,
+    ) -> RecordingError {
+        let error = self.fault(fault);
+        let error = match self.raw.line(row) {
+            Some(line) => error.on_line(line),
+            None => error,
+        };
+        error.in_column(column.map_or(name, |column| &self.raw.columns[column].name))
+    }
+
+    fn time_fault(&self, fault: Fault, row: Option<usize>) -> RecordingError {
+        let name = &self.raw.columns[self.time_column].name;
+        match row {
+            Some(row) => self.fault_at(fault, row, Some(self.time_column), name),
+            None => self.fault(fault).in_column(name),
+        }
+    }
+
+    /// The first value that is refused, in stamps or channels, by row.
+    fn not_finite(
+        &self,
+        refused_stamp: impl Fn(f64) -> bool,
+        refused_value: impl Fn(f64) -> bool,
+    ) -> Option<RecordingError> {
+        let stamp = self.time_s.iter().position(|t| refused_stamp(*t));
+        let stamp =
+            stamp.map(|row| (row, Some(self.time_column), "t".to_owned(), self.time_s[row]));
+        let value = self.channels.iter().filter_map(|channel| {
+            let row = channel.values.iter().position(|value| refused_value(*value))?;
+            Some((row, channel.column, channel.name(), channel.values[row]))
+        });
+        let (row, column, name, value) = stamp.into_iter().chain(value).min_by_key(|at| at.0)?;
+        let text =
+            column.map_or_else(|| value.to_string(), |column| self.raw.text(row, column, value));
+        let count = self.count_not_finite();
+        Some(self.fault_at(Fault::NotFinite { text, count }, row, column, &name))
+    }
+
+    fn count_not_finite(&self) -> usize {
+        let of = |values: &[f64]| values.iter().filter(|value| !value.is_finite()).count();
+        of(&self.time_s) + self.channels.iter().map(|channel| of(&channel.values)).sum::<usize>()
+    }
+
+    /// Brings rows into the order of time if that was asked for, else refuses stamps that go back.
+    fn sort_rows(&mut self) -> Result<(), RecordingError> {
+        let steps_back: Vec<usize> =
+            (1..self.time_s.len()).filter(|k| self.time_s[*k] < self.time_s[k - 1]).collect();
+        let Some(&first) = steps_back.first() else { return Ok(()) };
+        let (count, total) = (steps_back.len(), self.time_s.len());
+        if !self.sort {
+            let (previous_s, found_s) = (self.time_s[first - 1], self.time_s[first]);
+            let fault = Fault::TimeBackwards { previous_s, found_s, count, total };
+            return Err(self.time_fault(fault, Some(first)));
+        }
+        let mut order: Vec<usize> = (0..total).collect();
+        order.sort_by(|a, b| self.time_s[*a].total_cmp(&self.time_s[*b]));
+        let sorted = |values: &[f64]| order.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+        let runs: Vec<(usize, usize)> = steps_back.iter().map(|k| (*k, *k)).collect();
+        let spans = spans_of(&self.time_s, &runs);
+        self.time_s = sorted(&self.time_s);
+        for channel in &mut self.channels {
+            channel.values = sorted(&channel.values);
+        }
+        if !self.raw.lines.is_empty() {
+            self.raw.lines = order.iter().map(|k| self.raw.lines[*k]).collect();
+        }
+        let message = format!(
+            "the time went backwards {count} time{}, first to t = {} s: rows sorted by time",
+            crate::error::plural(count),
+            spans[0].from_s
+        );
+        let share = count as f64 / total as f64;
+        let finding =
+            Finding::of_stamps(FindingKind::UnsortedRows, Action::Repaired, share).at(spans);
+        self.findings.push(finding.saying(message));
+        Ok(())
+    }
+
+    /// NaN that are too many or too close together to be filled in.
+    fn missing_at_length(&self) -> Option<RecordingError> {
+        let total = self.time_s.len();
+        let refused = |channel: &&Channel| {
+            let runs = runs_of_nan(&channel.values);
+            let count: usize = runs.iter().map(|(from, to)| to - from + 1).sum();
+            let at_an_end = |(from, to): &(usize, usize)| *from == 0 || *to + 1 == total;
+            count as f64 > MISSING_SHARE * total as f64
+                || runs.iter().any(|run| run.1 - run.0 >= MISSING_RUN || at_an_end(run))
+        };
+        let channel = self.channels.iter().filter(refused).min_by_key(|channel| {
+            channel.values.iter().position(|value| value.is_nan()).unwrap_or(total)
+        })?;
+        let row = channel.values.iter().position(|value| value.is_nan())?;
+        let text = channel
+            .column
+            .map_or_else(|| "NaN".to_owned(), |column| self.raw.text(row, column, f64::NAN));
+        let fault = Fault::NotFinite { text, count: self.count_not_finite() };
+        Some(self.fault_at(fault, row, channel.column, &channel.name()))
+    }
+
+    fn fill_in_missing(&mut self, timing: &Timing) {
+        for channel in &mut self.channels {
+            let runs = runs_of_nan(&channel.values);
+            if runs.is_empty() {
+                continue;
+            }
+            let present = |k: &usize| !channel.values[*k].is_nan();
+            let known: Vec<usize> = (0..channel.values.len()).filter(present).collect();
+            let known_s: Vec<f64> = known.iter().map(|k| self.time_s[*k]).collect();
+            let known_values: Vec<f64> = known.iter().map(|k| channel.values[*k]).collect();
+            let missing: Vec<usize> =
+                (0..channel.values.len()).filter(|k| channel.values[*k].is_nan()).collect();
+            let missing_s: Vec<f64> = missing.iter().map(|k| self.time_s[*k]).collect();
+            let longest_s = BRIDGED_STEPS * timing.median_step_s;
+            let filled = Interpolation::new(&known_s, &missing_s, longest_s).apply(&known_values);
+            for (k, value) in missing.iter().zip(filled) {
+                channel.values[*k] = value;
+            }
+            let share = missing.len() as f64 / channel.values.len() as f64;
+            let spans = spans_of(&self.time_s, &runs);
+            let message = format!(
+                "{} of {} values were NaN ({}) and were interpolated, {}",
+                missing.len(),
+                channel.values.len(),
+                percent(share),
+                places(&spans)
+            );
+            self.findings.push(
+                Finding::of_channel(
+                    FindingKind::MissingValues,
+                    Action::Repaired,
+                    &channel.joint,
+                    channel.quantity,
+                    share,
+                )
+                .at(spans)
+                .saying(message),
+            );
+        }
+    }
+
+    fn drop_repeated(&mut self) -> Result<(), RecordingError> {
+        let total = self.time_s.len();
+        let repeated: Vec<usize> =
+            (1..total).filter(|k| self.time_s[*k] == self.time_s[k - 1]).collect();
+        let Some(&first) = repeated.first() else { return Ok(()) };
+        let count = repeated.len();
+        if count as f64 > REPEATED_SHARE * total as f64 {
+            return Err(self.time_fault(Fault::RepeatedStamps { count, total }, None));
+        }
+        let runs: Vec<(usize, usize)> = repeated.iter().map(|k| (*k, *k)).collect();
+        let spans = spans_of(&self.time_s, &runs);
+        let message = format!(
+            "{count} of {total} samples repeated the time stamp before them and were dropped, the \
+             first at t = {} s",
+            self.time_s[first]
+        );
+        let keep: Vec<bool> =
+            (0..total).map(|k| k == 0 || self.time_s[k] != self.time_s[k - 1]).collect();
+        let kept = |values: &[f64]| {
+            values.iter().zip(&keep).filter(|(_, keep)| **keep).map(|(value, _)| *value).collect()
+        };
+        for channel in &mut self.channels {
+            channel.values = kept(&channel.values);
+        }
+        self.time_s = kept(&self.time_s);
+        let share = count as f64 / total as f64;
+        let finding = Finding::of_stamps(FindingKind::RepeatedStamps, Action::Repaired, share);
+        self.findings.push(finding.at(spans).saying(message));
+        Ok(())
+    }
+
+    fn check_seconds(&self, timing: &Timing) -> Result<(), RecordingError> {
+        let median_step_s = timing.median_step_s;
+        let Some((unit, factor)) = not_seconds(median_step_s) else { return Ok(()) };
+        if self.time_unit_is_stated {
+            return Ok(());
+        }
+        let median_step = format!("{median_step_s:.3e}").parse().unwrap_or(median_step_s);
+        let by_mapping = self.by_mapping;
+        Err(self.time_fault(Fault::NotSeconds { median_step, unit, factor, by_mapping }, None))
+    }
+
+    fn unwrap_angles(&mut self) {
+        for channel in &mut self.channels {
+            if !matches!(channel.quantity, Quantity::Position | Quantity::MotorPosition) {
+                continue;
+            }
+            let jumps = unwrap_turns(&mut channel.values);
+            if jumps.is_empty() {
+                continue;
+            }
+            let runs: Vec<(usize, usize)> = jumps.iter().map(|k| (*k, *k)).collect();
+            let spans = spans_of(&self.time_s, &runs);
+            let message = format!(
+                "the angle jumped by a full turn {} time{} and was made continuous, first at t = \
+                 {:.3} s",
+                jumps.len(),
+                crate::error::plural(jumps.len()),
+                spans[0].from_s
+            );
+            let share = jumps.len() as f64 / channel.values.len() as f64;
+            self.findings.push(
+                Finding::of_channel(
+                    FindingKind::WrappedAngle,
+                    Action::Repaired,
+                    &channel.joint,
+                    channel.quantity,
+                    share,
+                )
+                .at(spans)
+                .saying(message),
+            );
+        }
+    }
+}
+
+/// First and last sample of each stretch of NaN.
+fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for k in (0..values.len()).filter(|k| values[*k].is_nan()) {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == k => *last = k,
+            _ => runs.push((k, k)),
+        }
+    }
+    runs
+}
+
+/// Unit of stamps with this median step, and the factor that makes them seconds.
+fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
+    match median_step {
+        step if step >= 5e5 => Some(("nanoseconds", 1e-9)),
+        step if step >= 5e2 => Some(("microseconds", 1e-6)),
+        1.0 => Some(("sample numbers or milliseconds", 1e-3)),
+        step if step >= LONGEST_STEP_S => Some(("milliseconds", 1e-3)),
+        step if step <= SHORTEST_STEP_S => Some(("days", 86_400.0)),
+        _ => None,
+    }
+}

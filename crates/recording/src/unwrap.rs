@@ -1,0 +1,80 @@
+//! Angles that are logged modulo a full turn.
+
+use std::f64::consts::TAU;
+
+/// A step counts as a wrap if it differs from a full turn by less than this \[rad\], and no other
+/// step may be longer: a joint that turns faster per sample cannot be told from one that wraps.
+const LONGEST_OTHER_STEP: f64 = 1.0;
+/// Values of a wrapped angle lie within a turn, up to the rounding of what was logged \[rad\].
+const WINDOW: f64 = TAU + 0.02;
+
+/// Makes an angle continuous that jumps by full turns, and gives the samples after the jumps.
+///
+/// All of it must look wrapped, else nothing is done: all values within one turn, every step either
+/// within 1 rad of a full turn or shorter than 1 rad. Lengths and speeds that do so by accident
+/// would have to jump from one end of a range of 2 π to the other.
+pub(crate) fn unwrap_turns(values: &mut [f64]) -> Vec<usize> {
+    let largest = values.iter().copied().fold(f64::MIN, f64::max);
+    let smallest = values.iter().copied().fold(f64::MAX, f64::min);
+    let range = largest - smallest;
+    if !(TAU - LONGEST_OTHER_STEP..=WINDOW).contains(&range) {
+        return Vec::new();
+    }
+    let step = |k: usize| values[k] - values[k - 1];
+    let is_wrap = |k: &usize| (step(*k).abs() - TAU).abs() < LONGEST_OTHER_STEP;
+    let wraps: Vec<usize> = (1..values.len()).filter(is_wrap).collect();
+    let others_are_short =
+        (1..values.len()).all(|k| is_wrap(&k) || step(k).abs() < LONGEST_OTHER_STEP);
+    if wraps.is_empty() || !others_are_short {
+        return Vec::new();
+    }
+    let signs: Vec<f64> = wraps.iter().map(|k| step(*k).signum()).collect();
+    let (mut turns, mut next) = (0.0, 0);
+    for (k, value) in values.iter_mut().enumerate() {
+        if wraps.get(next) == Some(&k) {
+            turns -= signs[next];
+            next += 1;
+        }
+        *value += TAU * turns;
+    }
+    wraps
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    fn wrapped(angle: f64, from: f64) -> f64 {
+        from + (angle - from).rem_euclid(TAU)
+    }
+
+    #[test]
+    fn turning_joints_become_continuous() {
+        for from in [-PI, 0.0] {
+            let angle: Vec<f64> = (0..4000).map(|k| 9.0 * (2e-3 * f64::from(k)).sin()).collect();
+            let mut values: Vec<f64> = angle.iter().map(|a| wrapped(*a, from)).collect();
+            let jumps = unwrap_turns(&mut values);
+            assert!(jumps.len() > 3);
+            let offset = values[0] - angle[0];
+            for (value, angle) in values.iter().zip(&angle) {
+                assert!((value - angle - offset).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn everything_else_is_left_alone() {
+        let swing: Vec<f64> = (0..500).map(|k| 3.1 * (0.02 * f64::from(k)).sin()).collect();
+        let turning: Vec<f64> = (0..500).map(|k| 0.1 * f64::from(k)).collect();
+        let mut spike = swing.clone();
+        spike[77] += TAU;
+        let square: Vec<f64> = (0..500).map(|k| if k % 50 < 25 { 0.0 } else { 4.0 }).collect();
+        for values in [swing, turning, spike, square, vec![f64::NAN; 9], vec![]] {
+            let mut copy = values.clone();
+            assert!(unwrap_turns(&mut copy).is_empty());
+            assert!(copy.iter().zip(&values).all(|(a, b)| a.to_bits() == b.to_bits()));
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! Recorded velocity against differentiated position: wrong units, signs and delays show there.
+//!
+//! Both are compared over short windows: the change of the position with the integral of the
+//! velocity. That needs no filter and no even stamps, and quantisation averages out.
+
+use crate::finding::{Action, Finding, FindingKind};
+use crate::recording::{JointChannels, Quantity, Recording};
+use crate::timing::{GAP_STEPS, Timing};
+
+/// Length of a window \[s\]: long against the step of encoders, short against a swing.
+const WINDOW_S: f64 = 0.05;
+/// Fewest steps in a window.
+const FEWEST_STEPS: usize = 4;
+/// Fewest windows, below which nothing is concluded.
+const FEWEST_WINDOWS: usize = 40;
+/// Smallest travel that says something \[rad or m\].
+const LEAST_TRAVEL: f64 = 0.05;
+/// Correlation above which a scale is believed.
+const BELIEVED: f64 = 0.95;
+/// Correlation below which the velocity has little to do with the position; noisy velocities of
+/// slow joints reach 0.6.
+const UNRELATED: f64 = 0.5;
+/// A scale is 1, or that of a unit, within this; sensors are calibrated better than that.
+const TOLERANCE: f64 = 0.08;
+/// Longest delay looked for \[s\], and in samples: drives have been seen to filter over 0.2 s.
+const LONGEST_LAG_S: f64 = 0.3;
+const LONGEST_LAG: usize = 64;
+
+/// What velocity over differentiated position says about units.
+struct Unit {
+    scale: f64,
+    /// The position's unit, if it is the position that is wrong.
+    position: Option<&'static str>,
+    velocity: &'static str,
+}
+
+/// Velocity over differentiated position for units that are mixed up.
+const UNITS: [Unit; 6] = [
+    Unit { scale: 57.295_779_513, position: None, velocity: "deg/s" },
+    Unit { scale: 1.0 / 57.295_779_513, position: Some("deg"), velocity: "rad/s" },
+    Unit { scale: 1e3, position: None, velocity: "mm/s" },
+    Unit { scale: 1e-3, position: Some("mm"), velocity: "m/s" },
+    Unit { scale: 9.549_296_585, position: None, velocity: "rpm" },
+    Unit { scale: 0.159_154_943, position: None, velocity: "turn/s" },
+];
+
+/// Velocity as `scale` times the differentiated position, `delay_s` later.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Comparison {
+    pub(crate) scale: f64,
+    pub(crate) correlation: f64,
+    pub(crate) delay_s: f64,
+    /// Delay in median steps.
+    pub(crate) delay_steps: f64,
+}
+
+/// Sums of products of both over all windows, the velocity `lag` samples later.
+fn correlate(
+    time_s: &[f64],
+    position: &[f64],
+    travelled: &[f64],
+    steps: usize,
+    lag: isize,
+    margin: usize,
+    longest_step_s: f64,
+) -> Option<(f64, f64)> {
+    let n = time_s.len();
+    let (mut sum, mut of_position, mut of_velocity, mut windows) = (0.0, 0.0, 0.0, 0);
+    let stride = (steps / 2).max(1);
+    for from in (margin..n.saturating_sub(margin + steps)).step_by(stride) {
+        let to = from + steps;
+        // a window over lost samples says nothing
+        if time_s[to] - time_s[from]
+            > longest_step_s + (steps - 1) as f64 * longest_step_s / GAP_STEPS
+        {
+            continue;
+        }
+        let change = position[to] - position[from];
+        let shifted = |k: usize| travelled[k.saturating_add_signed(lag)];
+        let integral = shifted(to) - shifted(from);
+        sum += change * integral;
+        of_position += change * change;
+        of_velocity += integral * integral;
+        windows += 1;
+    }
+    let believable = windows >= FEWEST_WINDOWS && of_position > 0.0 && of_velocity > 0.0;
+    let (scale, correlation) = (sum / of_position, sum / (of_position * of_velocity).sqrt());
+    (believable && scale.is_finite() && correlation.is_finite()).then_some((scale, correlation))
+}
+
+/// Compares the two channels of a joint; none if the joint rests or the recording is short.
+pub(crate) fn compare(time_s: &[f64], position: &[f64], velocity: &[f64]) -> Option<Comparison> {
+    let timing = Timing::of(time_s);
+    let step_s = timing.median_step_s;
+    let largest = position.iter().copied().fold(f64::MIN, f64::max);
+    let smallest = position.iter().copied().fold(f64::MAX, f64::min);
+    if step_s <= 0.0 || largest - smallest < LEAST_TRAVEL {
+        return None;
+    }
+    let steps = ((WINDOW_S / step_s).round() as usize).max(FEWEST_STEPS);
+    let mut travelled = vec![0.0; time_s.len()];
+    for k in 1..time_s.len() {
+        let mean = 0.5 * (velocity[k] + velocity[k - 1]);
+        travelled[k] = travelled[k - 1] + mean * (time_s[k] - time_s[k - 1]);
+    }
+    let margin = ((LONGEST_LAG_S / step_s) as usize).min(LONGEST_LAG).min(time_s.len() / 10);
+    let at = |lag| correlate(time_s, position, &travelled, steps, lag, margin, GAP_STEPS * step_s);
+    let longest = margin as isize;
+    let mut best: Option<(isize, f64, f64)> = None;
+    for lag in -longest..=longest {
+        let (scale, correlation) = at(lag)?;
+        if best.is_none_or(|(_, _, so_far)| correlation.abs() > so_far.abs()) {
+            best = Some((lag, scale, correlation));
+        }
+    }
+    let (lag, scale, correlation) = best?;
+    // the correlation is a parabola near its top
+    let mut delay_steps = lag as f64;
+    if lag.abs() < longest {
+        let (before, after) = (at(lag - 1)?.1.abs(), at(lag + 1)?.1.abs());
+        let curvature = before - 2.0 * correlation.abs() + after;
+        if curvature < 0.0 {
+            delay_steps += 0.5 * (before - after) / curvature;
+        }
+    }
+    Some(Comparison { scale, correlation, delay_s: delay_steps * step_s, delay_steps })
+}
+
+fn of_joint(time_s: &[f64], joint: &JointChannels) -> Option<Comparison> {
+    compare(time_s, joint.position.as_deref()?, joint.velocity.as_deref()?)
+}
+
+fn is_near(found: f64, expected: f64) -> bool {
+    (found / expected - 1.0).abs() < TOLERANCE
+}
+
+/// Why a recording cannot be taken as it is: its velocities prove the positions to be in another
+/// unit, or the derivatives that would be used contradict the positions.
+pub(crate) fn refusal(recording: &Recording, by_mapping: bool) -> Option<Finding> {
+    recording.joints.iter().find_map(|joint| {
+        let found = of_joint(&recording.time_s, joint)?;
+        if found.correlation.abs() < BELIEVED {
+            return None;
+        }
+        let refused = |kind, quantity| {
+            Finding::of_channel(kind, Action::Refused, &joint.name, quantity, 1.0)
+        };
+        let how = if by_mapping { "in the mapping file" } else { "in a mapping file" };
+        let unit = UNITS.iter().find(|unit| is_near(found.scale.abs(), unit.scale));
+        if let Some((unit, position)) = unit.and_then(|unit| Some((unit, unit.position?))) {
+            let message = format!(
+                "the position seems to be in {position} and the velocity in {}: the velocity is \
+                 {:.3e} of the differentiated position (correlation {:.3})",
+                unit.velocity,
+                found.scale.abs(),
+                found.correlation.abs()
+            );
+            let finding = refused(FindingKind::SuspectedUnit, Quantity::Position);
+            let advice = format!("state unit = \"{position}\" for the position {how}");
+            return Some(finding.saying(message).advising(advice));
+        }
+        // recorded derivatives are used where both are there: then they must be right
+        joint.acceleration.as_ref()?;
+        let (kind, what) = match unit {
+            Some(unit) => (FindingKind::VelocityScale, format!("seems to be in {}", unit.velocity)),
+            None if is_near(found.scale, -1.0) => {
+                (FindingKind::VelocitySign, "has the other sign".to_owned())
+            }
+            None => return None,
+        };
+        let message = format!(
+            "the velocity {what}: it is {:.3} times the differentiated position (correlation \
+             {:.3}), and with an acceleration beside it it would be used",
+            found.scale,
+            found.correlation.abs()
+        );
+        let advice = format!(
+            "correct it by unit or sign {how}, or leave the accelerations out: then both are formed \
+             from the position"
+        );
+        Some(refused(kind, Quantity::Velocity).saying(message).advising(advice))
+    })
+}
+
+/// What is odd about the velocities, without consequences for motions made from positions.
+pub(crate) fn findings(recording: &Recording) -> Vec<Finding> {
+    let lacking: Vec<&str> = recording
+        .joints
+        .iter()
+        .filter(|joint| joint.position.is_some() && joint.velocity.is_none())
+        .map(|joint| joint.name.as_str())
+        .collect();
+    let mut findings = Vec::new();
+    if !lacking.is_empty() {
+        let share = lacking.len() as f64 / recording.joints.len() as f64;
+        let message = format!(
+            "no velocity is recorded of {}; velocities are formed from the position anyway",
+            lacking.join(", ")
+        );
+        let finding = Finding::of_stamps(FindingKind::MissingVelocity, Action::Kept, share);
+        findings.push(finding.saying(message));
+    }
+    let of_joints = recording.joints.iter();
+    findings.extend(of_joints.filter_map(|joint| finding_of(&recording.time_s, joint)));
+    findings
+}
+
+fn finding_of(time_s: &[f64], joint: &JointChannels) -> Option<Finding> {
+    let kept = |kind| Finding::of_channel(kind, Action::Kept, &joint.name, Quantity::Velocity, 1.0);
+    let found = of_joint(time_s, joint)?;
+    let (scale, correlation) = (found.scale, found.correlation);
+    const NOT_USED: &str = "velocities are formed from the position, so this one is not used";
+    if correlation.abs() < UNRELATED {
+        let message = format!(
+            "has little to do with the differentiated position (correlation {correlation:.2}); \
+             {NOT_USED}"
+        );
+        return Some(kept(FindingKind::VelocityMismatch).saying(message));
+    }
+    if correlation.abs() < BELIEVED {
+        return None;
+    }
+    if is_near(scale, -1.0) {
+        let message = format!("has the other sign than the differentiated position; {NOT_USED}");
+        let advice = "state sign = -1 for it in a mapping file if it is to be used";
+        return Some(kept(FindingKind::VelocitySign).saying(message).advising(advice));
+    }
+    if !is_near(scale, 1.0) {
+        let unit = UNITS.iter().find(|unit| is_near(scale.abs(), unit.scale));
+        let like = unit.map_or("motor side or another unit".to_owned(), |unit| {
+            format!("{} for the velocity", unit.velocity)
+        });
+        let message =
+            format!("is {scale:.4} times the differentiated position ({like}?); {NOT_USED}");
+        let advice = "state its unit, or the gear ratio, in a mapping file if it is to be used";
+        return Some(kept(FindingKind::VelocityScale).saying(message).advising(advice));
+    }
+    if found.delay_steps.abs() < 1.0 {
+        return None;
+    }
+    let way = if found.delay_s > 0.0 { "later" } else { "earlier" };
+    let message = format!(
+        "comes {:.1} ms ({:.1} samples) {way} than the differentiated position; {NOT_USED}",
+        1e3 * found.delay_s.abs(),
+        found.delay_steps.abs()
+    );
+    Some(kept(FindingKind::VelocityDelay).saying(message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: f64 = 200.0;
+
+    /// Two sines, in steps of 1 mrad; the velocity `lag` samples later, in steps of 0.02 rad/s.
+    fn swing(lag: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let time_s: Vec<f64> = (0..2000).map(|k| f64::from(k) / RATE_HZ).collect();
+        let position = |t: f64| 0.8 * (2.0 * t).sin() + 0.1 * (9.0 * t).sin();
+        let velocity = |t: f64| 1.6 * (2.0 * t).cos() + 0.9 * (9.0 * t).cos();
+        let rounded = |value: f64, step: f64| (value / step).round() * step;
+        (
+            time_s.clone(),
+            time_s.iter().map(|t| rounded(position(*t), 1e-3)).collect(),
+            time_s.iter().map(|t| rounded(velocity(*t - lag / RATE_HZ), 0.02)).collect(),
+        )
+    }
+
+    #[test]
+    fn scale_sign_and_delay_are_found() {
+        for (factor, lag) in [(1.0, 0.0), (57.3, 0.0), (-1.0, 0.0), (1.0, 3.0), (-0.5, 5.5)] {
+            let (time_s, position, mut velocity) = swing(lag);
+            velocity.iter_mut().for_each(|v| *v *= factor);
+            let found = compare(&time_s, &position, &velocity).unwrap();
+            assert!((found.scale / factor - 1.0).abs() < 0.01, "{found:?}");
+            assert!((found.delay_steps - lag).abs() < 0.2, "{found:?} for {lag}");
+            assert!(found.correlation.abs() > 0.99);
+        }
+    }
+
+    #[test]
+    fn nothing_is_concluded_from_little() {
+        let (time_s, position, velocity) = swing(0.0);
+        assert!(compare(&time_s[..60], &position[..60], &velocity[..60]).is_none());
+        assert!(compare(&time_s, &vec![0.3; 2000], &velocity).is_none());
+        assert!(compare(&time_s, &position, &vec![0.0; 2000]).is_none());
+        let huge = vec![1e300; 2000];
+        assert!(compare(&time_s, &huge, &huge).is_none());
+    }
+}
