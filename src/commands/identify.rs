@@ -87,6 +87,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         .filter(|fit| fit.mean_log_error() < from_positions.mean_log_error() - VELOCITY_GAIN);
     let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
     let mut velocities = if cutoff_hz.is_some() { "position" } else { "recorded" };
+    let recorded_velocities = from_recorded.is_some();
     if let Some(fit) = &from_recorded {
         velocities = "recorded";
         let gain = 1.0 - (fit.mean_log_error() - from_positions.mean_log_error()).exp();
@@ -200,6 +201,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let mut found = model.with_constants(&set, &problem.constants(&estimate.values));
     found.effects = found_effects;
     found.cutoff_hz = cutoff_hz;
+    found.recorded_velocities = recorded_velocities;
     found.speed_resolution = speed_resolution;
     found.effort_noise = Some(estimate.effort_noise.clone());
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));

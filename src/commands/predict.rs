@@ -49,7 +49,8 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
         args.cutoff_hz.or(model.cutoff_hz),
     )?;
     let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
-    let motion = Motion::from_recording(&recording, &joints, &settings)?;
+    let motion =
+        model.motion_of(Motion::from_recording(&recording, &joints, &settings)?, &recording);
     let result = predicted_efforts(&model, &motion)?;
     let mut bytes = Vec::new();
     write_csv_to(&mut bytes, &result)?;

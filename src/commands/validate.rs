@@ -31,7 +31,11 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let cutoff_hz =
         recordings::common_cutoff(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
-    let motions = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?;
+    let motions: Vec<Motion> = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?
+        .into_iter()
+        .zip(&recorded)
+        .map(|(motion, recording)| model.motion_of(motion, recording))
+        .collect();
 
     let before = model.before();
     let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();

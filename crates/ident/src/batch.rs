@@ -29,7 +29,7 @@ const DEPENDENT: f64 = 1e-8;
 /// Periods of the cut-off frequency left out at both ends of a recording, of the fit and of its
 /// errors alike: the filter does not know what came before, so accelerations are wrong there. The
 /// slowest pole of the 4th-order low-pass decays with 0.42 periods: 3 % are left after 1.5.
-const EDGE_PERIODS: f64 = 1.5;
+pub(crate) const EDGE_PERIODS: f64 = 1.5;
 /// Speed resolutions tried, as shares of a joint's RMS speed; below it the direction fades to zero.
 ///
 /// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the

@@ -10,12 +10,13 @@ use armident_kinematics::{
     AxisPair, DrivingAxisChain, DrivingAxisFrame, DrivingAxisJoint, InertialParameters, JointKind,
     JointLimits,
 };
-use armident_recording::Motion;
+use armident_recording::{Motion, Recording};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::batch::effect_columns;
 use crate::minimal_set::MinimalSet;
+use crate::velocity::with_recorded_velocity;
 
 /// Schema of `model.json`.
 pub const MODEL_SCHEMA: &str = "armident.model/1";
@@ -29,6 +30,9 @@ pub struct ArmModel {
     pub effects: Vec<EffectOnJoint>,
     /// Cut-off of the low-pass the model was estimated with \[Hz\]; predictions use it too.
     pub cutoff_hz: Option<f64>,
+    /// Whether the model was fitted with recorded velocities in the place of differentiated positions;
+    /// predictions use them too where a motion has them.
+    pub recorded_velocities: bool,
     /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\].
     pub speed_resolution: Option<Vec<f64>>,
     /// Noise level of each joint's filtered effort in the fit \[N m or N\]; none for a URDF.
@@ -76,6 +80,7 @@ impl ArmModel {
             chain,
             effects: Vec::new(),
             cutoff_hz: None,
+            recorded_velocities: false,
             speed_resolution: None,
             effort_noise: None,
             prior_links: None,
@@ -115,6 +120,14 @@ impl ArmModel {
             }
         }
         model
+    }
+
+    /// The motion as the model wants it: with its recorded velocities if the model was fitted so.
+    pub fn motion_of(&self, motion: Motion, recording: &Recording) -> Motion {
+        if !self.recorded_velocities {
+            return motion;
+        }
+        with_recorded_velocity(&motion, recording).unwrap_or(motion)
     }
 
     /// The rigid body alone.
@@ -204,6 +217,8 @@ struct ModelFile {
     axis_pairs: Vec<String>,
     effects: Vec<EffectOnJoint>,
     cutoff_hz: Option<f64>,
+    #[serde(default)]
+    recorded_velocities: bool,
     #[serde(default)]
     speed_resolution: Option<Vec<f64>>,
     #[serde(default)]
@@ -301,6 +316,7 @@ impl From<&ArmModel> for ModelFile {
             axis_pairs: chain.axis_pairs.iter().map(|p| p.name().to_owned()).collect(),
             effects: model.effects.clone(),
             cutoff_hz: model.cutoff_hz,
+            recorded_velocities: model.recorded_velocities,
             speed_resolution: model.speed_resolution.clone(),
             effort_noise: model.effort_noise.clone(),
             prior_links: model
@@ -423,6 +439,7 @@ impl ModelFile {
             },
             effects: self.effects,
             cutoff_hz: self.cutoff_hz,
+            recorded_velocities: self.recorded_velocities,
             speed_resolution: self.speed_resolution,
             effort_noise: self.effort_noise,
             prior_links: self

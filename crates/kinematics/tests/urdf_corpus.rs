@@ -1,18 +1,19 @@
 //! URDFs of real arms are read, or refused with a reason.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use armident_kinematics::load_urdf;
+use shared::shared;
+
+#[path = "../../../tests/shared.rs"]
+#[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]
+mod shared;
 
 /// The corpus of real arms, where it is at hand.
 #[test]
 fn real_arms_are_read() {
-    let shared = std::env::var_os("ARMIDENT_SHARED").map_or_else(
-        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        std::path::PathBuf::from,
-    );
-    let Ok(entries) = std::fs::read_dir(shared.join("urdf-corpus")) else {
-        println!("skipped: shared data not found");
-        return;
-    };
+    let Some(folder) = shared("real_arms_are_read", "urdf-corpus") else { return };
+    let entries = std::fs::read_dir(folder).unwrap();
     let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "urdf"));
     paths.sort();

@@ -3,12 +3,15 @@
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use armident_recording::{
     Action, FindingKind, QualityReport, Quantity, Recording, differences, quality, read_csv,
     read_csv_from,
 };
+
+#[path = "../../../tests/shared.rs"]
+#[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]
+mod shared;
 
 const RATE_HZ: f64 = 200.0;
 const SAMPLES: usize = 2000;
@@ -374,19 +377,9 @@ fn recordings_that_differ_among_each_other() {
     );
 }
 
-/// `ARMIDENT_SHARED`, else the folder `shared` beside the workspace.
-fn shared() -> PathBuf {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    std::env::var_os("ARMIDENT_SHARED").map_or_else(beside, PathBuf::from)
-}
-
 #[test]
 fn known_defects_of_shared_recordings() {
-    let data = shared().join("data");
-    if !data.is_dir() {
-        println!("skipped: shared data not found");
-        return;
-    }
+    let Some(data) = shared::shared("known_defects_of_shared_recordings", "data") else { return };
     let of = |file: &str| quality(&read_csv(data.join(file)).unwrap());
     let kinds = |report: &QualityReport, kind: FindingKind| -> Vec<String> {
         let named = report.findings.iter().filter(|f| f.kind == kind);

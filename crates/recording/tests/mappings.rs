@@ -4,13 +4,17 @@
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use armident_recording::{
     Mapping, Quantity, RawColumns, Recording, RecordingError, read_csv, read_csv_from,
     read_csv_mapped, read_csv_mapped_from,
 };
 use proptest::prelude::*;
+
+#[path = "../../../tests/shared.rs"]
+#[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]
+mod shared;
 
 fn stamps() -> Vec<f64> {
     (0..10).map(|k| 0.01 * f64::from(k)).collect()
@@ -461,16 +465,8 @@ proptest! {
     }
 }
 
-/// `ARMIDENT_SHARED`, else the folder `shared` beside the workspace.
-fn shared(file: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let root = std::env::var_os("ARMIDENT_SHARED").map_or_else(beside, PathBuf::from);
-    let path = root.join("data").join(file);
-    if !path.is_file() {
-        println!("skipped: shared data not found");
-        return None;
-    }
-    Some(path)
+fn shared_recording(file: &str) -> Option<PathBuf> {
+    shared::shared("mappings", &format!("data/{file}"))
 }
 
 const TIAGO: &str = r#"
@@ -492,7 +488,7 @@ column = "{joint}/position"
 
 #[test]
 fn an_arm_with_motor_currents() {
-    let Some(path) = shared("tiago-arm/train.csv") else { return };
+    let Some(path) = shared_recording("tiago-arm/train.csv") else { return };
     let mapped = read_csv_mapped(&path, &mapping(TIAGO)).unwrap();
     let plain = read_csv(&path).unwrap();
     assert_eq!(mapped.joint_names(), plain.joint_names());
@@ -513,7 +509,7 @@ fn an_arm_with_motor_currents() {
 
 #[test]
 fn a_servo_of_which_the_voltage_is_known() {
-    let Some(path) = shared("bam-xl330/sin_sin_kp100.csv") else { return };
+    let Some(path) = shared_recording("bam-xl330/sin_sin_kp100.csv") else { return };
     let text = "[[channel]]\ncolumn = \"{joint}/voltage\"\nquantity = \"effort\"\nunit = \"V\"\n\
                 torque_constant = 0.36601\nresistance_ohm = 2.8114\n\
                 [[channel]]\ncolumn = \"{joint}/{quantity}\"";

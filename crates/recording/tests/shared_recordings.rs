@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use armident_recording::{Motion, MotionSettings, read_csv};
 
-/// `ARMIDENT_SHARED`, else the folder `shared` beside the workspace.
-fn shared() -> PathBuf {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    std::env::var_os("ARMIDENT_SHARED").map_or_else(beside, PathBuf::from)
-}
+#[path = "../../../tests/shared.rs"]
+#[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]
+mod shared;
 
 fn csv_files(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
@@ -26,18 +24,15 @@ fn csv_files(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn every_shared_recording_becomes_a_motion() {
-    let folders = ["data", "challenge/dev"].map(|folder| shared().join(folder));
-    let files: Vec<PathBuf> = folders.iter().flat_map(|folder| csv_files(folder)).collect();
-    if files.is_empty() {
-        println!("skipped: shared data not found");
-        return;
-    }
+    let test = "every_shared_recording_becomes_a_motion";
+    let folders = ["data", "challenge/dev"].map(|folder| shared::shared(test, folder));
+    let files: Vec<PathBuf> = folders.iter().flatten().flat_map(|f| csv_files(f)).collect();
     for path in files {
         let recording = read_csv(&path).unwrap();
         let joints = recording.joint_names();
         let motion =
             Motion::from_recording(&recording, &joints, &MotionSettings::default()).unwrap();
-        let name = path.strip_prefix(shared()).unwrap().display();
+        let name = path.display();
         println!("{name}: {} joints, {:.2} Hz", joints.len(), motion.rate_hz);
         for note in &motion.notes {
             println!("    {note}");

@@ -7,14 +7,12 @@ use armident_numeric::{Mat, NumericError, PseudoInverse};
 use armident_recording::Motion;
 
 use super::plan::{Plan, Step};
+use crate::batch::EDGE_PERIODS;
 use crate::minimal_set::MinimalSet;
 use crate::quantiles::student_t_975;
 
 /// Relative rank cut of unit columns.
 const RANK_CUT: f64 = 1e-9;
-/// Periods of the cut-off left out at both ends of a recording, where filtered columns are not what
-/// the equations say.
-const EDGE_PERIODS: f64 = 1.5;
 /// Speed below which the direction of a filtered motion is not trusted, as a share of the largest.
 const SPEED_RESOLUTION: f64 = 1e-3;
 
