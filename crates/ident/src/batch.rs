@@ -6,9 +6,9 @@
 //!
 //! Two beliefs stand beside the recordings, and vanish where the recordings say more
 //! ([`BatchSettings`]): friction and rotor inertia have their sign, and the robot description is
-//! right to its own size. On 24 fits of the first part of recorded motions of UR10, Panda, TX40 and two
-//! pendulums, judged on what follows, they take the largest errors away: a fit of motions
-//! that leave constants open extrapolates by what it is told of them.
+//! right to its own size. On 25 fits of recorded motions of UR10, Panda, TX40 and two pendulums, judged
+//! on motions that follow, they take the largest errors away: a fit of motions that leave constants
+//! open extrapolates by what it is told of them.
 
 use armident_dynamics::RigidArm;
 use armident_effects::{Admissible, Effect, EffectOnJoint, JointMotion, LIBRARY};
