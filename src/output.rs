@@ -64,13 +64,24 @@ pub(crate) fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
 }
 
 /// Writes a file under another name first, so that an interrupted run leaves no half-written one.
+/// What is no regular file (a device, a pipe) is written in place: renaming would replace it.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut partial = path.as_os_str().to_owned();
+    let unwritable = |error| Failure::unwritable(path, &error);
+    // a link keeps pointing where it points: the file behind it is replaced
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if target.metadata().is_ok_and(|found| !found.is_file()) {
+        return std::fs::OpenOptions::new()
+            .write(true)
+            .open(&target)
+            .and_then(|mut file| file.write_all(bytes))
+            .map_err(unwritable);
+    }
+    let mut partial = target.as_os_str().to_owned();
     partial.push(".part");
     let partial = Path::new(&partial);
     std::fs::write(partial, bytes)
-        .and_then(|()| std::fs::rename(partial, path))
-        .map_err(|error| Failure::unwritable(path, &error))
+        .and_then(|()| std::fs::rename(partial, &target))
+        .map_err(unwritable)
 }
 
 /// Creates a folder and its parents.

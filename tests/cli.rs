@@ -328,3 +328,27 @@ fn doubts() {
     let chosen = said("predict planar_2r.urdf run.csv -o out.csv");
     assert!(chosen.is_empty() || chosen.starts_with("note: "), "{chosen}");
 }
+
+/// A result sent to a pipe or a device goes into it; a rename would put a file in its place.
+#[cfg(unix)]
+#[test]
+fn outputs_that_are_no_files() {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    let folder = scratch("cli_no_files");
+    lay_out(&folder);
+    let pipe = folder.join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let reader = {
+        let pipe = pipe.clone();
+        std::thread::spawn(move || std::fs::read_to_string(pipe).unwrap())
+    };
+    run_in(&folder, &["params", "planar_2r.urdf", "--json", "pipe"]).fine();
+    assert!(reader.join().unwrap().contains("armident.params/1"));
+    assert!(std::fs::metadata(&pipe).unwrap().file_type().is_fifo());
+
+    std::fs::write(folder.join("real.json"), "").unwrap();
+    symlink("real.json", folder.join("link.json")).unwrap();
+    run_in(&folder, &["params", "planar_2r.urdf", "--json", "link.json"]).fine();
+    assert!(std::fs::symlink_metadata(folder.join("link.json")).unwrap().is_symlink());
+    assert_ne!(std::fs::read_to_string(folder.join("real.json")).unwrap(), "");
+}
