@@ -14,7 +14,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
-    ("effects", &["kinematics"]),
+    ("effects", &["dynamics", "kinematics"]),
     ("recording", &[]),
     ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use armident_dynamics::RigidArm;
-use armident_effects::LIBRARY;
+use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
     ArmModel, BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows, MinimalSet, Term,
@@ -131,9 +131,9 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
                 estimate.from_prior[k],
             )),
             Term::Effect { joint, effect, parameter } => {
-                let parameter = &LIBRARY[effect].law().parameters[parameter];
+                let parameter = &EVERYDAY[effect].law().parameters[parameter];
                 effects.push(EffectRow {
-                    effect: LIBRARY[effect].law().slug.to_owned(),
+                    effect: EVERYDAY[effect].law().slug.to_owned(),
                     joint: names[joint].clone(),
                     parameter: parameter.name.to_owned(),
                     unit: parameter.unit(model.chain.joints[joint].kind).to_owned(),
@@ -432,7 +432,7 @@ fn own_friction(model: &ArmModel, estimate: &Algorithm2Estimate) -> Vec<EffectRo
         else {
             continue;
         };
-        for (effect, (value, standard_error)) in LIBRARY[..2].iter().zip(friction) {
+        for (effect, (value, standard_error)) in EVERYDAY[..2].iter().zip(friction) {
             let law = effect.law();
             // several steps may move one joint: the most certain word counts
             if let Some(earlier) =

@@ -1,6 +1,6 @@
 //! Coulomb friction.
 
-use crate::law::{Admissible, Effect, Export, JointMotion, Law, LookAlike, Parameter};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope};
 
 /// `f = Fc sign(v)`; at rest anything within `±Fc`.
 pub struct CoulombFriction;
@@ -9,12 +9,9 @@ const LAW: Law = Law {
     slug: "coulomb_friction",
     title: "Coulomb friction",
     formula: "f = Fc sign(v); at rest anything within +-Fc",
-    parameters: &[Parameter {
-        name: "level",
-        unit_rotational: "N m",
-        unit_translational: "N",
-        admissible: Admissible::NonNegative,
-    }],
+    scope: Scope::Joint,
+    parameters: &[Parameter::non_negative("level", "N m", "N")],
+    contains: None,
     look_alikes: &[
         LookAlike {
             slug: "torque_offset",
@@ -32,23 +29,13 @@ const LAW: Law = Law {
     export: Export { urdf: Some("friction"), mjcf: Some("frictionloss") },
 };
 
-/// The direction of motion, fading linearly to zero below the resolved speed.
-pub fn direction(velocity: f64, speed_resolution: f64) -> f64 {
-    if velocity.abs() >= speed_resolution {
-        if velocity == 0.0 { 0.0 } else { velocity.signum() }
-    } else {
-        velocity / speed_resolution
-    }
-}
-
 impl Effect for CoulombFriction {
     fn law(&self) -> &'static Law {
         &LAW
     }
 
-    fn columns(&self, motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
-        let sign = |&v: &f64| direction(v, motion.speed_resolution);
-        vec![motion.velocity.iter().map(sign).collect()]
+    fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+        vec![motion.direction.to_vec()]
     }
 
     fn dry_friction(&self, parameters: &[f64]) -> f64 {

@@ -1,6 +1,8 @@
 //! What is written once about every effect.
 
+use armident_dynamics::RigidArm;
 use armident_kinematics::JointKind;
+use nalgebra::{Isometry3, Vector3};
 
 /// The sign a parameter may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +34,34 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// A parameter of any sign.
+    pub(crate) const fn any(
+        name: &'static str,
+        rotational: &'static str,
+        translational: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            unit_rotational: rotational,
+            unit_translational: translational,
+            admissible: Admissible::Any,
+        }
+    }
+
+    /// A parameter that is zero or more.
+    pub(crate) const fn non_negative(
+        name: &'static str,
+        rotational: &'static str,
+        translational: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            unit_rotational: rotational,
+            unit_translational: translational,
+            admissible: Admissible::NonNegative,
+        }
+    }
+
     /// Unit on a joint of this kind.
     pub fn unit(&self, kind: JointKind) -> &'static str {
         if kind.is_rotational() { self.unit_rotational } else { self.unit_translational }
@@ -56,6 +86,26 @@ pub struct Export {
     pub mjcf: Option<&'static str>,
 }
 
+impl Export {
+    /// Neither format holds the effect.
+    pub(crate) const NONE: Self = Self { urdf: None, mjcf: None };
+}
+
+/// What a law acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// The effort of one joint, from the motion of that joint.
+    Joint,
+    /// Two neighbouring joints with a common transmission.
+    Neighbours,
+    /// One joint, felt by all: transmissions and encoders.
+    ThroughJoint,
+    /// One link.
+    Link,
+    /// The whole arm.
+    Arm,
+}
+
 /// Everything about an effect that is not computed.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
@@ -65,8 +115,12 @@ pub struct Law {
     pub title: &'static str,
     /// `f`, the effort the motor supplies on top of the rigid body, as a formula.
     pub formula: &'static str,
+    /// What it acts on.
+    pub scope: Scope,
     /// Parameters in the order of every parameter vector.
     pub parameters: &'static [Parameter],
+    /// The simpler law that this one contains, if any: it is what the name must beat.
+    pub contains: Option<&'static str>,
     /// What it can be confused with.
     pub look_alikes: &'static [LookAlike],
     /// What simulator formats hold of it.
@@ -76,7 +130,9 @@ pub struct Law {
 /// Motion of one joint over a recording: what columns are formed from. All slices have one length.
 #[derive(Debug, Clone, Copy)]
 pub struct JointMotion<'a> {
-    /// Time \[s\].
+    /// Rotation or translation.
+    pub kind: JointKind,
+    /// Time since the start of the recording \[s\].
     pub time_s: &'a [f64],
     /// Position \[rad or m\].
     pub position: &'a [f64],
@@ -84,9 +140,45 @@ pub struct JointMotion<'a> {
     pub velocity: &'a [f64],
     /// Acceleration \[rad/s2 or m/s2\].
     pub acceleration: &'a [f64],
-    /// Speed under which the direction of motion is not known \[rad/s or m/s\]: signs fade to zero
-    /// there instead of following the noise.
-    pub speed_resolution: f64,
+    /// Direction of motion, -1 to 1: the sign of the velocity where it is resolved; what it is
+    /// between is the maker's choice ([`directions`](crate::directions)).
+    pub direction: &'a [f64],
+    /// Effort of the rigid body at this joint \[N m or N\]; empty where no law needs it.
+    pub rigid_effort: &'a [f64],
+}
+
+/// Size of a joint's motion, from which constants to try are scaled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionScale {
+    /// Rotation or translation.
+    pub kind: JointKind,
+    /// Root mean square speed \[rad/s or m/s\].
+    pub speed_rms: f64,
+    /// Standard deviation of the position \[rad or m\].
+    pub position_deviation: f64,
+    /// Length of the longest recording \[s\].
+    pub duration_s: f64,
+}
+
+/// Motion of the whole arm over a recording, joint-major.
+#[derive(Debug, Clone, Copy)]
+pub struct ArmMotion<'a> {
+    /// The arm.
+    pub arm: &'a RigidArm,
+    /// Pose of the frame `E_0` in the base link.
+    pub base_from_e0: Isometry3<f64>,
+    /// Origin of the tip link in the frame of the last joint \[m\].
+    pub tip_in_last_m: Vector3<f64>,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Positions \[rad or m\].
+    pub position: &'a [Vec<f64>],
+    /// Velocities \[rad/s or m/s\].
+    pub velocity: &'a [Vec<f64>],
+    /// Accelerations \[rad/s2 or m/s2\].
+    pub acceleration: &'a [Vec<f64>],
+    /// Effort of the rigid body for this motion \[N m or N\].
+    pub rigid_effort: &'a [Vec<f64>],
 }
 
 /// State of one joint at an instant of a simulation.
@@ -98,15 +190,71 @@ pub struct JointState {
     pub velocity: f64,
 }
 
-/// One physical effect on one joint, linear in its parameters.
+/// Columns of the whole arm: `[column][joint][sample]`.
+pub type ArmColumns = Vec<Vec<Vec<f64>>>;
+
+/// One physical effect.
 ///
 /// Sign convention: `effort = rigid(q, q̇, q̈) + f`, `f` is what the motor has to supply on top.
+///
+/// A law is linear in its *coefficients* once its *shape* (the constants it is not linear in) is
+/// given: columns are formed for a shape, and shape and coefficients together are the parameters.
 pub trait Effect: Sync {
     /// What is written once.
     fn law(&self) -> &'static Law;
 
-    /// Estimator: columns whose combination with the parameters is `f`, one per parameter.
-    fn columns(&self, motion: &JointMotion<'_>) -> Vec<Vec<f64>>;
+    /// Estimator: shapes to try on a motion of this size; one empty shape for a linear law.
+    fn shapes(&self, _scale: &MotionScale) -> Vec<Vec<f64>> {
+        vec![Vec::new()]
+    }
+
+    /// Estimator, [`Scope::Joint`]: columns whose combination with the coefficients is `f`.
+    fn columns(&self, _shape: &[f64], _motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Estimator, [`Scope::Neighbours`]: columns on joints a and b.
+    fn pair_columns(
+        &self,
+        _shape: &[f64],
+        _a: &JointMotion<'_>,
+        _b: &JointMotion<'_>,
+    ) -> Vec<[Vec<f64>; 2]> {
+        Vec::new()
+    }
+
+    /// Estimator, the other scopes: columns on all joints; `joint` is the joint or the link it moves.
+    fn arm_columns(&self, _joint: usize, _motion: &ArmMotion<'_>) -> ArmColumns {
+        Vec::new()
+    }
+
+    /// Parameters from a shape and the coefficients of its columns.
+    fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        [coefficients, shape].concat()
+    }
+
+    /// Shape and coefficients from the parameters.
+    fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        (Vec::new(), parameters.to_vec())
+    }
+
+    /// Whether these parameters may carry the name; by default each by its own sign.
+    fn admits(&self, parameters: &[f64]) -> bool {
+        let each = self.law().parameters.iter().zip(parameters);
+        each.into_iter().all(|(parameter, &value)| parameter.admissible.allows(value))
+    }
+
+    /// `f` over a motion, [`Scope::Joint`].
+    fn effort(&self, parameters: &[f64], motion: &JointMotion<'_>) -> Vec<f64> {
+        let (shape, coefficients) = self.shape_and_coefficients(parameters);
+        let mut effort = vec![0.0; motion.velocity.len()];
+        for (column, coefficient) in self.columns(&shape, motion).iter().zip(&coefficients) {
+            for (effort, x) in effort.iter_mut().zip(column) {
+                *effort += coefficient * x;
+            }
+        }
+        effort
+    }
 
     /// Simulator: the part of `f` that is a smooth function of position and velocity.
     fn smooth_effort(&self, _parameters: &[f64], _state: &JointState) -> f64 {
@@ -122,4 +270,9 @@ pub trait Effect: Sync {
     fn added_inertia(&self, _parameters: &[f64]) -> f64 {
         0.0
     }
+}
+
+/// One column formed sample by sample.
+pub(crate) fn column(samples: usize, f: impl Fn(usize) -> f64) -> Vec<f64> {
+    (0..samples).map(f).collect()
 }

@@ -16,22 +16,90 @@
 //! assert_eq!(viscous.smooth_effort(&[0.5], &state), 1.0);
 //! ```
 
+mod arm_motion;
+mod asymmetric_coulomb_friction;
+mod backlash;
 mod coulomb_friction;
+mod direction;
+mod encoder_offset;
+mod external_contact;
+mod friction_drift;
+mod gravity_direction;
+mod joint_coupling;
+mod joint_elasticity;
+mod joint_spring;
 mod law;
+mod link_inertia_error;
+mod load_dependent_friction;
+mod payload;
+mod presliding_hysteresis;
+mod quadratic_drag;
 mod rotor_inertia;
+mod stribeck_friction;
+mod time_delay;
 mod torque_offset;
+mod torque_ripple;
+mod torque_scale;
 mod viscous_friction;
 
-pub use coulomb_friction::{CoulombFriction, direction};
-pub use law::{Admissible, Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter};
+pub use asymmetric_coulomb_friction::AsymmetricCoulombFriction;
+pub use backlash::Backlash;
+pub use coulomb_friction::CoulombFriction;
+pub use direction::{LEAST_SPEED_SHARE, direction, directions, directions_with};
+pub use encoder_offset::EncoderOffset;
+pub use external_contact::ExternalContact;
+pub use friction_drift::FrictionDrift;
+pub use gravity_direction::{GravityDirection, tilted};
+pub use joint_coupling::JointCoupling;
+pub use joint_elasticity::JointElasticity;
+pub use joint_spring::JointSpring;
+pub use law::{
+    Admissible, ArmColumns, ArmMotion, Effect, Export, JointMotion, JointState, Law, LookAlike,
+    MotionScale, Parameter, Scope,
+};
+pub use link_inertia_error::LinkInertiaError;
+pub use load_dependent_friction::LoadDependentFriction;
+pub use payload::Payload;
+pub use presliding_hysteresis::PreslidingHysteresis;
+pub use quadratic_drag::QuadraticDrag;
 pub use rotor_inertia::RotorInertia;
+pub use stribeck_friction::StribeckFriction;
+pub use time_delay::TimeDelay;
 pub use torque_offset::TorqueOffset;
+pub use torque_ripple::TorqueRipple;
+pub use torque_scale::TorqueScale;
 pub use viscous_friction::ViscousFriction;
 
 use serde::{Deserialize, Serialize};
 
-/// All effects, in the order in which tables and parameter vectors list them.
-pub const LIBRARY: &[&dyn Effect] =
+/// All effects, in the order in which tables list them.
+pub const LIBRARY: &[&dyn Effect] = &[
+    &ViscousFriction,
+    &CoulombFriction,
+    &TorqueOffset,
+    &RotorInertia,
+    &AsymmetricCoulombFriction,
+    &StribeckFriction,
+    &LoadDependentFriction,
+    &QuadraticDrag,
+    &PreslidingHysteresis,
+    &FrictionDrift,
+    &JointSpring,
+    &TorqueRipple,
+    &TorqueScale,
+    &JointCoupling,
+    &JointElasticity,
+    &Backlash,
+    &EncoderOffset,
+    &Payload,
+    &LinkInertiaError,
+    &GravityDirection,
+    &TimeDelay,
+    &ExternalContact,
+];
+
+/// What every joint has: the terms of a plain identification, in the order of its parameter vectors.
+pub const EVERYDAY: &[&dyn Effect] =
     &[&ViscousFriction, &CoulombFriction, &TorqueOffset, &RotorInertia];
 
 /// The effect with a slug.
@@ -97,7 +165,10 @@ pub enum UnknownEffect {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failed test may panic")]
 mod tests {
+    use armident_kinematics::JointKind;
+
     use super::*;
 
     #[test]
@@ -105,34 +176,117 @@ mod tests {
         for (i, a) in LIBRARY.iter().enumerate() {
             assert!(LIBRARY[i + 1..].iter().all(|b| a.law().slug != b.law().slug));
             assert!(!a.law().parameters.is_empty() && !a.law().look_alikes.is_empty());
+            assert!(a.law().contains.is_none_or(|slug| effect(slug).is_some()));
         }
     }
 
-    /// One effect, three uses: on a motion without reversals the columns give what the simulator's
-    /// parts give.
+    /// A swing with reversals, sampled finely.
+    fn swing() -> [Vec<f64>; 5] {
+        let time: Vec<f64> = (0..2000).map(|k| 1e-3 * f64::from(k)).collect();
+        let of = |f: &dyn Fn(f64) -> f64| time.iter().map(|&t| f(t)).collect::<Vec<f64>>();
+        let velocity = of(&|t| 1.5 * (5.0 * t).cos());
+        let direction = directions_with(&velocity, 1e-6);
+        [of(&|t| 0.3 * (5.0 * t).sin()), velocity, of(&|t| -7.5 * (5.0 * t).sin()), direction, time]
+    }
+
+    /// One effect, three uses: without reversals the columns give what the simulator's parts give.
     #[test]
     fn columns_agree_with_the_simulators_laws() {
-        let velocity = [0.5, 1.0, 1.5];
-        let acceleration = [0.2, -0.4, 3.0];
+        let [position, velocity, acceleration, direction, time] = swing();
         let motion = JointMotion {
-            time_s: &[0.0, 0.1, 0.2],
-            position: &[0.0, 0.1, 0.3],
+            kind: JointKind::Rotational,
+            time_s: &time,
+            position: &position,
             velocity: &velocity,
             acceleration: &acceleration,
-            speed_resolution: 1e-3,
+            direction: &direction,
+            rigid_effort: &[],
         };
-        for effect in LIBRARY {
+        for effect in EVERYDAY {
             let parameters: Vec<f64> =
                 (0..effect.law().parameters.len()).map(|k| 0.7 + k as f64).collect();
-            let columns = effect.columns(&motion);
-            for t in 0..3 {
-                let by_columns: f64 = columns.iter().zip(&parameters).map(|(c, p)| c[t] * p).sum();
-                let state = JointState { position: motion.position[t], velocity: velocity[t] };
+            let effort = effect.effort(&parameters, &motion);
+            for t in 0..time.len() {
+                let state = JointState { position: position[t], velocity: velocity[t] };
                 let by_law = effect.smooth_effort(&parameters, &state)
                     + effect.dry_friction(&parameters) * velocity[t].signum()
                     + effect.added_inertia(&parameters) * acceleration[t];
-                assert!((by_columns - by_law).abs() < 1e-12, "{}", effect.law().slug);
+                assert!((effort[t] - by_law).abs() < 1e-12, "{}", effect.law().slug);
             }
+        }
+    }
+
+    /// The columns, by coefficients that come from the parameters, are the formula of the law.
+    #[test]
+    fn columns_are_the_formulas() {
+        let [position, velocity, acceleration, direction, time] = swing();
+        let load: Vec<f64> = time.iter().map(|t| 3.0 * (2.0 * t).sin()).collect();
+        let motion = JointMotion {
+            kind: JointKind::Rotational,
+            time_s: &time,
+            position: &position,
+            velocity: &velocity,
+            acceleration: &acceleration,
+            direction: &direction,
+            rigid_effort: &load,
+        };
+        type Formula = fn(f64, f64, f64, f64, &[f64]) -> f64;
+        let laws: [(&str, &[f64], Formula); 8] = [
+            (
+                "asymmetric_coulomb_friction",
+                &[2.0, 1.5],
+                |_, _, v, _, p| {
+                    if v > 0.0 { p[0] } else { -p[1] }
+                },
+            ),
+            ("stribeck_friction", &[2.0, 1.2, 0.2], |_, _, v, _, p| {
+                (p[1] + (p[0] - p[1]) * (-(v / p[2]).powi(2)).exp()) * v.signum()
+            }),
+            ("load_dependent_friction", &[0.4, 0.1], |_, _, v, load, p| {
+                (p[0] + p[1] * load.abs()) * v.signum()
+            }),
+            ("quadratic_drag", &[0.8], |_, _, v, _, p| p[0] * v * v.abs()),
+            ("friction_drift", &[2.0, 0.5, 3.0], |t, _, v, _, p| {
+                (p[1] + (p[0] - p[1]) * (-t / p[2]).exp()) * v
+            }),
+            ("joint_spring", &[4.0, 0.2], |_, q, _, _, p| p[0] * (q - p[1])),
+            ("torque_ripple", &[0.5, 12.0, 0.3, 0.2, -1.0], |_, q, _, _, p| {
+                p[0] * (p[1] * q + p[2]).sin() + p[3] * (2.0 * p[1] * q + p[4]).sin()
+            }),
+            ("torque_scale", &[1.1], |_, _, _, load, p| (p[0] - 1.0) * load),
+        ];
+        for (slug, parameters, formula) in laws {
+            let law = effect(slug).unwrap();
+            let (shape, coefficients) = law.shape_and_coefficients(parameters);
+            for (a, b) in law.parameters(&shape, &coefficients).iter().zip(parameters) {
+                assert!((a - b).abs() < 1e-12, "{slug}");
+            }
+            let effort = law.effort(parameters, &motion);
+            for t in 0..time.len() {
+                let exact = formula(time[t], position[t], velocity[t], load[t], parameters);
+                assert!((effort[t] - exact).abs() < 1e-9, "{slug} at {t}");
+            }
+        }
+    }
+
+    /// The recursion for Dahl friction against its exact solution on a one-way travel.
+    #[test]
+    fn presliding_saturates_over_its_travel() {
+        let position: Vec<f64> = (0..4000).map(|k| 2.5e-5 * f64::from(k)).collect();
+        let none = vec![0.0; position.len()];
+        let motion = JointMotion {
+            kind: JointKind::Rotational,
+            time_s: &none,
+            position: &position,
+            velocity: &none,
+            acceleration: &none,
+            direction: &none,
+            rigid_effort: &[],
+        };
+        let effort = PreslidingHysteresis.effort(&[2.0, 100.0, 0.0], &motion);
+        for (q, f) in position.iter().zip(&effort) {
+            let exact = 2.0 * (1.0 - (-q * 100.0 / 2.0).exp());
+            assert!((f - exact).abs() < 2e-3, "{q}: {f} {exact}");
         }
     }
 }

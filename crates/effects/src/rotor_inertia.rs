@@ -1,25 +1,31 @@
 //! Inertia of the rotor, reflected through the gear.
 
-use crate::law::{Admissible, Effect, Export, JointMotion, Law, LookAlike, Parameter};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope};
 
-/// `f = Ia q̈`.
+/// `f = Ia dv/dt`.
 pub struct RotorInertia;
 
 const LAW: Law = Law {
     slug: "rotor_inertia",
     title: "rotor inertia",
     formula: "f = Ia ddq",
-    parameters: &[Parameter {
-        name: "inertia",
-        unit_rotational: "kg m2",
-        unit_translational: "kg",
-        admissible: Admissible::NonNegative,
-    }],
-    look_alikes: &[LookAlike {
-        slug: "U_33",
-        separated_by: "nothing on the first rotational joint, where rotor and link turn together; \
-                       the data sheet's rotor inertia times the squared gear ratio",
-    }],
+    scope: Scope::Joint,
+    parameters: &[Parameter::non_negative("inertia", "kg m2", "kg")],
+    contains: None,
+    look_alikes: &[
+        LookAlike {
+            slug: "U_33",
+            separated_by: "nothing on the first rotational joint, where rotor and link turn together; the rotor inertia of the data sheet times the squared gear ratio",
+        },
+        LookAlike {
+            slug: "joint_elasticity",
+            separated_by: "faster motion: elasticity resonates and moves the other joints",
+        },
+        LookAlike {
+            slug: "link_inertia_error",
+            separated_by: "motion of the other joints: a link is felt by them, a rotor is not",
+        },
+    ],
     export: Export { urdf: None, mjcf: Some("armature") },
 };
 
@@ -28,7 +34,7 @@ impl Effect for RotorInertia {
         &LAW
     }
 
-    fn columns(&self, motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+    fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
         vec![motion.acceleration.to_vec()]
     }
 

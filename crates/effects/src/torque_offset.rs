@@ -1,6 +1,6 @@
 //! Constant offset of the effort channel.
 
-use crate::law::{Admissible, Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter};
+use crate::law::{Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Scope};
 
 /// `f = c`.
 pub struct TorqueOffset;
@@ -9,18 +9,20 @@ const LAW: Law = Law {
     slug: "torque_offset",
     title: "effort offset",
     formula: "f = c",
-    parameters: &[Parameter {
-        name: "offset",
-        unit_rotational: "N m",
-        unit_translational: "N",
-        admissible: Admissible::Any,
-    }],
-    look_alikes: &[LookAlike {
-        slug: "asymmetric_coulomb_friction",
-        separated_by: "nothing on one joint: the two are the same effort; a run with the drive off \
-                       shows the offset alone",
-    }],
-    export: Export { urdf: None, mjcf: None },
+    scope: Scope::Joint,
+    parameters: &[Parameter::any("offset", "N m", "N")],
+    contains: None,
+    look_alikes: &[
+        LookAlike {
+            slug: "asymmetric_coulomb_friction",
+            separated_by: "nothing on one joint: the two are the same effort; a run with the drive off shows the offset alone",
+        },
+        LookAlike {
+            slug: "payload",
+            separated_by: "other poses of the arm: a load turns with gravity, an offset does not",
+        },
+    ],
+    export: Export::NONE,
 };
 
 impl Effect for TorqueOffset {
@@ -28,7 +30,7 @@ impl Effect for TorqueOffset {
         &LAW
     }
 
-    fn columns(&self, motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+    fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
         vec![vec![1.0; motion.velocity.len()]]
     }
 

@@ -1,6 +1,6 @@
 //! Viscous friction.
 
-use crate::law::{Admissible, Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter};
+use crate::law::{Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Scope};
 
 /// `f = b v`.
 pub struct ViscousFriction;
@@ -9,21 +9,21 @@ const LAW: Law = Law {
     slug: "viscous_friction",
     title: "viscous friction",
     formula: "f = b v",
-    parameters: &[Parameter {
-        name: "coefficient",
-        unit_rotational: "N m s/rad",
-        unit_translational: "N s/m",
-        admissible: Admissible::NonNegative,
-    }],
+    scope: Scope::Joint,
+    parameters: &[Parameter::non_negative("coefficient", "N m s/rad", "N s/m")],
+    contains: None,
     look_alikes: &[
         LookAlike {
             slug: "time_delay",
-            separated_by: "the same amplitude at two frequencies: friction grows with the speed, a \
-                           delay with its cube",
+            separated_by: "the same amplitude at two frequencies: friction grows with the speed, a delay with its cube",
         },
         LookAlike {
             slug: "coulomb_friction",
             separated_by: "slow and fast runs: at one speed the two are the same column",
+        },
+        LookAlike {
+            slug: "friction_drift",
+            separated_by: "a second run on the warm arm: drift is gone, viscous friction stays",
         },
     ],
     export: Export { urdf: Some("damping"), mjcf: Some("damping") },
@@ -34,7 +34,7 @@ impl Effect for ViscousFriction {
         &LAW
     }
 
-    fn columns(&self, motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+    fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
         vec![motion.velocity.to_vec()]
     }
 

@@ -11,7 +11,8 @@
 //! open extrapolates by what it is told of them.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{Admissible, Effect, EffectOnJoint, JointMotion, LIBRARY};
+use armident_effects::{Admissible, EVERYDAY, Effect, EffectOnJoint, JointMotion, directions_with};
+use armident_kinematics::JointKind;
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
 };
@@ -74,7 +75,7 @@ pub enum Term {
     Effect {
         /// Joint, from 0.
         joint: usize,
-        /// Effect, index into [`LIBRARY`].
+        /// Effect, index into [`EVERYDAY`].
         effect: usize,
         /// Parameter, index into the law's list.
         parameter: usize,
@@ -170,7 +171,7 @@ impl<'a> BatchProblem<'a> {
         let n = arm.dof();
         let mut all: Vec<Term> = (0..set.len()).map(Term::Constant).collect();
         for joint in 0..n {
-            for (effect, law) in LIBRARY.iter().enumerate() {
+            for (effect, law) in EVERYDAY.iter().enumerate() {
                 for parameter in 0..law.law().parameters.len() {
                     all.push(Term::Effect { joint, effect, parameter });
                 }
@@ -199,10 +200,12 @@ impl<'a> BatchProblem<'a> {
                 position: &q,
                 velocity: &dq,
                 acceleration: &ddq,
-                speed_resolution: 1e-6,
+                kind: arm.joints[joint].kind,
+                direction: &directions_with(&dq, 1e-6),
+                rigid_effort: &[],
             };
-            for (effect, law) in LIBRARY.iter().enumerate() {
-                for (parameter, column) in law.columns(&motion).iter().enumerate() {
+            for (effect, law) in EVERYDAY.iter().enumerate() {
+                for (parameter, column) in law.columns(&[], &motion).iter().enumerate() {
                     let term = Term::Effect { joint, effect, parameter };
                     let Some(k) = all.iter().position(|t| *t == term) else { continue };
                     for (row, value) in column.iter().enumerate() {
@@ -248,7 +251,7 @@ impl<'a> BatchProblem<'a> {
         match *term {
             Term::Constant(k) => self.set.constants[k].label(),
             Term::Effect { joint, effect, parameter } => {
-                let law = LIBRARY[effect].law();
+                let law = EVERYDAY[effect].law();
                 if law.parameters.len() == 1 {
                     format!("{}({})", law.slug, joint_names[joint])
                 } else {
@@ -279,12 +282,22 @@ impl<'a> BatchProblem<'a> {
             &motion.acceleration,
             &wanted,
         );
-        let effects: Vec<(usize, Vec<Vec<f64>>)> = LIBRARY
+        let effects: Vec<(usize, Vec<Vec<f64>>)> = EVERYDAY
             .iter()
             .enumerate()
             .map(|(e, law)| {
                 let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
-                (e, effect_columns(*law, joint, motion, resolution))
+                (
+                    e,
+                    effect_columns(
+                        *law,
+                        &[],
+                        self.arm.joints[joint].kind,
+                        joint,
+                        motion,
+                        resolution,
+                    ),
+                )
             })
             .collect();
         for &k in &self.by_joint[joint] {
@@ -468,7 +481,7 @@ impl<'a> BatchProblem<'a> {
         let of_law = |term: &Term| match *term {
             Term::Constant(_) => false,
             Term::Effect { effect, parameter, .. } => {
-                LIBRARY[effect].law().parameters[parameter].admissible == Admissible::NonNegative
+                EVERYDAY[effect].law().parameters[parameter].admissible == Admissible::NonNegative
             }
         };
         self.terms.iter().map(of_law).collect()
@@ -576,7 +589,7 @@ impl<'a> BatchProblem<'a> {
         let mut list: Vec<EffectOnJoint> = Vec::new();
         for (term, &value) in self.terms.iter().zip(values) {
             let Term::Effect { joint, effect, parameter } = *term else { continue };
-            let law = LIBRARY[effect].law();
+            let law = EVERYDAY[effect].law();
             let name = joint_names[joint];
             let index = match list.iter().position(|e| e.effect == law.slug && e.joint == name) {
                 Some(index) => index,
@@ -626,6 +639,8 @@ impl TermPrior {
 /// Columns of an effect on one joint of a motion, not filtered.
 pub(crate) fn effect_columns(
     effect: &dyn Effect,
+    shape: &[f64],
+    kind: JointKind,
     joint: usize,
     motion: &Motion,
     speed_resolution: Option<f64>,
@@ -640,11 +655,14 @@ pub(crate) fn effect_columns(
             DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt()
         }
     };
-    effect.columns(&JointMotion {
+    let joint_motion = JointMotion {
+        kind,
         time_s: &motion.time_s,
         position: &motion.position[joint],
         velocity,
         acceleration: &motion.acceleration[joint],
-        speed_resolution: speed_resolution.max(f64::MIN_POSITIVE),
-    })
+        direction: &directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE)),
+        rigid_effort: &[],
+    };
+    effect.columns(shape, &joint_motion)
 }

@@ -153,8 +153,10 @@ impl ArmModel {
                 continue;
             };
             let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
-            let columns = effect_columns(effect, joint, motion, resolution);
-            for (column, parameter) in columns.iter().zip(&on_joint.parameters) {
+            let (shape, coefficients) = effect.shape_and_coefficients(&on_joint.parameters);
+            let kind = self.chain.joints[joint].kind;
+            let columns = effect_columns(effect, &shape, kind, joint, motion, resolution);
+            for (column, parameter) in columns.iter().zip(&coefficients) {
                 for (e, x) in effort[joint].iter_mut().zip(column) {
                     *e += parameter * x;
                 }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
-use armident_effects::LIBRARY;
+use armident_effects::EVERYDAY;
 use armident_ident::{
     ArmModel, BatchEstimate, BatchProblem, BatchSettings, MinimalSet, Quantity, Term,
 };
@@ -191,7 +191,7 @@ fn a_wrong_sign_is_held_at_zero_and_has_no_error() {
     }
     for (k, term) in problem.terms.iter().enumerate() {
         if let Term::Effect { effect, .. } = *term
-            && LIBRARY[effect].law().slug != "torque_offset"
+            && EVERYDAY[effect].law().slug != "torque_offset"
         {
             assert!(held.values[k] >= 0.0);
         }

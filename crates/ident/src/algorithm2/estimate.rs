@@ -2,7 +2,7 @@
 //! is already known carried along.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{CoulombFriction, Effect, JointMotion, ViscousFriction};
+use armident_effects::{CoulombFriction, Effect, JointMotion, ViscousFriction, directions_with};
 use armident_numeric::{Mat, NumericError, PseudoInverse};
 use armident_recording::Motion;
 
@@ -253,20 +253,23 @@ fn rows_of_step(
         let own_motion = experiment.moving == step.observed || moves[observed];
         let mut friction = Vec::new();
         if own_motion {
+            // exact velocities have exact signs; filtered ones fade through zero
+            let speed_resolution = if motion.filter.is_some() {
+                SPEED_RESOLUTION * dq[observed].iter().fold(0.0_f64, |a, v| a.max(v.abs()))
+            } else {
+                0.0
+            };
             let joint_motion = JointMotion {
+                kind: arm.joints[observed].kind,
                 time_s: &motion.time_s,
                 position: &q[observed],
                 velocity: &dq[observed],
                 acceleration: &ddq[observed],
-                // exact velocities have exact signs; filtered ones fade through zero
-                speed_resolution: if motion.filter.is_some() {
-                    SPEED_RESOLUTION * dq[observed].iter().fold(0.0_f64, |a, v| a.max(v.abs()))
-                } else {
-                    0.0
-                },
+                direction: &directions_with(&dq[observed], speed_resolution),
+                rigid_effort: &[],
             };
-            friction.extend(ViscousFriction.columns(&joint_motion));
-            friction.extend(CoulombFriction.columns(&joint_motion));
+            friction.extend(ViscousFriction.columns(&[], &joint_motion));
+            friction.extend(CoulombFriction.columns(&[], &joint_motion));
         }
         motion.filter_columns(&mut columns);
         motion.filter_columns(&mut friction);

@@ -1,0 +1,88 @@
+//! The surroundings push the tip for a while.
+
+use armident_kinematics::JointKind;
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+
+/// `f = -Jᵀ F`.
+pub struct ExternalContact;
+
+const LAW: Law = Law {
+    slug: "external_contact",
+    title: "external contact",
+    formula: "f = -J(q)^T F in a time window, F constant in the world, at the origin of the tip link",
+    scope: Scope::Arm,
+    parameters: &[
+        Parameter::non_negative("force", "N", "N"),
+        Parameter::any("force_x", "N", "N"),
+        Parameter::any("force_y", "N", "N"),
+        Parameter::any("force_z", "N", "N"),
+    ],
+    contains: None,
+    look_alikes: &[
+        LookAlike {
+            slug: "coulomb_friction",
+            separated_by: "the same motion without the surroundings",
+        },
+        LookAlike { slug: "payload", separated_by: "the time: a contact ends" },
+    ],
+    export: Export::NONE,
+};
+
+impl Effect for ExternalContact {
+    fn law(&self) -> &'static Law {
+        &LAW
+    }
+
+    /// `-Jᵀ e_x`, `-Jᵀ e_y`, `-Jᵀ e_z` at every sample, without the window.
+    fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+        let (n, samples) = (motion.arm.dof(), motion.position[0].len());
+        let mut columns = vec![vec![vec![0.0; samples]; n]; 3];
+        let mut position = vec![0.0; n];
+        for t in 0..samples {
+            for j in 0..n {
+                position[j] = motion.position[j][t];
+            }
+            for (j, torque) in tip_jacobian(motion, &position).iter().enumerate() {
+                for axis in 0..3 {
+                    columns[axis][j][t] = -torque[axis];
+                }
+            }
+        }
+        columns
+    }
+
+    fn parameters(&self, _shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        let force = Vector3::from_column_slice(&coefficients[..3]);
+        vec![force.norm(), force.x, force.y, force.z]
+    }
+
+    fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        (Vec::new(), parameters[1..].to_vec())
+    }
+}
+
+/// Column j of the translational Jacobian of the tip, in the axes of the base link.
+fn tip_jacobian(motion: &ArmMotion<'_>, position: &[f64]) -> Vec<Vector3<f64>> {
+    let mut pose = motion.base_from_e0;
+    let axes: Vec<(Vector3<f64>, Vector3<f64>)> = motion
+        .arm
+        .poses(position)
+        .iter()
+        .map(|joint| {
+            pose *= Isometry3::from_parts(
+                joint.s.into(),
+                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(
+                    joint.rotation(),
+                )),
+            );
+            (pose.rotation * Vector3::z(), pose.translation.vector)
+        })
+        .collect();
+    let tip = pose * Point3::from(motion.tip_in_last_m);
+    let one = |(kind, (axis, origin)): (JointKind, &(Vector3<f64>, Vector3<f64>))| {
+        if kind.is_rotational() { axis.cross(&(tip.coords - origin)) } else { *axis }
+    };
+    motion.arm.joints.iter().map(|joint| joint.kind).zip(&axes).map(one).collect()
+}

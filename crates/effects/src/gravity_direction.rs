@@ -1,0 +1,75 @@
+//! A tilted base.
+
+use armident_dynamics::inverse_dynamics_of_motion;
+use nalgebra::{Isometry3, Rotation3, Vector3};
+
+use crate::arm_motion::{STEP, derivative};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+
+/// `gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base`.
+pub struct GravityDirection;
+
+const LAW: Law = Law {
+    slug: "gravity_direction",
+    title: "tilted base",
+    formula: "gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base in the world",
+    scope: Scope::Arm,
+    parameters: &[
+        Parameter::non_negative("tilt", "rad", "rad"),
+        Parameter::any("tilt_x", "rad", "rad"),
+        Parameter::any("tilt_y", "rad", "rad"),
+    ],
+    contains: None,
+    look_alikes: &[
+        LookAlike {
+            slug: "encoder_offset",
+            separated_by: "a level on the base, or the arm turned about its first axis",
+        },
+        LookAlike {
+            slug: "link_inertia_error",
+            separated_by: "the first axis, if it is vertical: only a tilt loads it with gravity",
+        },
+    ],
+    export: Export::NONE,
+};
+
+impl Effect for GravityDirection {
+    fn law(&self) -> &'static Law {
+        &LAW
+    }
+
+    fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+        let about = |axis: Vector3<f64>| {
+            derivative(motion, STEP, |step| {
+                let mut arm = motion.arm.clone();
+                arm.gravity_e0 = tilted(&motion.base_from_e0, &arm.gravity_e0, &(axis * step));
+                inverse_dynamics_of_motion(
+                    &arm,
+                    motion.position,
+                    motion.velocity,
+                    motion.acceleration,
+                )
+            })
+        };
+        vec![about(Vector3::x()), about(Vector3::y())]
+    }
+
+    fn parameters(&self, _shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        vec![coefficients[0].hypot(coefficients[1]), coefficients[0], coefficients[1]]
+    }
+
+    fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        (Vec::new(), parameters[1..].to_vec())
+    }
+}
+
+/// Gravity in `E_0` when the base is turned in the world by a rotation vector given in the axes of the
+/// base link (which are those of the world before): the base then sees gravity turned the other way.
+pub fn tilted(
+    base_from_e0: &Isometry3<f64>,
+    gravity_e0: &Vector3<f64>,
+    tilt: &Vector3<f64>,
+) -> Vector3<f64> {
+    let base = base_from_e0.rotation;
+    base.inverse() * (Rotation3::new(*tilt).inverse() * (base * gravity_e0))
+}

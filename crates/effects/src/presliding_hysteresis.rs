@@ -1,0 +1,65 @@
+//! Friction that builds up over the travel since the last reversal (Dahl; LuGre with bristle damping).
+
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Scope};
+
+/// `dz/dt = v - s0 |v| z / Fc`, `f = s0 z + s1 dz/dt`.
+pub struct PreslidingHysteresis;
+
+const LAW: Law = Law {
+    slug: "presliding_hysteresis",
+    title: "presliding hysteresis",
+    formula: "dz/dt = v - s0 abs(v) z / Fc, f = s0 z + s1 dz/dt",
+    scope: Scope::Joint,
+    parameters: &[
+        Parameter::non_negative("level", "N m", "N"),
+        Parameter::non_negative("stiffness", "N m/rad", "N/m"),
+        Parameter::non_negative("damping", "N m s/rad", "N s/m"),
+    ],
+    contains: Some("coulomb_friction"),
+    look_alikes: &[
+        LookAlike {
+            slug: "stribeck_friction",
+            separated_by: "slow reversals of different acceleration: presliding keeps its width in travel, Stribeck in speed",
+        },
+        LookAlike {
+            slug: "backlash",
+            separated_by: "with and without gravity load on the joint: backlash moves to where the transmitted effort changes sign",
+        },
+        LookAlike { slug: "joint_spring", separated_by: "a long travel: presliding saturates" },
+    ],
+    export: Export::NONE,
+};
+
+impl Effect for PreslidingHysteresis {
+    fn law(&self) -> &'static Law {
+        &LAW
+    }
+
+    fn shapes(&self, scale: &MotionScale) -> Vec<Vec<f64>> {
+        SHARES_OF_TRAVEL.iter().map(|share| vec![share * scale.position_deviation]).collect()
+    }
+
+    /// The bristle deflection over its saturation, by the implicit rule, which never overshoots.
+    fn columns(&self, shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+        let mut z = 0.0;
+        let mut before = motion.position.first().copied().unwrap_or_default();
+        let deflection = motion.position.iter().map(|&q| {
+            let travel = (q - before) / shape[0];
+            before = q;
+            z = (z + travel) / (1.0 + travel.abs());
+            z
+        });
+        vec![deflection.collect()]
+    }
+
+    fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        vec![coefficients[0], coefficients[0] / shape[0], 0.0]
+    }
+
+    fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        (vec![parameters[0] / parameters[1]], vec![parameters[0]])
+    }
+}
+
+/// Travels `Fc / s0` to try, as shares of the standard deviation of the position.
+const SHARES_OF_TRAVEL: [f64; 10] = [0.012, 0.02, 0.035, 0.055, 0.08, 0.11, 0.16, 0.24, 0.36, 0.5];

@@ -1,0 +1,70 @@
+//! Ripple of motor and gear, locked to the position.
+
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope, column};
+
+/// `f = A sin(n q + phase) [+ A2 sin(2 n q + phase2)]`.
+pub struct TorqueRipple;
+
+const LAW: Law = Law {
+    slug: "torque_ripple",
+    title: "torque ripple",
+    formula: "f = A sin(n q + phase) [+ A2 sin(2 n q + phase2)]; prismatic: sin(2 pi n q + phase)",
+    scope: Scope::Joint,
+    parameters: &[
+        Parameter::non_negative("amplitude", "N m", "N"),
+        Parameter::non_negative("order", "1/turn", "1/m"),
+        Parameter::any("phase", "rad", "rad"),
+        Parameter::non_negative("amplitude_2", "N m", "N"),
+        Parameter::any("phase_2", "rad", "rad"),
+    ],
+    contains: None,
+    look_alikes: &[
+        LookAlike {
+            slug: "unmodelled",
+            separated_by: "a slow sweep over the whole travel: ripple has one order everywhere",
+        },
+        LookAlike {
+            slug: "joint_elasticity",
+            separated_by: "two speeds: ripple keeps its order in position, a resonance its frequency",
+        },
+    ],
+    export: Export::NONE,
+};
+
+impl Effect for TorqueRipple {
+    fn law(&self) -> &'static Law {
+        &LAW
+    }
+
+    fn columns(&self, shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
+        let turn = if motion.kind.is_rotational() { 1.0 } else { std::f64::consts::TAU };
+        let harmonics = 1..=shape[1] as usize;
+        harmonics
+            .flat_map(|k| {
+                let order = k as f64 * shape[0] * turn;
+                let angle = |t: usize| order * motion.position[t];
+                let samples = motion.position.len();
+                [column(samples, |t| angle(t).sin()), column(samples, |t| angle(t).cos())]
+            })
+            .collect()
+    }
+
+    fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
+        let polar = |k: usize| match coefficients.get(2 * k..2 * k + 2) {
+            Some(&[sine, cosine]) => [sine.hypot(cosine), cosine.atan2(sine)],
+            _ => [0.0, 0.0],
+        };
+        let ([first, phase], [second, phase_2]) = (polar(0), polar(1));
+        vec![first, shape[0], phase, second, phase_2]
+    }
+
+    fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let wave = |amplitude: f64, phase: f64| [amplitude * phase.cos(), amplitude * phase.sin()];
+        let first = wave(parameters[0], parameters[2]);
+        if parameters[3] == 0.0 {
+            return (vec![parameters[1], 1.0], first.to_vec());
+        }
+        let second = wave(parameters[3], parameters[4]);
+        (vec![parameters[1], 2.0], [first, second].concat())
+    }
+}
