@@ -1,0 +1,75 @@
+//! What can be wrong with a case or a result, where, and what to do about it.
+
+use std::path::{Path, PathBuf};
+
+/// A case or a result that cannot be read, written or made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChallengeError {
+    /// A file or folder cannot be read or written.
+    #[error("it cannot be {doing}: {error}")]
+    Io {
+        /// `read` or `written`.
+        doing: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// A JSON file does not hold what the contract says.
+    #[error("it is not what the challenge writes: {error}")]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        error: serde_json::Error,
+    },
+    /// A table of samples is inconsistent.
+    #[error("{reason}")]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A folder without cases.
+    #[error("there is no case in this folder")]
+    NoCases {
+        /// The folder.
+        path: PathBuf,
+    },
+}
+
+impl ChallengeError {
+    /// Where: the file or folder.
+    pub fn place(&self) -> String {
+        match self {
+            Self::Io { path, .. }
+            | Self::Json { path, .. }
+            | Self::Table { path, .. }
+            | Self::NoCases { path } => path.display().to_string(),
+        }
+    }
+
+    /// What to do about it, where there is something to say beyond the fault itself.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NoCases { .. } => {
+                Some("give a folder whose folders hold a `truth.json` each".to_owned())
+            }
+            _ => None,
+        }
+    }
+
+    pub(crate) fn io(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |error| Self::Io { doing, path, error }
+    }
+}
+
+/// Reads a JSON file.
+pub(crate) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ChallengeError> {
+    let text = std::fs::read_to_string(path).map_err(ChallengeError::io("read", path))?;
+    serde_json::from_str(&text)
+        .map_err(|error| ChallengeError::Json { path: path.to_owned(), error })
+}

@@ -1,0 +1,125 @@
+//! Where an effect is: what is compared between answer and truth.
+
+use std::collections::BTreeSet;
+
+use crate::answer::Finding;
+use crate::truth::{Named, TrueEffect, Truth};
+
+/// The place of an effect.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// On a joint.
+    Joint(String),
+    /// Between two joints, in alphabetical order.
+    Pair(String, String),
+    /// On the body that this joint moves.
+    Body(String),
+    /// Everywhere.
+    Arm,
+    /// On a link that no joint moves, or nowhere: never right.
+    Unknown(String),
+}
+
+/// An effect at a place: one unit of precision and recall.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Blame {
+    /// Slug; `unlisted` laws are answered as `unmodelled`.
+    pub effect: String,
+    /// Where.
+    pub place: Place,
+}
+
+impl std::fmt::Display for Blame {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.place {
+            Place::Joint(joint) => write!(f, "{}({joint})", self.effect),
+            Place::Pair(a, b) => write!(f, "{}({a}, {b})", self.effect),
+            Place::Body(joint) => write!(f, "{}(body of {joint})", self.effect),
+            Place::Arm => write!(f, "{}", self.effect),
+            Place::Unknown(what) => write!(f, "{}({what}?)", self.effect),
+        }
+    }
+}
+
+impl Blame {
+    /// Joints that are blamed.
+    pub(crate) fn joints(&self) -> Vec<&str> {
+        match &self.place {
+            Place::Joint(joint) | Place::Body(joint) => vec![joint],
+            Place::Pair(a, b) => vec![a, b],
+            Place::Unknown(what) => vec![what],
+            Place::Arm => Vec::new(),
+        }
+    }
+
+    /// Whether this is plain friction, which every joint of a field case has.
+    pub(crate) fn is_everyday(&self) -> bool {
+        matches!(self.effect.as_str(), "viscous_friction" | "coulomb_friction")
+    }
+
+    /// Whether a wrong body is blamed.
+    pub(crate) fn is_body(&self) -> bool {
+        is_body(&self.effect)
+    }
+}
+
+/// Effects that are located by their link.
+pub(crate) fn is_body(effect: &str) -> bool {
+    matches!(effect, "payload" | "link_inertia_error")
+}
+
+/// One blame a joint; neighbours, bodies and effects of the whole arm are one.
+pub(crate) fn blames(
+    effect: &str,
+    joints: &[String],
+    link: Option<&str>,
+    truth: &Truth,
+) -> BTreeSet<Blame> {
+    let effect = if effect == "unlisted" { "unmodelled" } else { effect };
+    let at = |place| Blame { effect: effect.to_owned(), place };
+    let unknown = |what: &str| at(Place::Unknown(what.to_owned()));
+    match effect {
+        "gravity_direction" | "time_delay" | "external_contact" => [at(Place::Arm)].into(),
+        "joint_coupling" => {
+            let mut pair = joints.to_vec();
+            pair.sort();
+            match <[String; 2]>::try_from(pair) {
+                Ok([a, b]) => [at(Place::Pair(a, b))].into(),
+                Err(other) => [unknown(&other.join(" "))].into(),
+            }
+        }
+        _ if is_body(effect) => match (link, joints) {
+            (Some(link), _) if truth.joint_of_link(link).is_some() => {
+                let joint = truth.joint_of_link(link).unwrap_or_default();
+                [at(Place::Body(joint.to_owned()))].into()
+            }
+            (Some(link), []) => [unknown(link)].into(),
+            (None, []) => [unknown("no link")].into(),
+            (_, joints) => joints.iter().map(|joint| at(Place::Body(joint.clone()))).collect(),
+        },
+        _ if joints.is_empty() => [unknown("no joint")].into(),
+        _ => joints.iter().map(|joint| at(Place::Joint(joint.clone()))).collect(),
+    }
+}
+
+/// Blames of a concealed effect.
+pub(crate) fn of_truth(effect: &TrueEffect, truth: &Truth) -> BTreeSet<Blame> {
+    blames(&effect.effect, &effect.joints, effect.link.as_deref(), truth)
+}
+
+/// Blames of a finding.
+pub(crate) fn of_finding(finding: &Finding, truth: &Truth) -> BTreeSet<Blame> {
+    blames(&finding.effect, &finding.joints, finding.link.as_deref(), truth)
+}
+
+/// Blames of an entry of `accept` or `alternatives`.
+pub(crate) fn of_named(named: &Named, truth: &Truth) -> BTreeSet<Blame> {
+    blames(&named.effect, &named.joints, named.link.as_deref(), truth)
+}
+
+/// Whether a blame is what an entry of `tolerate` allows; without joints it is allowed anywhere.
+pub(crate) fn tolerated_by(blame: &Blame, named: &Named) -> bool {
+    let here = |joint: &str| named.joints.iter().any(|j| j == joint);
+    blame.effect == named.effect
+        && (named.joints.is_empty() || blame.joints().iter().all(|joint| here(joint)))
+}

@@ -1,0 +1,429 @@
+//! One case: the answer against the truth.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::answer::{Answer, Finding, Verdict};
+use crate::error::{ChallengeError, read_json};
+use crate::exam::{ExamScore, score_exam};
+use crate::holdout::{HoldoutScore, score_holdout};
+use crate::place::{Blame, Place, is_body, of_finding, of_named, of_truth, tolerated_by};
+use crate::scoreboard::Scoreboard;
+use crate::truth::{Named, TrueEffect, Truth};
+
+/// Findings of less confidence do not count.
+const LEAST_CONFIDENCE: f64 = 0.5;
+/// Everyday levels are right within this factor.
+const RIGHT_FACTOR: f64 = 2.0;
+
+/// The score of one case.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct CaseScore {
+    /// Name of the case.
+    pub case: String,
+    /// Whether it is a field case.
+    pub field: bool,
+    /// Why there is no answer.
+    pub unanswered: Option<String>,
+    /// Slugs of the concealed effects.
+    pub effects: Vec<String>,
+    /// (effect, place) pairs that should be named.
+    pub pairs: Vec<String>,
+    /// Pairs that are named, or whose `accept` is.
+    pub named: Vec<String>,
+    /// Pairs that are not.
+    pub missed: Vec<String>,
+    /// Missed pairs that stand among the `alternatives` of a finding.
+    pub in_alternatives: Vec<String>,
+    /// Pairs that are named and not right, tolerated or everyday.
+    pub false_names: Vec<String>,
+    /// Slugs named rightly, alone.
+    pub named_slugs: Vec<String>,
+    /// Slugs named that no effect of the case has.
+    pub false_slugs: Vec<String>,
+    /// More false names than effects: nothing is credited.
+    pub discredited: bool,
+    /// Cases with effects: whether something is found.
+    pub detected: Option<bool>,
+    /// Nulls: whether something is found that is not there.
+    pub false_alarm: Option<bool>,
+    /// One effect: whether the finding of highest confidence is it.
+    pub top1: Option<bool>,
+    /// Whether the joints blamed hold all right ones, and at least half of them are right.
+    pub located: Option<bool>,
+    /// Intersection over union of the windows of contacts; 0 for a contact that is missed.
+    pub window_iou: Vec<f64>,
+    /// Slug and worst relative error of the bold parameters of effects that are named.
+    pub parameter_errors: Vec<(String, f64)>,
+    /// Jaccard index of the variables of unlisted laws.
+    pub variables: Vec<f64>,
+    /// Everyday friction of a field case.
+    pub everyday: EverydayScore,
+    /// What the diagnosis says about its fit.
+    pub holdout: HoldoutScore,
+    /// What its model predicts.
+    pub exam: Option<ExamScore>,
+    /// True slug -> slugs named instead; `nothing` on either side.
+    pub confusion: Vec<(String, String)>,
+    /// Confidence of each finding that is right or false, and whether it is right.
+    pub reliability: Vec<(f64, bool)>,
+}
+
+/// Everyday friction of a field case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct EverydayScore {
+    /// Terms that stand above the noise.
+    pub counted: usize,
+    /// Of these, named by themselves or by the law that contains them.
+    pub named: usize,
+    /// Of the counted ones named by themselves,
+    pub with_level: usize,
+    /// those within a factor of two.
+    pub within_factor_2: usize,
+}
+
+/// Scores all cases of a folder, in alphabetical order, against the results of the same names.
+///
+/// # Errors
+/// A folder without cases, a truth that cannot be read. Missing or broken results are scores.
+pub fn score_cases(cases: &Path, results: &Path) -> Result<Scoreboard, ChallengeError> {
+    let entries = std::fs::read_dir(cases).map_err(ChallengeError::io("read", cases))?;
+    let mut folders: Vec<_> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.join("truth.json").is_file())
+        .collect();
+    folders.sort();
+    if folders.is_empty() {
+        return Err(ChallengeError::NoCases { path: cases.to_owned() });
+    }
+    let scores = folders.iter().map(|case| {
+        let name = case.file_name().unwrap_or_default();
+        score_case(case, &results.join(name))
+    });
+    Ok(Scoreboard::new(scores.collect::<Result<Vec<_>, _>>()?))
+}
+
+/// Scores one case: a folder with `truth.json`, and one with `out.json` and `predicted.csv`.
+///
+/// # Errors
+/// The truth or the exam of the case cannot be read.
+pub fn score_case(case: &Path, result: &Path) -> Result<CaseScore, ChallengeError> {
+    let truth: Truth = read_json(&case.join("truth.json"))?;
+    let answer: Result<Answer, _> = read_json(&result.join("out.json"));
+    let unanswered = answer.as_ref().err().map(|error| format!("{}: {error}", error.place()));
+    let mut score = score_names(&truth, answer.as_ref().ok());
+    score.unanswered = unanswered;
+    let exam = match &truth.exam {
+        Some(floors) => Some(score_exam(case, result, floors, "exam")?),
+        None if result.join("predicted.csv").is_file() => {
+            Some(score_exam(case, result, &truth.holdout, "holdout")?)
+        }
+        None => None,
+    };
+    if let Ok(answer) = &answer {
+        score.holdout = score_holdout(&answer.fit.holdout, &truth, exam.as_ref());
+    }
+    score.exam = exam;
+    Ok(score)
+}
+
+/// What each blame of an answer turns out to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Judgement {
+    Right,
+    Tolerated,
+    Everyday,
+    False,
+}
+
+struct Judged<'a> {
+    findings: Vec<(&'a Finding, BTreeSet<Blame>)>,
+    found: BTreeSet<Blame>,
+    right: BTreeSet<Blame>,
+    tolerated: BTreeSet<Blame>,
+    field: bool,
+}
+
+impl Judged<'_> {
+    fn of(&self, blame: &Blame) -> Judgement {
+        if self.right.contains(blame) {
+            Judgement::Right
+        } else if self.field && blame.is_everyday() {
+            Judgement::Everyday
+        } else if self.tolerated.contains(blame) {
+            Judgement::Tolerated
+        } else {
+            Judgement::False
+        }
+    }
+
+    fn all(&self, judgement: Judgement) -> impl Iterator<Item = &Blame> {
+        self.found.iter().filter(move |blame| self.of(blame) == judgement)
+    }
+
+    /// The judgement of a finding: that of its worst blame.
+    fn of_finding(&self, blames: &BTreeSet<Blame>) -> Judgement {
+        let judgements: Vec<Judgement> = blames.iter().map(|blame| self.of(blame)).collect();
+        [Judgement::False, Judgement::Tolerated, Judgement::Everyday]
+            .into_iter()
+            .find(|judgement| judgements.contains(judgement))
+            .unwrap_or(Judgement::Right)
+    }
+}
+
+fn judge<'a>(truth: &Truth, findings: &'a [Finding]) -> Judged<'a> {
+    let findings: Vec<_> = findings
+        .iter()
+        .filter(|finding| finding.confidence >= LEAST_CONFIDENCE)
+        .map(|finding| (finding, of_finding(finding, truth)))
+        .collect();
+    let found: BTreeSet<Blame> = findings.iter().flat_map(|(_, b)| b.clone()).collect();
+    let (mut right, mut tolerated) = (BTreeSet::new(), BTreeSet::new());
+    let mut beside: Vec<&Named> = Vec::new();
+    for effect in &truth.effects {
+        let wanted = of_truth(effect, truth);
+        let mut hits: BTreeSet<Blame> = wanted.intersection(&found).cloned().collect();
+        hits.extend(accepted(effect, truth, &found));
+        if !hits.is_empty() {
+            beside.extend(&effect.tolerate);
+        }
+        right.extend(hits);
+    }
+    let wrong_body = truth.effects.iter().any(|effect| is_body(&effect.effect));
+    // one more link beside a wrong body; any under a background of inertial errors
+    let mut bodies_left = if wrong_body { 1 } else { usize::MAX };
+    for blame in found.difference(&right) {
+        let background =
+            truth.background_inertial_error > 0.0 && blame.effect == "link_inertia_error";
+        if background || beside.iter().any(|named| tolerated_by(blame, named)) {
+            if blame.is_body() {
+                if bodies_left == 0 {
+                    continue;
+                }
+                bodies_left -= 1;
+            }
+            tolerated.insert(blame.clone());
+        }
+    }
+    Judged { findings, found, right, tolerated, field: truth.is_field() }
+}
+
+/// The blames of the first entry of `accept` that is wholly found.
+fn accepted(effect: &TrueEffect, truth: &Truth, found: &BTreeSet<Blame>) -> BTreeSet<Blame> {
+    let sets = effect.accept.iter().map(|set| {
+        set.iter().flat_map(|named| of_named(named, truth)).collect::<BTreeSet<Blame>>()
+    });
+    sets.into_iter().find(|set| !set.is_empty() && set.is_subset(found)).unwrap_or_default()
+}
+
+fn score_names(truth: &Truth, answer: Option<&Answer>) -> CaseScore {
+    let findings = answer.map(|answer| answer.findings.as_slice()).unwrap_or_default();
+    let judged = judge(truth, findings);
+    let false_names: Vec<&Blame> = judged.all(Judgement::False).collect();
+    let discredited = false_names.len() > truth.effects.len();
+    let mut score = CaseScore {
+        case: truth.case.clone(),
+        field: truth.is_field(),
+        effects: truth.effects.iter().map(|effect| effect.effect.clone()).collect(),
+        false_names: false_names.iter().map(ToString::to_string).collect(),
+        discredited,
+        ..CaseScore::default()
+    };
+    let alternatives: BTreeSet<Blame> = judged
+        .findings
+        .iter()
+        .flat_map(|(finding, _)| finding.alternatives.iter().flat_map(|n| of_named(n, truth)))
+        .collect();
+    let mut slugs = BTreeSet::new();
+    for effect in &truth.effects {
+        let by_accept = !accepted(effect, truth, &judged.found).is_empty();
+        let wanted = of_truth(effect, truth);
+        let mut all_named = true;
+        for blame in &wanted {
+            score.pairs.push(blame.to_string());
+            if !discredited && (by_accept || judged.found.contains(blame)) {
+                score.named.push(blame.to_string());
+            } else {
+                all_named = false;
+                score.missed.push(blame.to_string());
+                if alternatives.contains(blame) {
+                    score.in_alternatives.push(blame.to_string());
+                }
+            }
+        }
+        let slug = wanted.first().map_or(effect.effect.clone(), |blame| blame.effect.clone());
+        if by_accept || judged.found.iter().any(|blame| blame.effect == slug) {
+            score.named_slugs.push(slug.clone());
+        }
+        confuse(&mut score, &slug, all_named, &false_names);
+        slugs.insert(slug);
+        score_details(&mut score, effect, truth, &judged);
+    }
+    if truth.effects.is_empty() {
+        confuse(&mut score, "nothing", false_names.is_empty(), &false_names);
+    }
+    let false_slugs: BTreeSet<&String> = false_names
+        .iter()
+        .map(|blame| &blame.effect)
+        .filter(|slug| !slugs.contains(*slug))
+        .collect();
+    score.false_slugs = false_slugs.into_iter().cloned().collect();
+    score_verdict(&mut score, truth, answer, &judged);
+    score.everyday = score_everyday(truth, &judged);
+    score.reliability = reliability(truth, findings);
+    score
+}
+
+fn confuse(score: &mut CaseScore, slug: &str, named: bool, false_names: &[&Blame]) {
+    let mut add = |to: &str| score.confusion.push((slug.to_owned(), to.to_owned()));
+    if named {
+        add(slug);
+    } else if false_names.is_empty() {
+        add("nothing");
+    } else {
+        false_names.iter().for_each(|blame| add(&blame.effect));
+    }
+}
+
+/// Verdict, first finding and joints.
+fn score_verdict(
+    score: &mut CaseScore,
+    truth: &Truth,
+    answer: Option<&Answer>,
+    judged: &Judged<'_>,
+) {
+    let mismatch = answer.is_some_and(|answer| answer.verdict == Verdict::Mismatch);
+    if truth.effects.is_empty() {
+        let exact = truth.background_inertial_error == 0.0 && !truth.is_field();
+        score.false_alarm = Some(!score.false_names.is_empty() || (exact && mismatch));
+        return;
+    }
+    let wrong_body = truth.effects.iter().any(|effect| is_body(&effect.effect));
+    let special = |blame: &Blame| !blame.is_everyday() && (wrong_body || !blame.is_body());
+    score.detected = Some(match truth.is_field() {
+        true => judged.found.iter().any(special),
+        false => mismatch,
+    });
+    let counts = |(_, blames): &&(&Finding, BTreeSet<Blame>)| {
+        matches!(judged.of_finding(blames), Judgement::Right | Judgement::False)
+    };
+    if truth.effects.len() == 1 {
+        let first = judged
+            .findings
+            .iter()
+            .filter(counts)
+            .max_by(|(a, _), (b, _)| a.confidence.total_cmp(&b.confidence));
+        score.top1 =
+            Some(first.is_some_and(|(_, blames)| judged.of_finding(blames) == Judgement::Right));
+    }
+    let wanted: BTreeSet<Blame> =
+        truth.effects.iter().flat_map(|effect| of_truth(effect, truth)).collect();
+    let right: BTreeSet<&str> = wanted.iter().flat_map(Blame::joints).collect();
+    if right.is_empty() {
+        return;
+    }
+    let blamed: BTreeSet<&str> = judged
+        .all(Judgement::Right)
+        .chain(judged.all(Judgement::False))
+        .flat_map(Blame::joints)
+        .collect();
+    let hits = blamed.intersection(&right).count();
+    score.located = Some(right.is_subset(&blamed) && 2 * hits >= blamed.len());
+}
+
+/// Windows, parameters and variables of one effect.
+fn score_details(score: &mut CaseScore, effect: &TrueEffect, truth: &Truth, judged: &Judged<'_>) {
+    let wanted = of_truth(effect, truth);
+    let finding = judged
+        .findings
+        .iter()
+        .filter(|(_, blames)| wanted.is_subset(blames))
+        .map(|(finding, _)| *finding)
+        .max_by(|a, b| a.confidence.total_cmp(&b.confidence));
+    if let Some(window) = effect.window {
+        let other = |finding: &Finding| {
+            finding.recording.is_some() && finding.recording != effect.recording
+        };
+        let found = finding.filter(|finding| !other(finding)).and_then(|f| f.window);
+        score.window_iou.push(found.map_or(0.0, |found| intersection_over_union(window, found)));
+    }
+    let Some(finding) = finding else { return };
+    if effect.effect == "unlisted" {
+        let (a, b): (BTreeSet<&String>, BTreeSet<&String>) =
+            (effect.variables.iter().collect(), finding.evidence.variables.iter().collect());
+        let union = a.union(&b).count().max(1) as f64;
+        score.variables.push(a.intersection(&b).count() as f64 / union);
+    }
+    let worst = effect
+        .main_parameters
+        .iter()
+        .map(|name| parameter_error(effect, finding, name))
+        .max_by(f64::total_cmp);
+    if let Some(worst) = worst {
+        score.parameter_errors.push((effect.effect.clone(), worst));
+    }
+}
+
+/// Relative error of a parameter; a missing one counts 100 %.
+fn parameter_error(effect: &TrueEffect, finding: &Finding, name: &str) -> f64 {
+    let (Some(&exact), Some(found)) =
+        (effect.parameters.get(name), finding.parameters.get(name).and_then(|p| p.value))
+    else {
+        return 1.0;
+    };
+    let (exact, found) = match name {
+        "gain" => (exact - 1.0, found - 1.0),
+        // s = v_b + r v_a over r is v_a + v_b / r: the same pair the other way round
+        "ratio" if finding.joints.first() != effect.joints.first() => (exact, 1.0 / found),
+        _ => (exact, found),
+    };
+    ((found - exact) / exact).abs()
+}
+
+fn intersection_over_union(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let common = (a[1].min(b[1]) - a[0].max(b[0])).max(0.0);
+    let union = (a[1] - a[0]) + (b[1] - b[0]) - common;
+    if union > 0.0 { common / union } else { 0.0 }
+}
+
+fn score_everyday(truth: &Truth, judged: &Judged<'_>) -> EverydayScore {
+    let mut score = EverydayScore::default();
+    for term in truth.everyday.iter().filter(|term| term.counted) {
+        score.counted += 1;
+        let at = |effect: &str| Blame {
+            effect: effect.to_owned(),
+            place: Place::Joint(term.joints.first().cloned().unwrap_or_default()),
+        };
+        let covered = term.covered_by.as_deref().is_some_and(|law| judged.found.contains(&at(law)));
+        let itself = at(&term.effect);
+        let finding = judged.findings.iter().find(|(_, blames)| blames.contains(&itself));
+        score.named += usize::from(covered || finding.is_some());
+        if let Some((finding, _)) = finding {
+            score.with_level += 1;
+            let near = term.parameters.iter().any(|(name, exact)| {
+                let found = finding.parameters.get(name).and_then(|p| p.value);
+                let factor = found.map_or(0.0, |found| found / exact);
+                (1.0 / RIGHT_FACTOR..=RIGHT_FACTOR).contains(&factor)
+            });
+            score.within_factor_2 += usize::from(near);
+        }
+    }
+    score
+}
+
+/// All findings, also those of little confidence, judged as if they stood.
+fn reliability(truth: &Truth, findings: &[Finding]) -> Vec<(f64, bool)> {
+    let sure: Vec<Finding> =
+        findings.iter().map(|finding| Finding { confidence: 1.0, ..finding.clone() }).collect();
+    let judged = judge(truth, &sure);
+    let pairs = judged.findings.iter().zip(findings).filter_map(|((_, blames), finding)| {
+        match judged.of_finding(blames) {
+            Judgement::Right => Some((finding.confidence, true)),
+            Judgement::False => Some((finding.confidence, false)),
+            Judgement::Tolerated | Judgement::Everyday => None,
+        }
+    });
+    pairs.collect()
+}

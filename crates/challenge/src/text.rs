@@ -1,0 +1,139 @@
+//! The scoreboard for people.
+
+use std::fmt::Write as _;
+
+use armident_report::aligned;
+
+use crate::scoreboard::{GroupScore, Rate, Scoreboard, Spread};
+
+impl Scoreboard {
+    /// Tables: the sums, effect by effect, confusion, reliability, then cases with something wrong.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for group in &self.groups {
+            text += &group_text(group);
+        }
+        let wrong: Vec<String> = self.cases.iter().filter_map(case_line).collect();
+        if !wrong.is_empty() {
+            let _ = writeln!(text, "Cases with something wrong\n{}", wrong.join("\n"));
+        }
+        text
+    }
+}
+
+fn rate(rate: Rate) -> String {
+    if rate.of == 0 {
+        return "-".to_owned();
+    }
+    format!("{} of {} ({:.1} %)", rate.count, rate.of, 100.0 * rate.share())
+}
+
+fn spread(spread: Option<Spread>) -> String {
+    spread.map_or("-".to_owned(), |s| {
+        format!("median {:.3}, 90 % {:.3}, worst {:.3} ({})", s.median, s.p90, s.largest, s.count)
+    })
+}
+
+/// Of numbers that should be large.
+fn spread_down(spread: Option<Spread>) -> String {
+    spread.map_or("-".to_owned(), |s| {
+        format!("median {:.3}, worst {:.3} ({})", s.median, s.least, s.count)
+    })
+}
+
+fn group_text(group: &GroupScore) -> String {
+    let everyday = group.everyday;
+    let line = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![
+        line("cases", group.cases.to_string()),
+        line("without an answer", group.unanswered.to_string()),
+        line("detected", rate(group.detected)),
+        line("false alarms", rate(group.false_alarms)),
+        line("pairs: recall", rate(group.recall)),
+        line("pairs: precision", rate(group.precision)),
+        line("pairs: F1", format!("{:.3}", group.f1)),
+        line("names alone: recall", rate(group.slug_recall)),
+        line("names alone: precision", rate(group.slug_precision)),
+        line("missed, but an alternative", rate(group.missed_in_alternatives)),
+        line("cases credited with nothing", group.discredited.to_string()),
+        line("first finding right", rate(group.top1)),
+        line("located", rate(group.located)),
+        line("window, intersection over union", spread_down(group.window_iou)),
+        line("parameter error, relative", spread(group.parameter_error)),
+        line("variables, Jaccard", spread_down(group.variables)),
+        line("hold-out after / noise", spread(group.after_over_oracle)),
+        line("hold-out after / attainable", spread(group.after_over_attainable)),
+        line("hold-out after / reachable", spread(group.after_over_reachable)),
+        line("hold-out before / after", spread_down(group.improvement)),
+        line("prediction / noise", spread(group.exam_over_oracle)),
+        line("prediction / attainable", spread(group.exam_over_attainable)),
+        line("predictions failed", rate(group.exam_failed)),
+        line("over-claims", rate(group.over_claims)),
+        line("suspicious", group.suspicious.to_string()),
+    ];
+    if everyday.counted > 0 {
+        let named = Rate { count: everyday.named, of: everyday.counted };
+        let near = Rate { count: everyday.within_factor_2, of: everyday.with_level };
+        rows.push(line("everyday friction named", rate(named)));
+        rows.push(line("everyday level within a factor of 2", rate(near)));
+    }
+    let mut text = format!("{} cases\n{}\n", group.kind, aligned(&["", ""], &rows, 2).trim_start());
+    let effects: Vec<Vec<String>> = group
+        .effects
+        .iter()
+        .map(|row| {
+            let error = row.parameter_error.map_or("-".to_owned(), |s| {
+                format!("{:.1} %, worst {:.1} %", 100.0 * s.median, 100.0 * s.largest)
+            });
+            let named = format!("{}/{}", row.named.count, row.named.of);
+            vec![row.effect.clone(), named, row.false_names.to_string(), error]
+        })
+        .collect();
+    text += &aligned(&["effect", "named", "false", "parameter error"], &effects, 1);
+    text += "\nConfusion (concealed: named instead)\n";
+    for (truth, named) in &group.confusion {
+        let wrong: Vec<String> = named
+            .iter()
+            .filter(|(name, _)| *name != truth)
+            .map(|(name, count)| format!("{name} {count}"))
+            .collect();
+        if !wrong.is_empty() {
+            let _ = writeln!(text, "  {truth}: {}", wrong.join(", "));
+        }
+    }
+    text += "\nReliability (confidence: share that is right)\n";
+    for bin in group.reliability.iter().filter(|bin| bin.right.of > 0) {
+        let _ = writeln!(text, "  {:.2}: {}", bin.confidence, rate(bin.right));
+    }
+    text.push('\n');
+    text
+}
+
+/// What is wrong with a case, if anything.
+fn case_line(case: &crate::score::CaseScore) -> Option<String> {
+    let mut wrong = Vec::new();
+    let mut list = |what: &str, items: &[String]| {
+        if !items.is_empty() {
+            wrong.push(format!("{what} {}", items.join(", ")));
+        }
+    };
+    list("unanswered:", case.unanswered.as_slice());
+    list("missed", &case.missed);
+    list("false", &case.false_names);
+    list("over-claimed on", &case.holdout.over_claimed);
+    list("suspicious:", &case.holdout.suspicious);
+    if let Some(exam) = &case.exam {
+        list("prediction failed:", exam.failed.as_slice());
+        let far =
+            |(joint, ratio): (&String, &f64)| (*ratio > FAR).then(|| format!("{joint} {ratio:.2}"));
+        let far: Vec<String> = exam.over_attainable.iter().filter_map(far).collect();
+        list("prediction / attainable:", &far);
+    }
+    if case.false_alarm == Some(true) && case.false_names.is_empty() {
+        wrong.push("mismatch on an exact null".to_owned());
+    }
+    (!wrong.is_empty()).then(|| format!("  {}: {}", case.case, wrong.join("; ")))
+}
+
+/// Predictions beyond this multiple of the attainable error are listed.
+const FAR: f64 = 1.2;
