@@ -8,7 +8,7 @@ use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
 
 use crate::evidence::{Evidence, OperatingPoint, changed};
-use crate::material::{Materiality, materiality};
+use crate::material::{Materiality, link_materiality, materiality};
 use crate::model::DiagnosedModel;
 use crate::problem::{Group, Whitened};
 use crate::search::answer;
@@ -195,7 +195,7 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
         .iter()
         .map(|&g| {
             let group = &selection.problem.groups[g];
-            let (size, _) = materiality(&metric, &selection.answer, g);
+            let (size, _) = materiality(&metric, &selection.answer, g, &selection.point);
             let names =
                 |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
             let is_link = group.transform.is_some();
@@ -218,8 +218,42 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
             }
         })
         .collect();
+    let errors = metric.inertial_errors(&selection.answer.fit);
+    for &link in &selection.wide {
+        let size = link_materiality(&metric, &selection.answer, link);
+        if size.ratio() < 1.0 {
+            continue;
+        }
+        found.push(wrong_body(evidence, link, &errors[10 * link..10 * (link + 1)], &size));
+    }
     found.sort_by(|a, b| b.evidence.materiality.total_cmp(&a.evidence.materiality));
     found
+}
+
+/// A link whose inertial errors stand out from those of all others.
+fn wrong_body(evidence: &Evidence<'_>, link: usize, change: &[f64], size: &Materiality) -> Finding {
+    let joint = &evidence.chain.joints[link];
+    let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
+    let units = ["kg", "kg m", "kg m", "kg m"];
+    let parameters = (0..4)
+        .map(|p| (names[p], Value { value: change[p], stderr: None, unit: units[p] }))
+        .collect();
+    Finding {
+        effect: "link_inertia_error".to_owned(),
+        joints: vec![joint.name.clone()],
+        link: Some(joint.child_link.clone()),
+        window: None,
+        recording: None,
+        parameters,
+        confidence: confidence(size),
+        evidence: FindingEvidence {
+            materiality: size.value,
+            least_materiality: size.least,
+            joint: evidence.names[size.joint].clone(),
+            variables: Vec::new(),
+        },
+        alternatives: Vec::new(),
+    }
 }
 
 /// Name of a file without folder and ending.
@@ -363,7 +397,7 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
 fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<DiagnosedModel> {
     const SCALE: f64 = 1.0;
     let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
-    let metric = problem.whitened(SCALE);
+    let metric = problem.whitened(SCALE, &[]);
     let change = metric.inertial_errors(&answer(&metric, Vec::new())?.fit);
     let mut found = DiagnosedModel::believed(model);
     for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {

@@ -13,6 +13,8 @@ use crate::search::{Answer, answer, search};
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 7] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.3, 1.0];
+/// Most links whose body is called wrong; more are a wrong arm.
+const MOST_WRONG_BODIES: usize = 2;
 /// Rounds of scanning what is left over.
 const ROUNDS: usize = 4;
 /// Passes of moving the operating point.
@@ -28,13 +30,15 @@ pub(crate) struct Selection {
     pub(crate) answer: Answer,
     /// relative inertial error
     pub(crate) scale: f64,
+    /// links with a wrong body
+    pub(crate) wide: Vec<usize>,
     /// where the columns were formed
     pub(crate) point: OperatingPoint,
 }
 
 impl Selection {
     pub(crate) fn metric(&self) -> Whitened<'_> {
-        self.problem.whitened(self.scale)
+        self.problem.whitened(self.scale, &self.wide)
     }
 }
 
@@ -44,6 +48,15 @@ struct Memory {
     groups: Vec<Group>,
     /// ripple is not offered on these joints: its order was no whole number
     no_ripple: HashSet<usize>,
+    /// inertial error of the last pass
+    scale: Option<f64>,
+}
+
+/// What one search gives.
+struct Best {
+    scale: f64,
+    wide: Vec<usize>,
+    answer: Answer,
 }
 
 pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
@@ -61,21 +74,11 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             .iter()
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
-        let (scale, found) =
+        let Best { scale, wide, answer: found } =
             best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
-        let on_point = |g: usize| {
-            let site = &problem.groups[g].site;
-            match problem.groups[g].slug() {
-                "gravity_direction" => point.tilt != [0.0; 2],
-                "time_delay" => point.delay_s != 0.0,
-                "encoder_offset" => point.offset[site.joints[0]] != 0.0,
-                _ => false,
-            }
-        };
-        let kept: Vec<usize> = found.set.iter().copied().filter(|g| on_point(*g)).collect();
-        let found = prune(&problem.whitened(scale), found, |g| kept.contains(&g));
-        let found = refine(evidence, &at, &contact, &mut problem, scale, found);
-        let found = prune(&problem.whitened(scale), found, |g| kept.contains(&g));
+        let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
+        let found = prune(&problem.whitened(scale, &wide), found, &point);
         let fractional = fractional_ripples(evidence, &problem, &found);
         memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
         let again = !fractional.is_empty();
@@ -91,7 +94,8 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             && target.offset.iter().zip(&point.offset).all(|(a, b)| (a - b).abs() < STILL.1)
             && (target.delay_s - point.delay_s).abs() < STILL.2;
         let done = (still && !again) || pass + 1 == PASSES;
-        last = Some(Selection { problem, answer: found, scale, point: point.clone() });
+        memory.scale = Some(scale);
+        last = Some(Selection { problem, answer: found, scale, wide, point: point.clone() });
         if done {
             break;
         }
@@ -130,26 +134,29 @@ fn best_of_scales(
     problem: &mut Problem,
     start: Vec<usize>,
     memory: &Memory,
-) -> Option<(f64, Answer)> {
+) -> Option<Best> {
     let everyday: Vec<usize> = (0..problem.groups.len())
         .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
         .collect();
     let mut starts = vec![start, everyday];
-    let mut best: Option<(f64, Answer)> = None;
+    let mut best: Option<Best> = None;
+    let mut worse = 0;
     for scale in SCALES {
-        let mut found: Option<Answer> = None;
+        // later passes look around the scale of the one before
+        let place = |s: f64| SCALES.iter().position(|x| *x == s);
+        if let Some(before) = memory.scale.and_then(place) {
+            if place(scale).is_some_and(|k| k.abs_diff(before) > 1 && scale > 0.0) {
+                continue;
+            }
+        }
+        let mut found: Option<Best> = None;
         for round in 0..ROUNDS {
-            let banned: HashSet<usize> = (0..problem.groups.len())
-                .filter(|&g| {
-                    let group = &problem.groups[g];
-                    group.slug() == "torque_ripple"
-                        && memory.no_ripple.contains(&group.site.joints[0])
-                })
-                .collect();
-            let metric = problem.whitened(scale);
-            found = search(&metric, &starts, &banned);
-            let Some(answer_now) = &found else { break };
-            let mut residuals = vec![metric.residual(&answer_now.fit)];
+            let banned = banned(problem, memory, scale);
+            let metric = problem.whitened(scale, &[]);
+            let Some(now) = search(&metric, &starts, &banned) else { break };
+            let now = with_wrong_bodies(problem, scale, now, &starts, &banned);
+            let metric = problem.whitened(scale, &now.wide);
+            let mut residuals = vec![metric.residual(&now.answer.fit)];
             if round == 0 {
                 residuals.extend(answer(&metric, Vec::new()).map(|a| metric.residual(&a.fit)));
             }
@@ -158,19 +165,69 @@ fn best_of_scales(
                 offered.extend(ripple.offer(evidence, at, problem, residual));
                 offered.extend(contact.offer(evidence, problem, residual));
             }
-            starts.push(answer_now.set.clone());
+            starts.push(now.answer.set.clone());
+            found = Some(now);
             if offered.is_empty() {
                 break;
             }
             starts.extend(offered.iter().map(|g| vec![*g]));
         }
-        if let Some(found) = found {
-            if best.as_ref().is_none_or(|(_, b)| found.score < b.score) {
-                best = Some((scale, found));
+        let Some(found) = found else { continue };
+        if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
+            best = Some(found);
+            worse = 0;
+        } else {
+            worse += 1;
+            // the misfit falls with the scale until the price of freedom takes over
+            if worse == 2 {
+                break;
             }
         }
     }
     best
+}
+
+/// Groups that may not be named: ripples of no whole order, and single links where all links are
+/// uncertain, which wrong bodies stand for.
+fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
+    (0..problem.groups.len())
+        .filter(|&g| {
+            let group = &problem.groups[g];
+            (group.slug() == "torque_ripple" && memory.no_ripple.contains(&group.site.joints[0]))
+                || (scale > 0.0 && group.transform.is_some())
+        })
+        .collect()
+}
+
+/// Lets the errors of single links be larger than those of all others, as long as that is a shorter
+/// description.
+fn with_wrong_bodies(
+    problem: &Problem,
+    scale: f64,
+    mut found: Answer,
+    starts: &[Vec<usize>],
+    banned: &HashSet<usize>,
+) -> Best {
+    let mut wide = Vec::new();
+    if scale > 0.0 {
+        let links = problem.rigid / 10;
+        while wide.len() < MOST_WRONG_BODIES {
+            let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {
+                let trial = [wide.clone(), vec![link]].concat();
+                let next = answer(&problem.whitened(scale, &trial), found.set.clone())?;
+                Some((next.score, trial))
+            });
+            let Some((score, trial)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            if score >= found.score {
+                break;
+            }
+            let metric = problem.whitened(scale, &trial);
+            let starts = [starts, &[found.set.clone()]].concat();
+            let Some(next) = search(&metric, &starts, banned) else { break };
+            (found, wide) = (next, trial);
+        }
+    }
+    Best { scale, wide, answer: found }
 }
 
 /// The group of a new problem that stands for the same.
@@ -213,12 +270,12 @@ fn refine(
     at: &[At<'_>],
     contact: &ContactColumns,
     problem: &mut Problem,
-    scale: f64,
+    (scale, wide): (f64, &[usize]),
     found: Answer,
 ) -> Answer {
     // a problem of the answer's columns alone: trials are then cheap
     let (mut small, set) = problem.restricted(&found.set);
-    let Some(mut best) = answer(&small.whitened(scale), set) else { return found };
+    let Some(mut best) = answer(&small.whitened(scale, wide), set) else { return found };
     for _ in 0..2 {
         for k in 0..best.set.len() {
             let group = small.groups[best.set[k]].clone();
@@ -248,7 +305,7 @@ fn refine(
                         };
                         let mut set = best.set.clone();
                         set[k] = id;
-                        let metric = small.whitened(scale);
+                        let metric = small.whitened(scale, wide);
                         let Some(mut next) = answer(&metric, set.clone()) else { continue };
                         if next.score < best.score - 1e-3 {
                             // keep the order of groups, so that k stays the same group
@@ -271,7 +328,7 @@ fn refine(
         .iter()
         .filter_map(|g| recreate(evidence, at, contact, problem, &small.groups[*g].clone()))
         .collect();
-    answer(&problem.whitened(scale), set).unwrap_or(found)
+    answer(&problem.whitened(scale, wide), set).unwrap_or(found)
 }
 
 /// First step of a constant, the smallest, and whether they are relative.
