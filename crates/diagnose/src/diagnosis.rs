@@ -8,9 +8,10 @@ use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
 
 use crate::evidence::{Evidence, OperatingPoint, changed};
+use crate::flexible::FlexibleTerm;
 use crate::material::{Materiality, link_materiality, materiality};
 use crate::model::DiagnosedModel;
-use crate::problem::{Group, Whitened};
+use crate::problem::{Group, Meaning, Whitened};
 use crate::search::answer;
 use crate::select::{Selection, moves, select};
 use crate::signals::{Signals, low_pass};
@@ -212,7 +213,10 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
                     materiality: size.value,
                     least_materiality: size.least,
                     joint: evidence.names[size.joint].clone(),
-                    variables: Vec::new(),
+                    variables: match &group.meaning {
+                        Meaning::Flexible(flexible) => flexible.basis.variables(),
+                        Meaning::Law(_) => Vec::new(),
+                    },
                 },
                 alternatives: Vec::new(),
             }
@@ -363,6 +367,21 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
                     change[10 * group.site.joints[0] + p] += t * c;
                 }
             }
+            continue;
+        }
+        if let Meaning::Flexible(flexible) = &group.meaning {
+            let hats = flexible.transform.first().map_or(0, Vec::len);
+            let scale = gain[group.site.joints[0]];
+            found.learned.flexible.push(FlexibleTerm {
+                joint: evidence.names[group.site.joints[0]].clone(),
+                basis: flexible.basis.clone(),
+                coefficients: (0..hats)
+                    .map(|h| {
+                        let of_hat = flexible.transform.iter().map(|t| t[h]).zip(&coefficients);
+                        of_hat.map(|(t, c)| t * c).sum::<f64>() / scale
+                    })
+                    .collect(),
+            });
             continue;
         }
         let Some(law) = effect(group.slug()) else { continue };

@@ -19,7 +19,7 @@ mod signals;
 pub use diagnosis::{
     Alternative, DiagnoseError, Diagnosis, Errors, Finding, FindingEvidence, Value, diagnose,
 };
-pub use flexible::FlexibleTerm;
+pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
 pub use model::{DiagnosedModel, Learned};
 
 /// Name of a finding for structure that no law of the library explains.

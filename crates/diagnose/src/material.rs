@@ -40,13 +40,17 @@ pub(crate) fn excess(problem: &Problem, residual: &[Vec<f64>]) -> Vec<f64> {
     (0..residual.len())
         .map(|j| {
             let left = problem.rows.in_sample_noise(j, &residual[j]);
-            let ones: Vec<f64> = problem.rows.weight(j).to_vec();
-            let band: Vec<f64> =
-                ones.iter().zip(&problem.rows.deviation[j]).map(|(w, d)| w * d).collect();
-            let noise = problem.rows.in_sample_noise(j, &band);
+            let noise = band_noise(problem, j);
             (left * left - UNCERTAINTY * noise * noise).max(0.0).sqrt()
         })
         .collect()
+}
+
+/// Noise in the band, in standard deviations of one recorded sample.
+pub(crate) fn band_noise(problem: &Problem, joint: usize) -> f64 {
+    let rows = &problem.rows;
+    let weighted = rows.weight(joint).iter().zip(&rows.deviation[joint]).map(|(w, d)| w * d);
+    rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
 
 /// How much a group of an answer matters: against the answer without it, its simpler relative in its

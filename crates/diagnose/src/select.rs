@@ -6,7 +6,8 @@ use armident_effects::{Scope, effect};
 
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence, OperatingPoint};
-use crate::material::prune;
+use crate::flexible;
+use crate::material::{LEAST, band_noise, excess, prune};
 use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
@@ -16,7 +17,11 @@ const SCALES: [f64; 7] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.3, 1.0];
 /// Most links whose body is called wrong; more are a wrong arm.
 const MOST_WRONG_BODIES: usize = 2;
 /// Rounds of scanning what is left over.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
+/// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
+/// name, and on how many joints.
+const LEAST_UNEXPLAINED: f64 = 0.7;
+const DESCRIBED_JOINTS: usize = 2;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s\].
@@ -150,6 +155,8 @@ fn best_of_scales(
             }
         }
         let mut found: Option<Best> = None;
+        let mut flexible = false;
+        let mut library: Option<Answer> = None;
         for round in 0..ROUNDS {
             let banned = banned(problem, memory, scale);
             let metric = problem.whitened(scale, &[]);
@@ -166,11 +173,30 @@ fn best_of_scales(
                 offered.extend(contact.offer(evidence, problem, residual));
             }
             starts.push(now.answer.set.clone());
+            let residual = residuals.swap_remove(0);
             found = Some(now);
             if offered.is_empty() {
-                break;
+                // only what everything cheaper has failed to explain is described without a name
+                if flexible {
+                    break;
+                }
+                flexible = true;
+                let left = excess(problem, &residual);
+                let mut worst: Vec<usize> =
+                    (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+                worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+                for &j in worst.iter().take(DESCRIBED_JOINTS) {
+                    offered.extend(flexible::offer(evidence, at, problem, j, &residual[j]));
+                }
+                library = found.as_ref().map(|f| f.answer.clone());
+                if offered.is_empty() {
+                    break;
+                }
             }
             starts.extend(offered.iter().map(|g| vec![*g]));
+        }
+        if let (Some(found), Some(library)) = (&mut found, library) {
+            contest(problem, scale, found, library);
         }
         let Some(found) = found else { continue };
         if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
@@ -185,6 +211,35 @@ fn best_of_scales(
         }
     }
     best
+}
+
+/// Keeps structure without a name only where it explains what the best answer of the library could not:
+/// a material amount, and more than half of it.
+fn contest(problem: &Problem, scale: f64, found: &mut Best, library: Answer) {
+    let unnamed: Vec<usize> = found
+        .answer
+        .set
+        .iter()
+        .copied()
+        .filter(|g| matches!(problem.groups[*g].meaning, Meaning::Flexible(_)))
+        .collect();
+    if unnamed.is_empty() {
+        return;
+    }
+    let metric = problem.whitened(scale, &found.wide);
+    let library = answer(&metric, library.set.clone()).unwrap_or(library);
+    let (by_library, by_all) = (metric.residual(&library.fit), metric.residual(&found.answer.fit));
+    let holds = unnamed.iter().all(|g| {
+        let j = problem.groups[*g].site.joints[0];
+        let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
+        let noise = band_noise(problem, j).powi(2);
+        let (left, rest) = (square(&by_library[j]), square(&by_all[j]));
+        let gained = left - rest;
+        gained.max(0.0).sqrt() >= LEAST && gained > 0.5 * (left - noise)
+    });
+    if !holds {
+        found.answer = library;
+    }
 }
 
 /// Groups that may not be named: ripples of no whole order, and single links where all links are
@@ -245,7 +300,13 @@ fn recreate(
     if known.is_some() {
         return known;
     }
-    let Meaning::Law(slug) = group.meaning else { return None };
+    let slug = match &group.meaning {
+        Meaning::Law(slug) => *slug,
+        Meaning::Flexible(flexible) => {
+            let joint = group.site.joints[0];
+            return Some(flexible::recreate(evidence, at, problem, joint, flexible));
+        }
+    };
     let law = effect(slug)?;
     let id = match law.law().scope {
         Scope::Joint => {

@@ -137,14 +137,15 @@ pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass,
     ZeroPhaseLowPass::new(KINEMATICS_ORDER, cutoff_hz.min(highest_hz), rate_hz)
 }
 
-/// Values continued at both ends along a parabola through the samples there: a recording that ends in
-/// motion then has speed and acceleration up to its end. Gives the number of samples added at an end.
+/// Values continued at both ends along a polynomial through the samples there, or held where the joint
+/// rests: a recording that ends in motion then has speed and acceleration up to its end. Gives the
+/// number of samples added at an end.
 fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
-    // some periods of the low-pass of the kinematics, and what a parabola follows of a motion
-    const MARGIN_S: f64 = 0.16;
-    const FITTED_S: f64 = 0.12;
+    // some periods of the low-pass of the kinematics, and what a polynomial follows of a motion
+    const MARGIN_S: f64 = 0.12;
+    const FITTED_S: f64 = 0.25;
     let margin = (MARGIN_S * rate_hz).round() as usize;
-    let fitted = ((FITTED_S * rate_hz).round() as usize).max(5).min(values.len());
+    let fitted = ((FITTED_S * rate_hz).round() as usize).max(8).min(values.len());
     let start: Vec<f64> = values[..fitted].iter().rev().copied().collect();
     let before = continued(&start, margin);
     let after = continued(&values[values.len() - fitted..], margin);
@@ -152,25 +153,25 @@ fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
     (all, margin)
 }
 
-/// The next values of a series by its least-squares parabola, joined to its last value.
+/// The next values of a series by its least-squares quartic; its last value where the last tenth does
+/// not move.
 fn continued(values: &[f64], count: usize) -> Vec<f64> {
+    const TERMS: usize = 5;
     let n = values.len();
-    let scale = 1.0 / n as f64;
-    // time runs backward from the last sample, in lengths of the series
-    let powers = |k: f64| [1.0, k * scale, (k * scale).powi(2)];
-    let rows: Vec<[f64; 3]> = (0..n).map(|k| powers(k as f64 - (n - 1) as f64)).collect();
+    let last = values[n - 1];
+    if n < 2 * TERMS || values[n - (n / 10).max(3)..].iter().all(|x| *x == last) {
+        return vec![last; count];
+    }
+    // time from the last sample, in lengths of the series
+    let powers =
+        |k: f64| -> [f64; TERMS] { std::array::from_fn(|p| (k / n as f64).powi(p as i32)) };
+    let rows: Vec<[f64; TERMS]> = (0..n).map(|k| powers(k as f64 - (n - 1) as f64)).collect();
     let product = |a: usize, b: usize| rows.iter().map(|r| r[a] * r[b]).sum::<f64>();
     let rhs: Vec<f64> =
-        (0..3).map(|a| rows.iter().zip(values).map(|(r, x)| r[a] * x).sum()).collect();
-    let last = values[n - 1];
-    let Some(cholesky) = Cholesky::of(3, product) else { return vec![last; count] };
+        (0..TERMS).map(|a| rows.iter().zip(values).map(|(r, x)| r[a] * x).sum()).collect();
+    let Some(cholesky) = Cholesky::of(TERMS, product) else { return vec![last; count] };
     let c = cholesky.solve(&rhs);
-    (1..=count)
-        .map(|k| {
-            let p = powers(k as f64);
-            c[0] + c[1] * p[1] + c[2] * p[2]
-        })
-        .collect()
+    (1..=count).map(|k| c.iter().zip(powers(k as f64)).map(|(c, p)| c * p).sum()).collect()
 }
 
 /// Direction of motion, bridged where the speed has no sure sign, and where the joint sticks.
