@@ -15,6 +15,7 @@ use crate::problem::{Group, Meaning, Whitened};
 use crate::search::answer;
 use crate::select::{Selection, moves, select};
 use crate::signals::{Signals, low_pass};
+use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
 
 /// Cut-offs tried for the output of a joint \[Hz\].
 const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
@@ -314,7 +315,16 @@ fn parameters(
             "encoder_offset" => {
                 vec![selection.point.offset[group.site.joints[0]] + coefficients[0]]
             }
-            "joint_elasticity" => vec![1.0 / coefficients[0], 0.0, coefficients[1]],
+            "joint_elasticity" if group.shape.is_empty() => {
+                vec![1.0 / coefficients[0], 0.0, coefficients[1]]
+            }
+            "joint_elasticity" => vec![group.shape[0], group.shape[1], coefficients[1]],
+            "backlash" => {
+                let at = evidence.at(&selection.point);
+                let joint = group.site.joints[0];
+                let of = of_shape("backlash", &group.shape, mean_inertia(&at, joint));
+                vec![of.gap, of.stiffness, of.damping, coefficients[1]]
+            }
             "link_inertia_error" => {
                 let transform = group.transform.as_deref().unwrap_or_default();
                 (0..4)
@@ -381,6 +391,28 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
                         of_hat.map(|(t, c)| t * c).sum::<f64>() / scale
                     })
                     .collect(),
+            });
+            continue;
+        }
+        if let ("joint_elasticity" | "backlash", Some(&joint)) =
+            (group.slug(), group.site.joints.first())
+        {
+            // a compliance to first order says nothing of its damping: that of gears, by experience
+            const DAMPING: f64 = 0.1;
+            let at = evidence.at(&selection.point);
+            let inertia = mean_inertia(&at, joint);
+            let (transmission, share) = if group.shape.is_empty() {
+                let stiffness = 1.0 / coefficients[0];
+                let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
+                (Transmission { gap: 0.0, stiffness, damping }, 1.0)
+            } else {
+                (of_shape(group.slug(), &group.shape, inertia), coefficients[0])
+            };
+            found.learned.transmissions.push(TransmissionTerm {
+                joint: evidence.names[joint].clone(),
+                transmission,
+                motor_inertia: coefficients[1],
+                share,
             });
             continue;
         }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use armident_effects::{Scope, effect};
+use armident_effects::{Place, Scope, effect};
 
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence, OperatingPoint};
@@ -11,6 +11,7 @@ use crate::material::{LEAST, band_noise, excess, prune};
 use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
+use crate::transmission;
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 7] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.3, 1.0];
@@ -146,6 +147,7 @@ fn best_of_scales(
     let mut starts = vec![start, everyday];
     let mut best: Option<Best> = None;
     let mut worse = 0;
+    let mut memory_of_drives: Vec<usize> = Vec::new();
     for scale in SCALES {
         // later passes look around the scale of the one before
         let place = |s: f64| SCALES.iter().position(|x| *x == s);
@@ -155,7 +157,7 @@ fn best_of_scales(
             }
         }
         let mut found: Option<Best> = None;
-        let mut flexible = false;
+        let (mut driven, mut flexible) = (false, false);
         let mut library: Option<Answer> = None;
         for round in 0..ROUNDS {
             let banned = banned(problem, memory, scale);
@@ -175,6 +177,14 @@ fn best_of_scales(
             starts.push(now.answer.set.clone());
             let residual = residuals.swap_remove(0);
             found = Some(now);
+            if offered.is_empty() && !driven {
+                driven = true;
+                let suspects = suspects(problem, found.as_ref(), &residual, scale);
+                for &j in suspects.iter().filter(|j| !memory_of_drives.contains(j)) {
+                    offered.extend(transmission::offer(evidence, at, problem, j));
+                }
+                memory_of_drives.extend(suspects);
+            }
             if offered.is_empty() {
                 // only what everything cheaper has failed to explain is described without a name
                 if flexible {
@@ -211,6 +221,30 @@ fn best_of_scales(
         }
     }
     best
+}
+
+/// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
+/// those with something left over.
+fn suspects(
+    problem: &Problem,
+    found: Option<&Best>,
+    residual: &[Vec<f64>],
+    _scale: f64,
+) -> Vec<usize> {
+    let mut joints: Vec<usize> = found
+        .iter()
+        .flat_map(|f| &f.answer.set)
+        .map(|g| &problem.groups[*g])
+        .filter(|g| g.places == [Place::Inertia])
+        .map(|g| g.site.joints[0])
+        .collect();
+    let left = excess(problem, residual);
+    let mut worst: Vec<usize> = (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+    worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+    joints.extend(worst.iter().take(DESCRIBED_JOINTS));
+    joints.sort_unstable();
+    joints.dedup();
+    joints
 }
 
 /// Keeps structure without a name only where it explains what the best answer of the library could not:
@@ -314,6 +348,9 @@ fn recreate(
         }
         Scope::Neighbours => {
             evidence.push_pair_law(problem, at, law, group.site.joints[0], &group.shape)
+        }
+        Scope::ThroughJoint if !group.shape.is_empty() => {
+            transmission::push(evidence, at, problem, slug, group.site.joints[0], &group.shape)?
         }
         Scope::Arm => {
             let (recording, window) = group.site.window?;

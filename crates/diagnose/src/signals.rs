@@ -140,7 +140,7 @@ pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass,
 /// Values continued at both ends along a polynomial through the samples there, or held where the joint
 /// rests: a recording that ends in motion then has speed and acceleration up to its end. Gives the
 /// number of samples added at an end.
-fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
+pub(crate) fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
     // some periods of the low-pass of the kinematics, and what a polynomial follows of a motion
     const MARGIN_S: f64 = 0.12;
     const FITTED_S: f64 = 0.25;
