@@ -1,6 +1,7 @@
 //! A description of structure that no law of the library explains: hat functions of one or two
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
+use armident_effects::Place;
 use armident_numeric::{Cholesky, Mat, gram_of_columns, symmetric_eigen};
 use serde::{Deserialize, Serialize};
 
@@ -147,7 +148,25 @@ impl Basis {
         names
     }
 
-    /// Whether the effort has the sign of the joint's own velocity, as friction has.
+    /// Places of the laws that these functions contain on their joint: beside the description these
+    /// cannot be told apart.
+    fn places(&self, joint: &str) -> Vec<Place> {
+        let mut places = vec![Place::Unnamed];
+        let own = |name: &str| name == joint;
+        if self.axes.iter().any(|a| own(&a.joint) && a.quantity == Quantity::Velocity) {
+            places.extend([Place::Viscous, Place::Dry, Place::Drag]);
+        }
+        if let ([factor], false) = (&self.factors[..], self.axes.is_empty()) {
+            match factor.form {
+                Form::Linear if own(&factor.joint) => places.push(Place::Viscous),
+                Form::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
+                _ => {}
+            }
+        }
+        places
+    }
+
+    /// Number of functions.
     fn size(&self) -> usize {
         self.axes.iter().map(|a| a.knots).product()
     }
@@ -245,11 +264,19 @@ pub(crate) fn offer(
     found
         .into_iter()
         .take(OFFERED)
-        .map(|(_, flexible, columns)| push(problem, joint, flexible, columns))
+        .map(|(_, flexible, columns)| {
+            push(problem, &evidence.names[joint], joint, flexible, columns)
+        })
         .collect()
 }
 
-fn push(problem: &mut Problem, joint: usize, flexible: Flexible, columns: Vec<Vec<f64>>) -> usize {
+fn push(
+    problem: &mut Problem,
+    name: &str,
+    joint: usize,
+    flexible: Flexible,
+    columns: Vec<Vec<f64>>,
+) -> usize {
     let joints = problem.rows.joints();
     let ids = columns
         .into_iter()
@@ -259,13 +286,14 @@ fn push(problem: &mut Problem, joint: usize, flexible: Flexible, columns: Vec<Ve
             problem.push_columns(vec![blocks])
         })
         .collect();
+    let places = flexible.basis.places(name);
     problem.groups.push(Group {
         meaning: Meaning::Flexible(flexible),
         site: Site { joints: vec![joint], window: None },
         shape: Vec::new(),
         columns: ids,
         searched: 2,
-        places: vec![armident_effects::Place::Unnamed],
+        places,
         transform: None,
     });
     problem.groups.len() - 1
@@ -281,7 +309,7 @@ pub(crate) fn recreate(
 ) -> usize {
     let rows = rows_of(evidence, at, joint, &flexible.basis);
     let columns = flexible.transform.iter().map(|t| combined(&rows, t)).collect();
-    push(problem, joint, flexible.clone(), columns)
+    push(problem, &evidence.names[joint], joint, flexible.clone(), columns)
 }
 
 /// What the plain terms of the joint explain anyway: they are fitted beside every description.
