@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use armident_effects::{Place, Scope, effect};
 
 use crate::contact::ContactColumns;
+use crate::crossval::confirm;
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
 use crate::material::{LEAST, band_noise, excess, prune};
@@ -14,7 +15,9 @@ use crate::search::{Answer, answer, search};
 use crate::transmission;
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
-const SCALES: [f64; 7] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.3, 1.0];
+const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// Beyond this relative error of all links no single one is called wrong.
+const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most links whose body is called wrong; more are a wrong arm.
 const MOST_WRONG_BODIES: usize = 2;
 /// Rounds of scanning what is left over.
@@ -23,6 +26,10 @@ const ROUNDS: usize = 6;
 /// name, and on how many joints.
 const LEAST_UNEXPLAINED: f64 = 0.7;
 const DESCRIBED_JOINTS: usize = 2;
+/// A joint that leaves over more than this many times its noise has an imperfect model, which then
+/// weighs less; and changes of its misfit (logarithm) that no longer matter.
+const CLEAR_MISFIT: f64 = 1.5;
+const SAME_MISFIT: f64 = 0.3;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s\].
@@ -65,13 +72,16 @@ struct Best {
     answer: Answer,
 }
 
-pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
-    let mut point = OperatingPoint::of(evidence.joints());
+pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
+    let mut point = OperatingPoint::of(owner.joints());
     let mut memory = Memory::default();
-    let at = evidence.at(&point);
-    let ripple = RippleColumns::new(evidence, &at);
+    let ripple = RippleColumns::new(owner, &owner.at(&point));
+    for (j, misfit) in first_misfits(&owner.problem(&point)).into_iter().enumerate() {
+        owner.rows.set_misfit(j, misfit);
+    }
     let mut last = None;
     for pass in 0..PASSES {
+        let evidence: &Evidence<'_> = owner;
         let at = evidence.at(&point);
         let contact = ContactColumns::new(evidence, &at);
         let mut problem = evidence.problem(&point);
@@ -85,6 +95,7 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let found = confirm(&problem.whitened(scale, &wide), found, &point);
         let fractional = fractional_ripples(evidence, &problem, &found);
         memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
         let again = !fractional.is_empty();
@@ -99,15 +110,56 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             < STILL.0
             && target.offset.iter().zip(&point.offset).all(|(a, b)| (a - b).abs() < STILL.1)
             && (target.delay_s - point.delay_s).abs() < STILL.2;
-        let done = (still && !again) || pass + 1 == PASSES;
-        memory.scale = Some(scale);
+        let misfit = misfits(&problem.whitened(scale, &wide), &found);
+        let reweighted = misfit
+            .iter()
+            .zip(&problem.rows.misfit)
+            .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
+        let done = (still && !again && !reweighted) || pass + 1 == PASSES;
+        // with other weights another scale may be right
+        memory.scale = (!reweighted).then_some(scale);
         last = Some(Selection { problem, answer: found, scale, wide, point: point.clone() });
         if done {
             break;
         }
         point = target;
+        for (j, misfit) in misfit.into_iter().enumerate() {
+            owner.rows.set_misfit(j, misfit);
+        }
     }
     last
+}
+
+/// Misfits of the plainest model, all inertias free and everyday friction everywhere, where they are so
+/// large that the noise above the band says nothing about the band: efforts that were smoothed before
+/// they were recorded.
+fn first_misfits(problem: &Problem) -> Vec<f64> {
+    const BEYOND_BELIEF: f64 = 40.0;
+    // no effect on top may hide all of it
+    const SHARE: f64 = 0.25;
+    let metric = problem.whitened(SCALES[SCALES.len() - 1], &[]);
+    let everyday: Vec<usize> = (0..problem.groups.len())
+        .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
+        .collect();
+    let Some(fit) = metric.fit(metric.columns_of(&everyday)) else {
+        return vec![1.0; problem.rows.joints()];
+    };
+    metric
+        .residual(&fit)
+        .iter()
+        .enumerate()
+        .map(|(j, residual)| problem.rows.in_band_noise(j, residual))
+        .map(|left| if left > BEYOND_BELIEF { SHARE * left } else { 1.0 })
+        .collect()
+}
+
+/// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
+fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
+    let residual = metric.residual(&found.fit);
+    (0..residual.len())
+        .map(|j| metric.problem.rows.in_band_noise(j, &residual[j]))
+        .map(|left| if left > CLEAR_MISFIT { left } else { 1.0 })
+        .collect()
 }
 
 /// The operating point with what a fit adds to it.
@@ -146,16 +198,22 @@ fn best_of_scales(
         .collect();
     let mut starts = vec![start, everyday];
     let mut best: Option<Best> = None;
-    let mut worse = 0;
     let mut memory_of_drives: Vec<usize> = Vec::new();
-    for scale in SCALES {
-        // later passes look around the scale of the one before
-        let place = |s: f64| SCALES.iter().position(|x| *x == s);
-        if let Some(before) = memory.scale.and_then(place) {
-            if place(scale).is_some_and(|k| k.abs_diff(before) > 1 && scale > 0.0) {
-                continue;
-            }
+    // widely spaced scales first, then the neighbours of the best; later passes stay near it
+    let mut tried: Vec<usize> = Vec::new();
+    let mut wanted: Vec<usize> = match memory.scale {
+        Some(before) => [vec![0], neighbours(before)].concat(),
+        None => (0..SCALES.len()).step_by(2).collect(),
+    };
+    loop {
+        wanted.retain(|k| !tried.contains(k));
+        if wanted.is_empty() && memory.scale.is_none() {
+            wanted = best.as_ref().map(|b| neighbours(b.scale)).unwrap_or_default();
+            wanted.retain(|k| !tried.contains(k));
         }
+        let Some(&next) = wanted.first() else { break };
+        tried.push(next);
+        let scale = SCALES[next];
         let mut found: Option<Best> = None;
         let (mut driven, mut flexible) = (false, false);
         let mut library: Option<Answer> = None;
@@ -211,16 +269,15 @@ fn best_of_scales(
         let Some(found) = found else { continue };
         if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
             best = Some(found);
-            worse = 0;
-        } else {
-            worse += 1;
-            // the misfit falls with the scale until the price of freedom takes over
-            if worse == 2 {
-                break;
-            }
         }
     }
     best
+}
+
+/// Places of a scale and of those beside it.
+fn neighbours(scale: f64) -> Vec<usize> {
+    let at = SCALES.iter().position(|s| *s == scale).unwrap_or(0);
+    (at.saturating_sub(1)..(at + 2).min(SCALES.len())).collect()
 }
 
 /// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
@@ -298,7 +355,7 @@ fn with_wrong_bodies(
     banned: &HashSet<usize>,
 ) -> Best {
     let mut wide = Vec::new();
-    if scale > 0.0 {
+    if scale > 0.0 && scale <= ALL_LINKS_WRONG {
         let links = problem.rigid / 10;
         while wide.len() < MOST_WRONG_BODIES {
             let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {
