@@ -4,12 +4,14 @@ use std::collections::HashSet;
 
 use armident_effects::{Place, Scope, effect};
 
+use armident_numeric::{Cholesky, gram_of_columns};
+
 use crate::contact::ContactColumns;
 use crate::crossval::confirm;
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
-use crate::material::{LEAST, band_noise, excess, prune};
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::material::{LEAST, band_noise, excess, held, prune};
+use crate::problem::{Group, Meaning, Problem, Whitened, dot};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
 use crate::transmission;
@@ -30,6 +32,8 @@ const DESCRIBED_JOINTS: usize = 2;
 /// weighs less; and changes of its misfit (logarithm) that no longer matter.
 const CLEAR_MISFIT: f64 = 1.5;
 const SAME_MISFIT: f64 = 0.3;
+/// Share of the independent samples from which on their number was clearly overrated.
+const FEWER_SAMPLES: f64 = 0.6;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s\].
@@ -92,6 +96,12 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .collect();
         let Best { scale, wide, answer: found } =
             best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
+        // at the right operating point nothing is left to add: what it holds is in the answer all the same
+        let held = (0..problem.groups.len())
+            .filter(|g| !held(&problem.groups[*g], &point).is_empty())
+            .filter(|g| !found.set.contains(g));
+        let with_held: Vec<usize> = found.set.iter().copied().chain(held).collect();
+        let found = answer(&problem.whitened(scale, &wide), with_held).unwrap_or(found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
@@ -115,6 +125,9 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .iter()
             .zip(&problem.rows.misfit)
             .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
+        let residual = problem.whitened(scale, &wide).residual(&found.fit);
+        let share = independent_share(&problem, &residual).min(problem.rows.share);
+        let reweighted = reweighted || share < FEWER_SAMPLES * problem.rows.share;
         let done = (still && !again && !reweighted) || pass + 1 == PASSES;
         // with other weights another scale may be right
         memory.scale = (!reweighted).then_some(scale);
@@ -126,39 +139,83 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         for (j, misfit) in misfit.into_iter().enumerate() {
             owner.rows.set_misfit(j, misfit);
         }
+        if reweighted {
+            owner.rows.share = share;
+        }
     }
     last
 }
 
-/// Misfits of the plainest model, all inertias free and everyday friction everywhere, where they are so
-/// large that the noise above the band says nothing about the band: efforts that were smoothed before
-/// they were recorded.
+/// What all columns of the library together leave over on each joint, each joint by itself, in units of
+/// its noise: less is not in the reach of any answer. Clearly more than 1 where efforts were smoothed
+/// before they were recorded, so that the noise above the band says nothing about the band, and where
+/// the physics is none of the library's.
 fn first_misfits(problem: &Problem) -> Vec<f64> {
-    const BEYOND_BELIEF: f64 = 40.0;
-    // no effect on top may hide all of it
-    const SHARE: f64 = 0.25;
-    let metric = problem.whitened(SCALES[SCALES.len() - 1], &[]);
-    let everyday: Vec<usize> = (0..problem.groups.len())
-        .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
-        .collect();
-    let Some(fit) = metric.fit(metric.columns_of(&everyday)) else {
-        return vec![1.0; problem.rows.joints()];
-    };
-    metric
-        .residual(&fit)
-        .iter()
-        .enumerate()
-        .map(|(j, residual)| problem.rows.in_band_noise(j, residual))
-        .map(|left| if left > BEYOND_BELIEF { SHARE * left } else { 1.0 })
+    const HOLD: f64 = 1e-6;
+    (0..problem.rows.joints())
+        .map(|j| {
+            let blocks: Vec<&[f64]> = problem
+                .columns
+                .iter()
+                .map(|c| c[j].as_slice())
+                .filter(|c| c.iter().any(|x| *x != 0.0))
+                .collect();
+            let effort = &problem.effort[j];
+            let gram = gram_of_columns(&blocks);
+            let norm: Vec<f64> = (0..blocks.len()).map(|k| gram[(k, k)].sqrt()).collect();
+            let cholesky = Cholesky::of(blocks.len(), |a, b| {
+                gram[(a, b)] / (norm[a] * norm[b]) + if a == b { HOLD } else { 0.0 }
+            });
+            let Some(cholesky) = cholesky else { return 1.0 };
+            let rhs: Vec<f64> = blocks.iter().zip(&norm).map(|(c, n)| dot(c, effort) / n).collect();
+            let solution = cholesky.solve(&rhs);
+            let mut residual = effort.clone();
+            for ((column, x), n) in blocks.iter().zip(&solution).zip(&norm) {
+                for (r, c) in residual.iter_mut().zip(*column) {
+                    *r -= x / n * c;
+                }
+            }
+            let samples = effort.len() as f64 * problem.rows.share;
+            // each column takes one independent sample
+            let free = (1.0 - blocks.len() as f64 / samples).max(0.1);
+            problem.rows.in_band_noise(j, &residual) / free.sqrt()
+        })
+        .map(|left| if left > CLEAR_MISFIT { left } else { 1.0 })
         .collect()
+}
+
+/// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
+/// of rows. Model errors last longer than noise in the band does.
+fn independent_share(problem: &Problem, residual: &[Vec<f64>]) -> f64 {
+    // as long as a motion lasts; beyond, the estimate is noise
+    const LONGEST_S: f64 = 2.0;
+    const ROWS_HZ: f64 = 25.0;
+    let mut time = 0.0;
+    for residual in residual {
+        let square = dot(residual, residual).max(f64::MIN_POSITIVE);
+        let correlation = |lag: usize| -> f64 {
+            let pairs = problem.rows.starts.windows(2).map(|p| &residual[p[0]..p[1]]);
+            pairs
+                .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
+                .sum::<f64>()
+                / square
+        };
+        let lags = (1..(LONGEST_S * ROWS_HZ) as usize).map(correlation);
+        time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
+    }
+    residual.len() as f64 / time
 }
 
 /// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
 fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
     let residual = metric.residual(&found.fit);
     (0..residual.len())
-        .map(|j| metric.problem.rows.in_band_noise(j, &residual[j]))
-        .map(|left| if left > CLEAR_MISFIT { left } else { 1.0 })
+        .map(|j| {
+            let left = metric.problem.rows.in_band_noise(j, &residual[j]);
+            // only downward: what an answer has not yet explained must not make it unimportant
+            let left = if left > CLEAR_MISFIT { left } else { 1.0 };
+            left.min(metric.problem.rows.misfit[j])
+        })
         .collect()
 }
 
