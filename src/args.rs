@@ -233,6 +233,9 @@ pub(crate) struct IdentifyArgs {
     /// What is believed of the links before the recordings; no matter with a plan
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
+    /// Keep the estimate as it is, also where no real links and friction have it
+    #[arg(long)]
+    pub(crate) raw_estimate: bool,
     /// Write the model found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
