@@ -31,6 +31,7 @@ pub(crate) enum Command {
     Identify(IdentifyArgs),
     Validate(ValidateArgs),
     Predict(PredictArgs),
+    Export(ExportArgs),
 }
 
 /// Which part of the robot is the arm.
@@ -299,6 +300,39 @@ pub(crate) struct PredictArgs {
     pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FormatArg {
+    /// links, limits, damping and friction
+    Urdf,
+    /// the same for MuJoCo, with armature, gravity and motors
+    Mjcf,
+}
+
+/// Write a model as URDF or MJCF, for controllers and simulators
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident export model.json -o robot.urdf
+  armident export model.json -o robot.xml           (MJCF, for MuJoCo)
+  armident export urdf/panda.urdf -o - --format mjcf
+
+The chain with its links, limits and what the format holds of the joints' effects; what it cannot hold
+is said. Shapes and meshes are left out.")]
+pub(crate) struct ExportArgs {
+    /// Model written by identify, or a URDF
+    pub(crate) robot: PathBuf,
+    /// File to write; .urdf or .xml tells the format, - is stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+    /// The format, where the name of the file does not tell it
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<FormatArg>,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]

@@ -23,6 +23,7 @@ fn main() -> ExitCode {
         Command::Identify(args) => commands::identify::run(args),
         Command::Validate(args) => commands::validate::run(args),
         Command::Predict(args) => commands::predict::run(args),
+        Command::Export(args) => commands::export::run(args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

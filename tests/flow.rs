@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
@@ -19,11 +19,13 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
     ("report", &["dynamics", "effects", "ident", "kinematics"]),
+    ("export", &["effects", "ident", "kinematics"]),
     (
         "",
         &[
             "dynamics",
             "effects",
+            "export",
             "ident",
             "kinematics",
             "numeric",

@@ -7,12 +7,13 @@ use armident_dynamics::RigidArm;
 use armident_effects::LIBRARY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Consistent, JointFit, JointRows, MinimalSet,
-    Term, with_recorded_velocity,
+    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Consistent, JointFit, JointRows,
+    MinimalSet, Term, with_recorded_velocity,
 };
 use armident_recording::{Motion, Recording};
 use armident_report::{
-    ConsistencyReport, ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+    ConsistencyReport, ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow,
+    StepRow,
 };
 
 use super::recordings;

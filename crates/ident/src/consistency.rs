@@ -45,6 +45,8 @@ const NEXT_TO_NOTHING: f64 = 1e-3;
 /// What is merged into a constant and not known otherwise stays near this share of the constant: a
 /// description says nothing of it.
 const SHARE_OF_MERGED: f64 = 1e-4;
+/// A value of more standard errors than this is exact.
+const MOST_STANDARD_ERRORS: f64 = 1e9;
 /// Estimates farther out than this many standard errors are not the consistent ones.
 const FARTHEST_EXACT: f64 = 0.1;
 /// Divergence gap of a converged answer, relative to `1 + d`.
@@ -230,14 +232,21 @@ impl ConsistencyProblem {
         size("the estimate", estimated.len())?;
         size("a row of the information root", root.ncols())?;
         let prior = Prior::of(&self.prior)?;
+        let unit = self.resolved(estimated, root);
+        let root = &Mat::from_fn(root.nrows(), root.ncols(), |i, j| unit * root[(i, j)]);
         let scales = self.effect_scales(estimated, root)?;
         let barrier = self.barrier(&prior, &scales, estimated, root);
-        let Centre { point, weight, decrement, steps } =
-            barrier.centre(self.weight)?;
+        let Centre { point, weight, decrement, steps } = barrier.centre(self.weight)?;
         let certificate = barrier.duality_gap(&point);
         let found = Found { point, weight, decrement, steps, certificate, exact: false };
         let found = self.exactly(&barrier, found, &scales, estimated, root)?;
-        Ok(self.consistent(prior, &scales, &barrier, &found))
+        let found = self.consistent(prior, &scales, &barrier, &found);
+        Ok(Consistent {
+            distance_in_standard_errors: found.distance_in_standard_errors / unit,
+            distance_at_least: found.distance_at_least / unit,
+            duality_gap: found.duality_gap / unit / unit,
+            ..found
+        })
     }
 
     /// `g` in the unknowns of the barrier: effects are `centre + scale t`.
@@ -270,6 +279,15 @@ impl ConsistencyProblem {
         }
     }
 
+    /// Factor that takes standard errors of next to nothing (exact efforts) to a share of the values
+    /// that numbers can resolve, the same for all; 1 as a rule.
+    fn resolved(&self, estimated: &[f64], root: &Mat<f64>) -> f64 {
+        let largest = (0..root.ncols())
+            .flat_map(|j| (0..root.nrows()).map(move |i| (root[(i, j)] * estimated[j]).abs()))
+            .fold(0.0_f64, f64::max);
+        (MOST_STANDARD_ERRORS / largest).min(1.0)
+    }
+
     /// From the end of the path to a point that meets the estimate, if there is one, and with it to
     /// effects that are nothing where they are next to nothing.
     fn exactly(
@@ -296,7 +314,8 @@ impl ConsistencyProblem {
         }
         let mut found = found;
         let little = |k: usize, effect: &EffectUnknown| {
-            let (error, value) = (effect.standard_error(root), found.point.effects[k] * scales[k].1);
+            let (error, value) =
+                (effect.standard_error(root), found.point.effects[k] * scales[k].1);
             !effect.merged && error > 0.0 && value < NEXT_TO_NOTHING * error
         };
         let little = each(&little);
@@ -306,7 +325,8 @@ impl ConsistencyProblem {
         // the same values of what is measured by the links alone
         let merged = each(&|k, effect| effect.merged || little[k]);
         if merged != little
-            && let Some(point) = barrier.meet(&found.point, &barrier.value(&found.point), &merged)?
+            && let Some(point) =
+                barrier.meet(&found.point, &barrier.value(&found.point), &merged)?
         {
             found.point = point;
         }
@@ -432,7 +452,8 @@ impl Prior {
             }
         }
         let about_com = |b: &InertialParameters| -> Matrix3<f64> {
-            let centred = InertialParameters::from_com(b.mass_kg, Vector3::zeros(), b.inertia_com_kgm2());
+            let centred =
+                InertialParameters::from_com(b.mass_kg, Vector3::zeros(), b.inertia_com_kgm2());
             centred.pseudo_inertia().fixed_view::<3, 3>(0, 0).into()
         };
         let heavy: Vec<&InertialParameters> = bodies.iter().filter(|b| b.mass_kg > 0.0).collect();

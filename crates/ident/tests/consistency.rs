@@ -5,9 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use armident_dynamics::RigidArm;
-use armident_ident::{
-    ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown, MinimalSet,
-};
+use armident_ident::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown, MinimalSet};
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
@@ -233,8 +231,12 @@ fn absent_and_negative_effects() {
     let arm = arm("planar_2r");
     let set = MinimalSet::of(&arm).unwrap();
     let rows = set.len();
-    let friction =
-        |row| EffectUnknown { adds_to: vec![(row, 1.0)], non_negative: true, merged: false, prior: None };
+    let friction = |row| EffectUnknown {
+        adds_to: vec![(row, 1.0)],
+        non_negative: true,
+        merged: false,
+        prior: None,
+    };
     let list = [friction(rows), friction(rows + 1)];
     let problem = ConsistencyProblem::new(&arm, &set, &list);
     let mut values = set.values(&arm.constants());

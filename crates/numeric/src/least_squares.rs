@@ -1,7 +1,7 @@
 //! Least squares from a triangle, with rank, condition number and covariance.
 
-use faer::{Mat, Side};
 use faer::linalg::solvers::{Qr, SolveLstsq};
+use faer::{Mat, Side};
 
 /// Why a decomposition has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

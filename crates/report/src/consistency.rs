@@ -74,11 +74,13 @@ impl ConsistencyReport {
         if self.exact {
             return "links: real ones have exactly these constants\n".to_owned();
         }
+        let bound = match self.distance_at_least {
+            0.0 => String::new(),
+            least => format!(" (none is nearer than {})", significant(least, 3, 0.0)),
+        };
         format!(
-            "links: the nearest real ones are {} standard errors off (none is nearer than {}); the \
-             model has them\n",
+            "links: the nearest real ones are {} standard errors off{bound}; the model has them\n",
             significant(self.distance_in_standard_errors, 3, 0.0),
-            significant(self.distance_at_least, 3, 0.0),
         )
     }
 }

@@ -170,8 +170,12 @@ impl Barrier {
             let wanted = scaled.wanted(aim, second_order);
             // the dual of the prior's part of d, which the path shrinks with μ
             let shift = scaled.identities(aim);
-            let both: Vec<f64> =
-                wanted.iter().zip(scaled.centre()).zip(&shift).map(|((w, d), c)| w + d - c).collect();
+            let both: Vec<f64> = wanted
+                .iter()
+                .zip(scaled.centre())
+                .zip(&shift)
+                .map(|((w, d), c)| w + d - c)
+                .collect();
             let primal = system.solve(&rhs, &both)?;
             Ok::<_, NumericError>(scaled.direction(primal, &wanted))
         };
@@ -195,12 +199,7 @@ impl Barrier {
     }
 
     /// Newton's method at one `μ`, to the end of its quadratic convergence. Returns the decrement.
-    fn settle(
-        &self,
-        point: &mut Point,
-        mu: f64,
-        steps: &mut usize,
-    ) -> Result<f64, NumericError> {
+    fn settle(&self, point: &mut Point, mu: f64, steps: &mut usize) -> Result<f64, NumericError> {
         let mut best = (f64::INFINITY, point.clone());
         for _ in 0..MOST_NEWTON_STEPS {
             let columns = self.columns(point, &[]);
@@ -242,8 +241,7 @@ impl Barrier {
             let largest = (0..columns.ncols())
                 .map(|j| (0..columns.nrows()).map(|i| columns[(i, j)].powi(2)).sum::<f64>())
                 .fold(f64::MIN_POSITIVE, f64::max);
-            let mut step =
-                self.newton(&point, &columns, &residual, largest / (HEAVY * HEAVY))?;
+            let mut step = self.newton(&point, &columns, &residual, largest / (HEAVY * HEAVY))?;
             for (k, _) in absent.iter().enumerate().filter(|(_, absent)| **absent) {
                 step.direction[TEN * self.roots.len() + k] = 0.0;
             }
@@ -477,7 +475,5 @@ fn norm(x: &[f64]) -> f64 {
 }
 
 fn transposed_times(a: &Mat<f64>, x: &[f64]) -> Vec<f64> {
-    (0..a.ncols())
-        .map(|j| x.iter().enumerate().map(|(i, x)| a[(i, j)] * x).sum())
-        .collect()
+    (0..a.ncols()).map(|j| x.iter().enumerate().map(|(i, x)| a[(i, j)] * x).sum()).collect()
 }

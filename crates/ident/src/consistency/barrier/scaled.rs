@@ -124,8 +124,8 @@ impl Scaled {
             wanted.extend(coordinates(&step));
         }
         for (k, d) in self.effect_diagonals.iter().enumerate() {
-            let second =
-                second_order.map_or(0.0, |(o, share)| share * o.primal[TEN * n + k] * o.dual[TEN * n + k]);
+            let second = second_order
+                .map_or(0.0, |(o, share)| share * o.primal[TEN * n + k] * o.dual[TEN * n + k]);
             wanted.push(if *d > 0.0 { (aim - second) / d - d } else { 0.0 });
         }
         wanted
@@ -196,8 +196,7 @@ impl Scaled {
                 pair.point.factors[k] = self.point.factors[k] * root.l();
             }
             let inverse = &self.inverses[k];
-            let moved =
-                inverse * (d + symmetric(&step.dual[own]) * length) * inverse.transpose();
+            let moved = inverse * (d + symmetric(&step.dual[own]) * length) * inverse.transpose();
             pair.duals[k] = (moved + moved.transpose()) * 0.5;
         }
         let first = TEN * self.diagonals.len();
@@ -229,4 +228,3 @@ pub(super) fn symmetric(y: &[f64]) -> Matrix4<f64> {
     }
     m
 }
-
