@@ -15,7 +15,8 @@ Start here:
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
-/acceleration, /effort (rad, m, N m, N). Exit codes: 0 the result was written, 1 it failed,
+/acceleration, /effort (rad, m, N m, N), Parquet files of such columns, or MCAP files of ROS 2 joint
+states. Exit codes: 0 the result was written, 1 it failed,
 2 the command line is wrong, 3 what --fail-on names has happened."
 )]
 pub(crate) struct Cli {
@@ -64,6 +65,9 @@ pub(crate) struct ReadingArgs {
     /// TOML file that says which column is which joint, quantity and unit (docs/mapping.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) mapping: Option<PathBuf>,
+    /// Topic of the joint states in MCAP files [default: the only one, or /joint_states]
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) topic: Option<String>,
 }
 
 /// Where results go.
@@ -175,10 +179,10 @@ Without --encoder-bits the exact accelerations are written too, and identify use
 pub(crate) struct SimulateArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
-    /// Folder of a plan, or trajectory files (CSV)
+    /// Folder of a plan, or trajectory files (CSV, MCAP, Parquet)
     #[arg(required = true)]
     pub(crate) trajectories: Vec<PathBuf>,
-    /// Folder to write to, or a file when one trajectory is given
+    /// Folder to write to, or a file when one trajectory is given (.csv, .mcap, .parquet)
     #[arg(short, long, value_name = "PATH")]
     pub(crate) output_path: PathBuf,
     /// Which way to simulate
@@ -222,7 +226,7 @@ accelerations are recorded.")]
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
+    /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// Recordings kept out of the fit, to judge it
@@ -261,7 +265,7 @@ simulated arm through windows of half a second, before (URDF) and after (model).
 pub(crate) struct ValidateArgs {
     /// Model written by identify, or a URDF
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
+    /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
@@ -290,9 +294,10 @@ Examples:
 pub(crate) struct PredictArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
-    /// Motion (CSV) with the positions of the joints
+    /// Motion (CSV, MCAP, Parquet) with the positions of the joints
     pub(crate) motion: PathBuf,
-    /// File to write the columns t and JOINT/effort to; - is stdout
+    /// File to write the columns t and JOINT/effort to, as CSV unless it ends in .mcap or .parquet; - is
+    /// stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]

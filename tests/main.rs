@@ -29,6 +29,8 @@ mod no_panic;
 
 /// models as URDF and MJCF, and what these formats cannot hold
 mod export;
+/// MCAP beside CSV
+mod formats;
 /// exported URDF and MJCF in Pinocchio and MuJoCo
 mod peers;
 /// plan, simulate, identify, predict: what was put in comes out

@@ -1,7 +1,7 @@
 //! `armident predict`.
 
 use armident_ident::ArmModel;
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording, write_csv_to};
+use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
 use serde::Serialize;
 
 use super::recordings;
@@ -52,8 +52,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     let motion =
         model.motion_of(Motion::from_recording(&recording, &joints, &settings)?, &recording);
     let result = predicted_efforts(&model, &motion)?;
-    let mut bytes = Vec::new();
-    write_csv_to(&mut bytes, &result)?;
+    let bytes = recordings::encoded(&result, &args.output_file, &args.output)?;
 
     let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
     let report = PredictReport {
