@@ -6,7 +6,7 @@ velocities only of the arm, a clock stamp; topic /tf_static of another message; 
 Parquet: the same samples, time as a timestamp column, effort with an empty value, a column of text.
 
 The numbers are those of `sample` below, which the tests repeat.
-Made with Python 3.11, mcap 1.x, mcap-ros2-support 0.5.x, pyarrow.
+Made with Python 3.11, mcap 1.6.0, mcap-ros2-support 0.6.0, pyarrow 26.0.1.
 """
 
 import math
@@ -18,7 +18,7 @@ from mcap.writer import CompressionType
 from mcap_ros2.writer import Writer
 
 HERE = Path(__file__).parent
-SAMPLES, START_NS, STEP_NS = 40, 1_700_000_000_250_000_000, 5_000_000
+SAMPLES, START_NS, STEP_NS = 120, 1_700_000_000_250_000_000, 5_000_000
 
 JOINT_STATE = """std_msgs/Header header
 string[] name
