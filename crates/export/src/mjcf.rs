@@ -7,6 +7,9 @@ use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
 use crate::xml::Element;
 use crate::{Exported, Held, effects};
 
+/// Name of the body that every model of MuJoCo has.
+const WORLD: &str = "world";
+
 /// The model as MJCF.
 ///
 /// Every joint has a motor of gear 1 (control is the effort), limited where the joint is.
@@ -23,9 +26,14 @@ pub fn mjcf(model: &ArmModel) -> Exported {
         }
         inner = Some(body);
     }
-    let mut base = Element::new("body").with("name", model.chain.base_link.as_str());
-    if let Some(inner) = inner {
-        base.push(inner);
+    // the body of the world is there already, under this name
+    let mut world = Element::new("worldbody");
+    if model.chain.base_link == WORLD {
+        inner.into_iter().for_each(|inner| world.push(inner));
+    } else {
+        let mut base = Element::new("body").with("name", model.chain.base_link.as_str());
+        inner.into_iter().for_each(|inner| base.push(inner));
+        world.push(base);
     }
     let mut actuators = Element::new("actuator");
     for link in &chain {
@@ -39,7 +47,7 @@ pub fn mjcf(model: &ArmModel) -> Exported {
         .with("model", model.chain.robot.as_str())
         .child(Element::new("compiler").with("angle", "radian").with("autolimits", "true"))
         .child(Element::new("option").vector("gravity", &model.chain.gravity_base))
-        .child(Element::new("worldbody").child(base))
+        .child(world)
         .child(actuators);
     Exported { text: root.document(&model.provenance), held, lost, notes: said }
 }
@@ -62,7 +70,19 @@ fn body(link: &Moved<'_>, held: &[Held], notes: &mut Vec<String>) -> Element {
     for (name, value) in effects::attributes(held, link.joint) {
         joint = joint.numbers(name, &[value]);
     }
-    place(Element::new("body").with("name", link.link), &link.pose)
+    let principal = link.inertia.inertia_com_kgm2().symmetric_eigenvalues();
+    if link.inertia.is_physical() && (link.inertia.mass_kg <= 0.0 || principal.min() <= 0.0) {
+        notes.push(format!(
+            "link `{}` has no mass or no extent: MuJoCo refuses moving bodies without",
+            link.link
+        ));
+    }
+    let mut name = link.link.to_owned();
+    if name == WORLD {
+        name += "_link";
+        notes.push(format!("link `{}` is called `{name}`: MuJoCo has a body `{WORLD}`", link.link));
+    }
+    place(Element::new("body").with("name", name), &link.pose)
         .child(
             Element::new("inertial")
                 .vector("pos", &link.inertia.com_m())

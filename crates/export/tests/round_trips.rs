@@ -134,6 +134,36 @@ fn names_are_escaped_and_gravity_is_said() {
     assert!(!exported.notes.iter().any(|n| n.contains("gravity")));
 }
 
+/// Links that simulators refuse are said.
+#[test]
+fn links_without_mass_are_said() {
+    let mut model = with_effects();
+    model.chain.joints[2].link = armident_kinematics::InertialParameters::zero();
+    let name = format!("`{}`", model.chain.joints[2].child_link);
+    let said = |notes: &[String]| notes.iter().filter(|n| n.contains(&name)).count();
+    assert_eq!(said(&mjcf(&model).notes), 1);
+    // URDF has links without inertia
+    let exported = urdf(&model);
+    assert_eq!(said(&exported.notes), 0, "{:?}", exported.notes);
+    assert!(parse_urdf(&exported.text, "exported").is_ok());
+}
+
+/// MuJoCo has a body `world` already: a base of this name is that one.
+#[test]
+fn a_base_called_world_is_the_world_of_mujoco() {
+    let mut model = with_effects();
+    let bodies = mjcf(&model).text.matches("<body ").count();
+    model.chain.base_link = "world".to_owned();
+    let text = mjcf(&model).text;
+    assert_eq!(text.matches("<body ").count(), bodies - 1);
+    assert!(!text.contains("name=\"world\""), "{text}");
+    model.chain.base_link = "base".to_owned();
+    model.chain.joints[0].child_link = "world".to_owned();
+    let exported = mjcf(&model);
+    assert!(exported.text.contains("<body name=\"world_link\""));
+    assert!(exported.notes.iter().any(|n| n.contains("`world_link`")), "{:?}", exported.notes);
+}
+
 /// Every body of MJCF stands in the one before, so that opening and closing tags are of one number.
 #[test]
 fn mjcf_is_one_tree() {
