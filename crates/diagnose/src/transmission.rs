@@ -23,7 +23,7 @@ const MOTOR_HZ: f64 = 80.0;
 const STEP_S: f64 = 2.5e-4;
 /// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
 const RESONANCES_HZ: [f64; 9] = [3.5, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
-const DAMPINGS: [f64; 2] = [0.03, 0.1];
+const DAMPINGS: [f64; 1] = [0.06];
 /// Gaps tried on rotational joints \[rad\] and translational ones \[m\].
 const GAPS: [f64; 13] =
     [3e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3, 4e-3, 5.6e-3, 8e-3, 1.1e-2, 1.6e-2, 3e-2];
