@@ -95,14 +95,17 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .iter()
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
-        let Best { scale, wide, answer: found } =
-            best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory, &point)?;
-        // at the right operating point nothing is left to add: what it holds is in the answer all the same
-        let held = (0..problem.groups.len())
-            .filter(|g| !held(&problem.groups[*g], &point).is_empty())
-            .filter(|g| !found.set.contains(g));
-        let with_held: Vec<usize> = found.set.iter().copied().chain(held).collect();
-        let found = answer(&problem.whitened(scale, &wide), with_held).unwrap_or(found);
+        let (mut best, starts) =
+            best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
+        best.answer = with_held(&problem, &best, &point);
+        // what is dear to try waits until the configuration is right
+        let metric = problem.whitened(best.scale, &best.wide);
+        let pruned = prune(&metric, best.answer.clone(), &point);
+        if is_still(&moves(&problem, &pruned, &point), &point) || pass + 1 == PASSES {
+            best = with_hidden_motion(evidence, &at, &mut problem, starts, &memory, best);
+            best.answer = with_held(&problem, &best, &point);
+        }
+        let Best { scale, wide, answer: found } = best;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
@@ -217,6 +220,16 @@ fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
         .collect()
 }
 
+/// The answer with what the operating point holds: at the right one nothing is left to add.
+fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
+    let held = (0..problem.groups.len())
+        .filter(|g| !held(&problem.groups[*g], point).is_empty())
+        .filter(|g| !best.answer.set.contains(g));
+    let set: Vec<usize> = best.answer.set.iter().copied().chain(held).collect();
+    let metric = problem.whitened(best.scale, &best.wide);
+    answer(&metric, set).unwrap_or_else(|| best.answer.clone())
+}
+
 /// Whether a move of the operating point no longer matters.
 fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
     (to.tilt[0] - from.tilt[0]).hypot(to.tilt[1] - from.tilt[1]) < STILL.0
@@ -254,8 +267,7 @@ fn best_of_scales(
     problem: &mut Problem,
     start: Vec<usize>,
     memory: &Memory,
-    point: &OperatingPoint,
-) -> Option<Best> {
+) -> Option<(Best, Vec<Vec<usize>>)> {
     let everyday: Vec<usize> = (0..problem.groups.len())
         .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
         .collect();
@@ -284,13 +296,7 @@ fn best_of_scales(
             }
         }
     }
-    let found = best?;
-    // what is dear to try waits until the configuration is right
-    let target = moves(problem, &found.answer, point);
-    if !is_still(&target, point) {
-        return Some(found);
-    }
-    Some(with_hidden_motion(evidence, at, problem, starts, memory, found))
+    Some((best?, starts))
 }
 
 fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
