@@ -28,6 +28,7 @@ pub(crate) enum Command {
     Params(ParamsArgs),
     Plan(PlanArgs),
     Simulate(SimulateArgs),
+    Check(CheckArgs),
     Identify(IdentifyArgs),
     Validate(ValidateArgs),
     Predict(PredictArgs),
@@ -236,6 +237,34 @@ pub(crate) struct IdentifyArgs {
     /// Write the model found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Tell whether recordings are fit for purpose, and whether their bookkeeping agrees with the robot
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident check urdf/ur10.urdf day1.csv
+  armident check robot.urdf logs/ --json check.json --fail-on warning
+
+Sample rate against the motion, noise of every channel, what each effort column is (the joint's effort,
+its negative, another unit or the motor side of a gear, without gravity, another joint's), delay between
+effort and motion, and which constants the recordings determine. Each is ok, doubtful, wrong, or cannot
+be told; wrong ones are warnings. Currents and voltages are taken where there are no efforts.")]
+pub(crate) struct CheckArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Recordings (CSV) or folders of them
+    #[arg(required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
+    pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]

@@ -49,16 +49,7 @@ pub(crate) fn read_all(
     reading: &ReadingArgs,
     output: &OutputArgs,
 ) -> Result<Vec<Recording>, Failure> {
-    let mapping = reading.mapping.as_deref().map(Mapping::load).transpose()?;
-    let recordings: Vec<Recording> = files
-        .iter()
-        .map(|file| {
-            Ok(match &mapping {
-                Some(mapping) => read_csv_mapped(file, mapping)?,
-                None => read_csv(file)?,
-            })
-        })
-        .collect::<Result<_, Failure>>()?;
+    let recordings = read_quietly(files, reading)?;
     // what was repaired is in the recordings' notes; what was left as it is, is said here
     let mut doubts = Vec::new();
     for recording in &recordings {
@@ -76,6 +67,23 @@ pub(crate) fn read_all(
     }
     output::say_all(output, "note", &doubts);
     Ok(recordings)
+}
+
+/// The same without a word on what is doubtful.
+pub(crate) fn read_quietly(
+    files: &[PathBuf],
+    reading: &ReadingArgs,
+) -> Result<Vec<Recording>, Failure> {
+    let mapping = reading.mapping.as_deref().map(Mapping::load).transpose()?;
+    files
+        .iter()
+        .map(|file| {
+            Ok(match &mapping {
+                Some(mapping) => read_csv_mapped(file, mapping)?,
+                None => read_csv(file)?,
+            })
+        })
+        .collect()
 }
 
 /// Joints with a position in every one of the recordings, in the order of the first.

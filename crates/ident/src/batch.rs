@@ -23,7 +23,7 @@ use crate::quantiles::student_t_975;
 
 /// Relative rank cut of unit columns: only what is exactly undetermined is cut, what is badly
 /// determined shows in its standard error.
-const RANK_CUT: f64 = 1e-9;
+pub(crate) const RANK_CUT: f64 = 1e-9;
 /// Cut of the structural elimination at random states.
 const DEPENDENT: f64 = 1e-8;
 /// Periods of the cut-off frequency left out at both ends of a recording, of the fit and of its
@@ -238,6 +238,16 @@ impl<'a> BatchProblem<'a> {
         Self { arm, set, terms, merged, by_joint, speed_resolution: None }
     }
 
+    /// The arm whose efforts are explained.
+    pub fn arm(&self) -> &'a RigidArm {
+        self.arm
+    }
+
+    /// The constants among the unknowns.
+    pub fn set(&self) -> &'a MinimalSet {
+        self.set
+    }
+
     /// Terms that appear in the effort of a joint.
     pub fn terms_of_joint(&self, joint: usize) -> &[usize] {
         &self.by_joint[joint]
@@ -263,7 +273,7 @@ impl<'a> BatchProblem<'a> {
 
     /// Columns of one joint over a motion, through its filter, in the order of
     /// [`Self::terms_of_joint`].
-    fn columns(&self, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
+    pub(crate) fn columns(&self, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
         let wanted: Vec<usize> = self.by_joint[joint]
             .iter()
             .filter_map(|&k| match self.terms[k] {

@@ -17,6 +17,7 @@
 mod algorithm1;
 pub mod algorithm2;
 mod batch;
+pub mod check;
 mod constant;
 mod link_prior;
 mod minimal_set;

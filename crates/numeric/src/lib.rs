@@ -26,9 +26,11 @@ mod accumulate;
 mod least_squares;
 mod non_negative;
 mod rank;
+mod svd;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
 pub use least_squares::{LeastSquares, NumericError, PseudoInverse};
 pub use non_negative::NonNegative;
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};
+pub use svd::ThinSvd;

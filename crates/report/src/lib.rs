@@ -3,6 +3,7 @@
 //! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
 //! The fields are described in `docs/json.md`.
 
+mod check;
 mod identify;
 mod numbers;
 mod params;
@@ -10,6 +11,7 @@ mod plan;
 mod table;
 mod validate;
 
+pub use check::{ChannelRow, CheckReport};
 pub use identify::{
     ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
 };
