@@ -12,6 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
     after_help = "\
 Start here:
   armident params   urdf/stanford.urdf                     what can be known about this arm
+  armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,

@@ -27,6 +27,8 @@ mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
 
+/// recordings as they are and spoiled: what `check` says of them
+mod check;
 /// plan, simulate, identify, predict: what was put in comes out
 mod pipeline;
 /// public recordings of real arms: rank, error against a plain baseline, refusals

@@ -10,6 +10,7 @@
 //! | which experiments find them one joint at a time | [`algorithm2::plan`] |
 //! | what do such recordings say | [`algorithm2::algorithm2`] |
 //! | what do ordinary motions say, friction included | [`BatchProblem`] |
+//! | do the recordings and their books fit the arm | [`check::check`] |
 //! | the arm with what was found, to predict and to keep | [`ArmModel`] |
 //!
 //! Not handled yet: robust and instrumental-variable estimation, physical consistency of the links.

@@ -3,6 +3,7 @@
 use armident_effects::{Admissible, LIBRARY};
 use armident_numeric::NumericError;
 
+use super::Verdict;
 use super::likelihood::{JointModel, Relation};
 use super::rows::JointRows;
 use crate::batch::{BatchProblem, Term};
@@ -11,19 +12,31 @@ use crate::link_prior::{UNKNOWN, spread_of_links};
 /// Gains looked at: a factor of ten thousand to either side of a joint's effort, which takes in gears,
 /// currents, milli- and per-mille units.
 pub(super) const LARGEST_LOG_GAIN: f64 = 9.210_340_371_976_184;
-/// Step of the logarithm of the gain.
-const LOG_GAIN_STEP: f64 = 0.1;
+/// Step of the logarithm of the gain, to find it, ...
+const FINE: f64 = 0.1;
+/// ... and to compare columns, in which any gain will do.
+const COARSE: f64 = 0.3;
 /// Standard deviation of the logarithm of the gain of a channel that is what it says: published drive
 /// gains of one type of arm lie up to a third apart.
 const USUAL_LOG_GAIN: f64 = 0.3;
 /// What the numbers of links may be off, relative to their size; each as likely as the others. At 1 a
-/// link may as well not be there, or be twice what is said; the least is what a good CAD model is.
-const LINK_DOUBTS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+/// link may as well not be there, or be twice what is said; the least is what a good CAD model is off
+/// once cables and covers are on.
+const LINK_DOUBTS: [f64; 3] = [0.1, 0.3, 1.0];
 /// Loads that the URDF may not know, in mean links; each as likely as the others.
 const LOADS: [f64; 3] = [0.0, 0.1, 1.0];
+/// Beliefs enough to compare columns: a tenth and the whole of the links, without a load and with a whole
+/// one; indices over doubts and loads.
+const FEW_BELIEFS: [usize; 4] = [0, 2, 6, 8];
+/// One link in a hundred is off in a way the others are not.
+const ODD_LINK: f64 = 0.01;
 /// What is believed of a column before it is looked at: as it says, and each of the faults.
 const AS_SAID: f64 = 0.96;
 const EACH_FAULT: f64 = 0.01;
+/// Belief in what a column says above which the recordings tell it.
+pub(super) const TOLD: f64 = 0.99;
+/// Belief in gravity taken off that is no more than what it was before: gravity does not show.
+const NO_GRAVITY_SEEN: f64 = 0.0105;
 /// One arrangement of the channels in a hundred recordings is not the one its header says.
 const OTHER_ORDER: f64 = 0.01;
 
@@ -96,47 +109,50 @@ pub(super) struct Channels {
     pub(super) order_probability: f64,
 }
 
+/// Looks at every column against every joint.
+///
+/// How far the URDF is to be doubted is the same question for all joints: each joint's column is judged
+/// with the beliefs that the columns of the others make likely, as far as these are beyond doubt
+/// themselves.
 pub(super) fn channels(
     problem: &BatchProblem<'_>,
     rows: &[JointRows],
 ) -> Result<Channels, NumericError> {
     let n = rows.len();
+    let beliefs: Vec<LinkBelief> = LINK_DOUBTS
+        .iter()
+        .flat_map(|&doubt| LOADS.iter().map(move |&load| LinkBelief::of(problem, doubt, load)))
+        .collect();
     let models: Vec<Vec<JointModel>> = (0..n)
         .map(|j| {
-            let doubts = LINK_DOUBTS.iter().flat_map(|d| LOADS.iter().map(move |l| (*d, *l)));
-            doubts.map(|doubt| joint_model(problem, &rows[j], j, doubt)).collect::<Result<_, _>>()
+            let terms = JointTerms::of(problem, j);
+            beliefs.iter().map(|belief| terms.model(&rows[j], belief)).collect()
         })
         .collect::<Result<_, _>>()?;
-    let mut evidence = Vec::with_capacity(n);
-    let mut cost = vec![vec![0.0; n]; n];
-    for (j, models) in models.iter().enumerate() {
-        for k in 0..n {
-            let profile = Profile::of(models, k, rows[k].effective);
-            let log_likelihood = profile.by_kind();
-            let believed: Vec<f64> = ChannelKind::ALL
-                .iter()
-                .zip(log_likelihood)
-                .map(|(kind, l)| kind.believed().ln() + l)
-                .collect();
-            let all = log_sum(&believed);
-            cost[j][k] = -all;
-            if j == k {
-                let (gain, gain_95) = profile.gain();
-                let mut probability = [0.0; 5];
-                for (p, l) in probability.iter_mut().zip(&believed) {
-                    *p = (l - all).exp();
-                }
-                evidence.push(ChannelEvidence {
-                    probability,
-                    gain,
-                    gain_95,
-                    sd: rows[k].effort_sd,
-                    residual_rms: rows[k].residual_rms,
-                    urdf_sd: rows[k].urdf_sd,
-                });
-            }
-        }
-    }
+    // as likely as each other, to begin with
+    let even = vec![-(beliefs.len() as f64).ln(); beliefs.len()];
+    let profiles: Vec<Vec<Profile>> = (0..n)
+        .map(|j| {
+            let of_model = |m: &JointModel| Profile::of(m, j, rows[j].effective, FINE);
+            models[j].iter().map(of_model).collect()
+        })
+        .collect();
+    let alone: Vec<ChannelEvidence> =
+        (0..n).map(|j| ChannelEvidence::of(&profiles[j], &even, &rows[j]).0).collect();
+
+    let cost: Vec<Vec<f64>> = (0..n)
+        .map(|j| {
+            (0..n)
+                .map(|k| {
+                    let coarse: Vec<Profile> = FEW_BELIEFS
+                        .iter()
+                        .map(|&h| Profile::of(&models[j][h], k, rows[k].effective, COARSE))
+                        .collect();
+                    ChannelEvidence::of(&coarse, &[0.0; FEW_BELIEFS.len()], &rows[k]).1
+                })
+                .collect()
+        })
+        .collect();
     let order = cheapest_assignment(&cost);
     let of = |order: &[usize]| -> f64 { order.iter().enumerate().map(|(j, &k)| cost[j][k]).sum() };
     let as_said: Vec<usize> = (0..n).collect();
@@ -145,54 +161,137 @@ pub(super) fn channels(
     } else {
         OTHER_ORDER / (1.0 - OTHER_ORDER) * (of(&as_said) - of(&order)).exp()
     };
+
+    let evidence = (0..n)
+        .map(|j| {
+            let others =
+                (0..n).filter(|&k| k != j && order[k] == k && alone[k].as_said() == Verdict::Ok);
+            let mut told = even.clone();
+            for k in others {
+                for (told, profile) in told.iter_mut().zip(&profiles[k]) {
+                    *told += profile.by_kind()[0];
+                }
+            }
+            let all = log_sum(&told);
+            let weights: Vec<f64> = (told.iter().zip(&even))
+                .map(|(told, even)| {
+                    log_sum(&[(1.0 - ODD_LINK).ln() + told - all, ODD_LINK.ln() + even])
+                })
+                .collect();
+            ChannelEvidence::of(&profiles[j], &weights, &rows[j]).0
+        })
+        .collect();
     Ok(Channels { evidence, order, order_probability: 1.0 / (1.0 + odds) })
 }
 
-fn joint_model(
-    problem: &BatchProblem<'_>,
-    rows: &JointRows,
-    joint: usize,
-    (relative, load): (f64, f64),
-) -> Result<JointModel, NumericError> {
-    let (mut constants, mut friction) = (Vec::new(), Vec::new());
-    let mut of_set = Vec::new();
-    let mut dissipative = Vec::new();
-    // offset first, rotor inertia last: what is dependent is decided in this order
-    for (place, &k) in problem.terms_of_joint(joint).iter().enumerate() {
-        match problem.terms[k] {
-            Term::Constant(c) => {
-                constants.push(place);
-                of_set.push(c);
-            }
-            Term::Effect { effect, parameter, .. } => {
-                let parameter = &LIBRARY[effect].law().parameters[parameter];
-                if parameter.admissible == Admissible::NonNegative {
-                    dissipative.push(friction.len());
+impl ChannelEvidence {
+    /// A column with rows `own`, from its profiles under beliefs of these logarithmic weights; and the
+    /// negative logarithm of the likelihood of the column.
+    fn of(profiles: &[Profile], log_weights: &[f64], own: &JointRows) -> (Self, f64) {
+        let profile = Profile::mean(profiles, log_weights);
+        let believed: Vec<f64> = ChannelKind::ALL
+            .iter()
+            .zip(profile.by_kind())
+            .map(|(kind, l)| kind.believed().ln() + l)
+            .collect();
+        let all = log_sum(&believed);
+        let (gain, gain_95) = profile.gain();
+        let mut probability = [0.0; 5];
+        for (p, l) in probability.iter_mut().zip(&believed) {
+            *p = (l - all).exp();
+        }
+        let evidence = Self {
+            probability,
+            gain,
+            gain_95,
+            sd: own.effort_sd,
+            residual_rms: own.residual_rms,
+            urdf_sd: own.urdf_sd,
+        };
+        (evidence, -all)
+    }
+
+    /// Whether the column is what its header says.
+    pub fn as_said(&self) -> Verdict {
+        let [as_said, flipped, other, other_flipped, without_gravity] = self.probability;
+        // on a joint without gravity both are the same
+        if without_gravity <= NO_GRAVITY_SEEN && flipped + other + other_flipped < 1.0 - TOLD {
+            return Verdict::Ok;
+        }
+        Verdict::of_probability(as_said)
+    }
+}
+
+/// Terms of one joint: positions among the joint's terms, and which constants they are.
+struct JointTerms {
+    friction: Vec<usize>,
+    dissipative: Vec<usize>,
+    constants: Vec<usize>,
+    of_set: Vec<usize>,
+}
+
+impl JointTerms {
+    fn of(problem: &BatchProblem<'_>, joint: usize) -> Self {
+        let mut terms = Self {
+            friction: Vec::new(),
+            dissipative: Vec::new(),
+            constants: Vec::new(),
+            of_set: Vec::new(),
+        };
+        for (place, &k) in problem.terms_of_joint(joint).iter().enumerate() {
+            match problem.terms[k] {
+                Term::Constant(c) => {
+                    terms.constants.push(place);
+                    terms.of_set.push(c);
                 }
-                friction.push(place);
+                Term::Effect { effect, parameter, .. } => {
+                    let parameter = &LIBRARY[effect].law().parameters[parameter];
+                    if parameter.admissible == Admissible::NonNegative {
+                        terms.dissipative.push(terms.friction.len());
+                    }
+                    terms.friction.push(place);
+                }
             }
         }
+        terms
     }
-    let (arm, set) = (problem.arm(), problem.set());
-    let all = set.values(&arm.constants());
-    let pick = |x: &[f64]| -> Vec<f64> { of_set.iter().map(|&c| x[c]).collect() };
-    let mut spread: Vec<Vec<f64>> = spread_of_links(arm, set, relative, load)
-        .unwrap_or_default()
-        .iter()
-        .map(|column| pick(column))
-        .collect();
-    // rotors that are part of a constant may be of any size
-    let with_rotor: Vec<usize> = problem.merged.iter().flat_map(|m| &m.into).map(|i| i.0).collect();
-    for (place, &c) in of_set.iter().enumerate() {
-        let merged = with_rotor.iter().any(|&k| problem.terms[k] == Term::Constant(c));
-        if merged {
-            let own = spread.iter().map(|column| column[place].powi(2)).sum::<f64>().sqrt();
-            let mut alone = vec![0.0; of_set.len()];
-            alone[place] = UNKNOWN * own;
-            spread.push(alone);
+
+    fn model(&self, rows: &JointRows, belief: &LinkBelief) -> Result<JointModel, NumericError> {
+        let pick = |x: &[f64]| -> Vec<f64> { self.of_set.iter().map(|&c| x[c]).collect() };
+        let spread: Vec<Vec<f64>> = belief.spread.iter().map(|column| pick(column)).collect();
+        JointModel::new(
+            rows,
+            &self.friction,
+            &self.constants,
+            self.dissipative.clone(),
+            &spread,
+            &pick(&belief.mean),
+        )
+    }
+}
+
+/// What is believed of the constants: `x = mean + spread ξ`, `ξ ~ N(0, I)`.
+struct LinkBelief {
+    mean: Vec<f64>,
+    /// by columns
+    spread: Vec<Vec<f64>>,
+}
+
+impl LinkBelief {
+    fn of(problem: &BatchProblem<'_>, doubt: f64, load: f64) -> Self {
+        let (arm, set) = (problem.arm(), problem.set());
+        let mut spread = spread_of_links(arm, set, doubt, load).unwrap_or_default();
+        // rotors that are part of a constant may be of any size
+        for &(k, _) in problem.merged.iter().flat_map(|m| &m.into) {
+            if let Term::Constant(c) = problem.terms[k] {
+                let own = spread.iter().map(|column| column[c].powi(2)).sum::<f64>().sqrt();
+                let mut alone = vec![0.0; set.len()];
+                alone[c] = UNKNOWN * own;
+                spread.push(alone);
+            }
         }
+        Self { mean: set.values(&arm.constants()), spread }
     }
-    JointModel::new(rows, &friction, &constants, dissipative, &spread, &pick(&all))
 }
 
 /// Log likelihood of one column over the gain, for either sign.
@@ -206,15 +305,14 @@ struct Profile {
 }
 
 impl Profile {
-    /// `models` differ in how far the URDF is doubted, which is integrated out.
-    fn of(models: &[JointModel], channel: usize, effective: f64) -> Self {
-        let each: Vec<Self> =
-            models.iter().map(|m| Self::of_model(m, channel, effective)).collect();
+    /// The beliefs integrated out.
+    fn mean(each: &[Self], log_weights: &[f64]) -> Self {
         let mean = |pick: &dyn Fn(&Self) -> &Vec<f64>| -> Vec<f64> {
             (0..pick(&each[0]).len())
                 .map(|k| {
-                    let all: Vec<f64> = each.iter().map(|p| pick(p)[k]).collect();
-                    log_sum(&all) - (each.len() as f64).ln()
+                    let all: Vec<f64> =
+                        each.iter().zip(log_weights).map(|(p, w)| pick(p)[k] + w).collect();
+                    log_sum(&all)
                 })
                 .collect()
         };
@@ -225,9 +323,9 @@ impl Profile {
         }
     }
 
-    fn of_model(model: &JointModel, channel: usize, effective: f64) -> Self {
-        let steps = (LARGEST_LOG_GAIN / LOG_GAIN_STEP).round() as i32;
-        let log_gain: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * LOG_GAIN_STEP).collect();
+    fn of(model: &JointModel, channel: usize, effective: f64, step: f64) -> Self {
+        let steps = (LARGEST_LOG_GAIN / step).round() as i32;
+        let log_gain: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * step).collect();
         let along = |sign: f64, without_gravity: bool, range: f64| -> Vec<f64> {
             let relation = |u: f64| Relation { gain: sign * u.exp(), without_gravity };
             let mut profile: Vec<f64> = log_gain
@@ -281,13 +379,14 @@ impl Profile {
         let flipped = top(&self.with[1]) > top(&self.with[0]);
         let (sign, profile) = if flipped { (-1.0, &self.with[1]) } else { (1.0, &self.with[0]) };
         let all = log_sum(profile);
+        let step = self.log_gain[1] - self.log_gain[0];
         let quantile = |p: f64| {
             let mut below = 0.0;
             for (l, u) in profile.iter().zip(&self.log_gain) {
                 let here = (l - all).exp();
                 if below + here >= p {
                     // within the step, evenly
-                    return sign * (u + ((p - below) / here - 0.5) * LOG_GAIN_STEP).exp();
+                    return sign * (u + ((p - below) / here - 0.5) * step).exp();
                 }
                 below += here;
             }

@@ -16,6 +16,23 @@ pub struct Delay {
     pub misfit_ratio: f64,
 }
 
+impl Delay {
+    /// Whether the interval leaves no delay out.
+    pub fn excludes_zero(&self) -> bool {
+        self.interval_95_s[0] > 0.0 || self.interval_95_s[1] < 0.0
+    }
+
+    /// This delay, taken out, and what is left of it.
+    pub(super) fn and_then(&self, rest: &Self) -> Self {
+        let [low, high] = rest.interval_95_s;
+        Self {
+            delay_s: self.delay_s + rest.delay_s,
+            interval_95_s: [self.delay_s + low, self.delay_s + high],
+            ..self.clone()
+        }
+    }
+}
+
 /// Finds the shift of the efforts at which the free model of each joint, friction included, leaves
 /// least; the likelihood of all joints together is a parabola near its top. None where it has no top
 /// within the range of shifts.
@@ -38,7 +55,7 @@ pub(super) fn delay(rows: &[JointRows]) -> Option<Delay> {
                 (joint.terms..=column).map(|i| r[(i, column)].powi(2)).sum()
             })
             .collect();
-        if left.iter().any(|l| !(*l > 0.0)) {
+        if left.iter().any(|l| l.is_nan() || *l <= 0.0) {
             continue;
         }
         log_likelihood.push(left.iter().map(|l| -0.5 * freedom * l.ln()).collect());
@@ -53,7 +70,7 @@ pub(super) fn delay(rows: &[JointRows]) -> Option<Delay> {
     let slope = |l: &[f64]| (l[best + 1] - l[best - 1]) / (2.0 * step);
     let curvature = |l: &[f64]| (l[best + 1] - 2.0 * l[best] + l[best - 1]) / (step * step);
     let bend = -curvature(&total);
-    if !(bend > 0.0) {
+    if bend.is_nan() || bend <= 0.0 {
         return None;
     }
     let off = slope(&total) / bend;

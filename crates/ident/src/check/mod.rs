@@ -36,6 +36,9 @@ use crate::batch::BatchProblem;
 use crate::minimal_set::MinimalSet;
 use crate::model::ArmModel;
 
+/// Times the efforts are shifted before they are believed to be in their place.
+const ALIGNMENTS: usize = 2;
+
 /// Outcome of one check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -50,7 +53,20 @@ pub enum Verdict {
     Wrong,
 }
 
+/// A fault less likely than this is none, one more likely than its complement is one.
+const SURE: f64 = 1e-3;
+
 impl Verdict {
+    /// On something that is right with this probability.
+    fn of_probability(p: f64) -> Self {
+        match p {
+            p if p >= channel::TOLD => Self::Ok,
+            p if p >= 0.5 => Self::CannotTell,
+            p if p > SURE => Self::Doubtful,
+            _ => Self::Wrong,
+        }
+    }
+
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
@@ -184,10 +200,20 @@ pub fn check(
     let mut problem = BatchProblem::new(&arm, &set);
     problem.choose_speed_resolution(&motions.iter().collect::<Vec<_>>())?;
     let names = model.chain.joint_names();
-    let rows = rows::accumulate(&problem, &arm, motions)?;
+    let mut rows = rows::accumulate(&problem, &arm, motions)?;
+    let mut delay = delay::delay(&rows);
+    // friction bends where the delay puts its reversals: once more with the efforts in their place
+    let mut aligned = motions.to_vec();
+    for _ in 0..ALIGNMENTS {
+        let Some(so_far) = delay.clone().filter(Delay::excludes_zero) else { break };
+        aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
+        problem.choose_speed_resolution(&aligned.iter().collect::<Vec<_>>())?;
+        rows = rows::accumulate(&problem, &arm, &aligned)?;
+        let Some(rest) = delay::delay(&rows) else { break };
+        delay = Some(so_far.and_then(&rest));
+    }
     let channels = channel::channels(&problem, &rows)?;
-    let delay = delay::delay(&rows);
-    let (constants, rank) = excitation::excitation(&problem, &names, &rows, motions)?;
+    let (constants, rank) = excitation::excitation(&problem, &names, &rows, &aligned)?;
     let quality: Vec<QualityReport> = recordings.iter().map(quality).collect();
     let differences = armident_recording::differences(recordings);
 

@@ -59,6 +59,17 @@ pub(super) fn shifts_s() -> Vec<f64> {
     (0..=2 * SHIFTS_ASIDE).map(|k| (k as f64 - steps) / steps * LONGEST_DELAY_S).collect()
 }
 
+/// The motion with its efforts read `delay_s` later.
+pub(super) fn with_effort_from(motion: &Motion, delay_s: f64) -> Motion {
+    let later: Vec<f64> = motion.time_s.iter().map(|t| t + delay_s).collect();
+    let at = Interpolation::new(&motion.time_s, &later, 2.0 / motion.rate_hz);
+    let mut moved = motion.clone();
+    for efforts in [&mut moved.effort, &mut moved.effort_filtered].into_iter().flatten() {
+        efforts.iter_mut().for_each(|effort| *effort = at.apply(effort));
+    }
+    moved
+}
+
 /// Samples left out at both ends, of the filter and of the shifts.
 fn edge(motion: &Motion) -> usize {
     let of_filter = motion.filter.as_ref().map_or(0.0, |filter| EDGE_PERIODS / filter.cutoff_hz());
@@ -185,7 +196,7 @@ pub(crate) fn correlation_time(series: &[Vec<f64>]) -> f64 {
             .sum()
     };
     let variance = product(0);
-    if !(variance > 0.0) {
+    if variance.is_nan() || variance <= 0.0 {
         return 1.0;
     }
     let mut time = -1.0;

@@ -10,12 +10,6 @@ use super::delay::Delay;
 use super::excitation::{ConstantCheck, activity};
 use super::{Check, Topic, Verdict};
 
-/// A fault less likely than this is no fault, one more likely than its complement is one.
-const SURE: f64 = 1e-3;
-/// Belief in what a column says below which the recordings cannot tell.
-const TOLD: f64 = 0.99;
-/// Belief in gravity taken off that is no more than what it was before: gravity does not show.
-const NO_GRAVITY_SEEN: f64 = 0.0105;
 /// Evidence (`2 ln` of a likelihood ratio) beyond which a delay is believed: a thousand to one, after
 /// one delay in a hundred recordings is expected.
 const DELAY_EVIDENCE: f64 = 23.0;
@@ -132,13 +126,11 @@ pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
     };
     let [low, high] = found.interval_95_s;
     let half = 0.5 * (high - low);
-    let excludes_zero = low > 0.0 || high < 0.0;
+    let excludes_zero = found.excludes_zero();
     let matters = found.misfit_ratio.powi(2) < DELAY_MATTERS;
-    let nearest = if low > 0.0 { low } else { -high };
-    let verdict = if excludes_zero && nearest > step_s && found.evidence > DELAY_EVIDENCE && matters
-    {
+    let verdict = if excludes_zero && found.evidence > DELAY_EVIDENCE && matters {
         Verdict::Wrong
-    } else if excludes_zero && found.delay_s.abs() > step_s {
+    } else if excludes_zero && found.delay_s.abs() > 0.5 * step_s {
         Verdict::Doubtful
     } else if half > 5.0 * step_s && !excludes_zero {
         Verdict::CannotTell
@@ -176,7 +168,7 @@ pub(super) fn order(channels: &Channels, names: &[&str]) -> Check {
         .map(|(j, &k)| format!("{} is in the column of {}", names[j], names[k]))
         .collect();
     let p = channels.order_probability;
-    let verdict = of_probability(p);
+    let verdict = Verdict::of_probability(p);
     let message = if swapped.is_empty() {
         "the effort columns fit their joints better than in any other order".to_owned()
     } else if verdict == Verdict::Wrong || verdict == Verdict::Doubtful {
@@ -192,16 +184,6 @@ pub(super) fn order(channels: &Channels, names: &[&str]) -> Check {
         unit: "probability",
         advice,
         ..robot_wide(Topic::Order, verdict, message)
-    }
-}
-
-/// Verdict on what is so with this probability.
-fn of_probability(p: f64) -> Verdict {
-    match p {
-        p if p >= TOLD => Verdict::Ok,
-        p if p >= 0.5 => Verdict::CannotTell,
-        p if p > SURE => Verdict::Doubtful,
-        _ => Verdict::Wrong,
     }
 }
 
@@ -223,12 +205,12 @@ pub(super) fn channel(
     };
     let gain = format!("gain {} (95 %: {} to {})", short(found.gain), short(low), short(high));
     let moved = channels.order[joint];
-    if moved != joint && channels.order_probability <= SURE {
+    if moved != joint && channels.order_probability <= super::SURE {
         let message = format!("holds the effort of another joint; its own is in {}", names[moved]);
         let advice = "swap the columns, by names in a mapping file".to_owned();
         return base(Verdict::Wrong, message, Some(advice));
     }
-    let [as_said, flipped, other, other_flipped, without_gravity] = found.probability;
+    let [_, flipped, other, other_flipped, without_gravity] = found.probability;
     if let Some(quantity) = signal {
         let known = high / low < 4.0 && low * high > 0.0;
         let message = format!("{quantity}, {gain} per N m or N");
@@ -244,15 +226,22 @@ pub(super) fn channel(
             base(Verdict::CannotTell, message, None)
         };
     }
-    // on a joint without gravity both are the same
-    let no_gravity =
-        without_gravity <= NO_GRAVITY_SEEN && flipped + other + other_flipped < 1.0 - TOLD;
-    let verdict = if no_gravity { Verdict::Ok } else { of_probability(as_said) };
+    let verdict = found.as_said();
     if matches!(verdict, Verdict::Ok) {
         return base(verdict, format!("the joint's effort, {gain}"), None);
     }
     // a gain at the end of the range is none: nothing of the URDF's effort is seen
     let absent = low.abs().min(high.abs()) < 2.0 * (-LARGEST_LOG_GAIN).exp();
+    let backwards = flipped + other_flipped > 1.0 - super::SURE;
+    if absent && backwards && verdict == Verdict::Wrong {
+        let message = format!(
+            "the sign is flipped: friction would drive the joint; the rigid body's effort does not show \
+             (standard deviation {} by the URDF)",
+            short(found.urdf_sd)
+        );
+        let advice = "state sign = -1 for it in a mapping file".to_owned();
+        return base(verdict, message, Some(advice));
+    }
     if absent && verdict == Verdict::Wrong {
         let message = format!(
             "nothing of the rigid body's effort (standard deviation {} by the URDF) is in it",
@@ -303,7 +292,7 @@ pub(super) fn channel(
             (
                 format!("another unit{flip}: {gain}{gear}"),
                 format!(
-                    "multiply it by {} to {} in a mapping file (scale, gear_ratio or torque_constant)",
+                    "multiply it by {} to {} in a mapping file (gear_ratio, or gain of a current)",
                     short((1.0 / low).min(1.0 / high)),
                     short((1.0 / low).max(1.0 / high))
                 ),
