@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use armident_ident::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Minimal inertia sets, identification and diagnosis of serial robot arms.
@@ -88,6 +89,29 @@ pub(crate) enum PriorArg {
     Urdf,
     /// nothing: the recordings alone
     None,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// least squares, every row alike
+    Ols,
+    /// joints weighted by their noise
+    Wls,
+    /// weighted, samples that are off count for less (Huber)
+    Irls,
+    /// weighted, with the simulated arm for instruments; tests least squares against it
+    Iv,
+}
+
+impl MethodArg {
+    pub(crate) fn method(self) -> Method {
+        match self {
+            Self::Ols => Method::Ols,
+            Self::Wls => Method::Wls,
+            Self::Irls => Method::Irls,
+            Self::Iv => Method::Iv,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -216,7 +240,7 @@ Examples:
   armident identify urdf/ur10.urdf day1.csv day2.csv --holdout day3.csv
   armident identify robot.urdf logs/ --cutoff-hz 8 --save-model model.json --json result.json
 
-A folder with plan.json selects Algorithm 2; anything else is fitted by batch least squares of the
+A folder with plan.json selects Algorithm 2; anything else is fitted by robust least squares of the
 minimal set, viscous and Coulomb friction, offset and rotor inertia of every joint. Velocity and
 acceleration come from the position, low-passed forward and backward (4th-order Butterworth), unless
 accelerations are recorded.")]
@@ -232,6 +256,12 @@ pub(crate) struct IdentifyArgs {
     /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
+    /// How ordinary motion is fitted; no matter with a plan
+    #[arg(long, value_name = "METHOD", default_value = "irls")]
+    pub(crate) method: MethodArg,
+    /// Leave each recording out once, and judge the fit to the others on it
+    #[arg(long)]
+    pub(crate) cross_validate: bool,
     /// What is believed of the links before the recordings; no matter with a plan
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,

@@ -13,7 +13,7 @@ mod validate;
 
 pub use check::{ChannelRow, CheckReport};
 pub use identify::{
-    ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+    ConstantRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
 };
 pub use numbers::{significant, uncertain};
 pub use params::ParamsReport;

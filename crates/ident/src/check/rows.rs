@@ -5,7 +5,8 @@ use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::{Interpolation, Motion};
 
-use crate::batch::{BatchProblem, EDGE_PERIODS, RANK_CUT};
+use crate::batch::{BatchProblem, RANK_CUT};
+use crate::rows::EDGE_PERIODS;
 
 /// Effort shifts tried to either side.
 pub(super) const SHIFTS_ASIDE: usize = 16;
