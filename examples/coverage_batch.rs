@@ -5,7 +5,7 @@
 //! recording, and prints how often the 95 % intervals hold the true value:
 //!
 //! ```text
-//! cargo run --release --example coverage_batch -- 200 wls > docs/studies/batch_coverage.md
+//! cargo run --release --example coverage_batch -- 200 irls > docs/studies/batch_coverage.md
 //! ```
 
 #![allow(clippy::print_stdout, reason = "the table is the output")]
@@ -33,7 +33,7 @@ const COLOUR: f64 = 0.9;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let seeds: u64 = arguments.next().map_or(Ok(200), |a| a.parse())?;
-    let name = arguments.next().unwrap_or_else(|| "wls".to_owned());
+    let name = arguments.next().unwrap_or_else(|| "irls".to_owned());
     let method = Method::ALL.into_iter().find(|m| m.name() == name).ok_or("no such method")?;
 
     let robot = load_urdf("urdf/ur5.urdf".as_ref())?;
