@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | rate | cut-off that the motion asks for against the highest the rate allows |
 //! | noise | spectrum above a quarter of the rate, brought through the low-pass and two derivatives |
-//! | channel | [likelihood](likelihood) of the joint's effort, its negative, a multiple, the effort less gravity |
+//! | channel | likelihood of the joint's effort, its negative, a multiple, the effort less gravity |
 //! | order | the same for every column on every joint, best assignment |
 //! | delay | likelihood over shifts of the effort |
 //! | excitation | standard errors of the constants from the recordings alone |
