@@ -29,6 +29,7 @@ pub(crate) enum Command {
     Plan(PlanArgs),
     Simulate(SimulateArgs),
     Identify(IdentifyArgs),
+    Diagnose(DiagnoseArgs),
     Validate(ValidateArgs),
     Predict(PredictArgs),
 }
@@ -234,6 +235,36 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
     /// Write the model found, for predict and simulate
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Say what physics the model leaves out, and prove it on recordings kept back
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident diagnose robot.urdf train_1.csv train_2.csv --holdout holdout.csv
+  armident diagnose robot.urdf logs/ --holdout last.csv --json out.json --save-model model.json
+  armident predict model.json motion.csv -o predicted.csv            (what the recordings would show)
+
+Every law of the effect library is tried on every joint, with the inertias of all links refitted beside
+it; what is named is material against the noise of the recordings. The hold-out is never fitted.")]
+pub(crate) struct DiagnoseArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Recordings (CSV) or folders of them
+    #[arg(required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// Recordings kept out of the fit, to prove it
+    #[arg(long, num_args = 1.., value_name = "FILE")]
+    pub(crate) holdout: Vec<PathBuf>,
+    /// Write the model with what was found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
     #[command(flatten)]

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
+use armident_diagnose::DiagnoseError;
 use armident_ident::ModelError;
 use armident_ident::algorithm2::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
@@ -76,6 +77,19 @@ impl From<RecordingError> for Failure {
 impl From<SimulationError> for Failure {
     fn from(error: SimulationError) -> Self {
         Self::new(&error, error.place(), error.hint())
+    }
+}
+
+impl From<DiagnoseError> for Failure {
+    fn from(error: DiagnoseError) -> Self {
+        match error {
+            DiagnoseError::Recording(error) => error.into(),
+            other => Self::new(
+                other,
+                "the recordings",
+                Some("give recordings of some seconds in which the joints move under effort"),
+            ),
+        }
     }
 }
 

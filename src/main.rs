@@ -21,6 +21,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => commands::plan::run(args),
         Command::Simulate(args) => commands::simulate::run(args),
         Command::Identify(args) => commands::identify::run(args),
+        Command::Diagnose(args) => commands::diagnose::run(args),
         Command::Validate(args) => commands::validate::run(args),
         Command::Predict(args) => commands::predict::run(args),
     };

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use armident_diagnose::{DiagnosedModel, Learned};
 use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 
@@ -51,4 +52,20 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
         ));
     }
     ArmModel::load(path).map_err(|error| Failure::model(path, &error))
+}
+
+/// What a diagnosis learned, if the file is a model that holds it.
+pub(crate) fn learned(path: &Path) -> Result<Option<Learned>, Failure> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::model(path, &armident_ident::ModelError::Unreadable(error)))?;
+    DiagnosedModel::learned_in(&text).map_err(|error| {
+        Failure::new(
+            format!("the section `learned` is not valid: {error}"),
+            path.display(),
+            Some("write the model again with `armident diagnose --save-model`"),
+        )
+    })
 }

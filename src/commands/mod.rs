@@ -1,5 +1,6 @@
 //! One file a command: read, call, write.
 
+pub(crate) mod diagnose;
 pub(crate) mod identify;
 pub(crate) mod params;
 pub(crate) mod plan;

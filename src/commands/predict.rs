@@ -1,5 +1,6 @@
 //! `armident predict`.
 
+use armident_diagnose::DiagnosedModel;
 use armident_ident::ArmModel;
 use armident_recording::{JointChannels, Motion, MotionSettings, Recording, write_csv_to};
 use serde::Serialize;
@@ -43,15 +44,33 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = recordings::common_cutoff(
-        std::slice::from_ref(&recording),
-        &joints,
-        args.cutoff_hz.or(model.cutoff_hz),
-    )?;
-    let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
-    let motion =
-        model.motion_of(Motion::from_recording(&recording, &joints, &settings)?, &recording);
-    let result = predicted_efforts(&model, &motion)?;
+    let (result, cutoff_hz, notes) = match robot::learned(&args.robot)? {
+        Some(learned) => {
+            let diagnosed = DiagnosedModel { arm: model.clone(), learned };
+            let efforts = diagnosed.predict(&recording)?;
+            let channels = names
+                .iter()
+                .zip(efforts)
+                .map(|(name, effort)| JointChannels {
+                    effort: Some(effort),
+                    ..JointChannels::new(name)
+                })
+                .collect();
+            let result = Recording::new("prediction", recording.time_s.clone(), channels)?;
+            (result, None, recording.notes.clone())
+        }
+        None => {
+            let cutoff_hz = recordings::common_cutoff(
+                std::slice::from_ref(&recording),
+                &joints,
+                args.cutoff_hz.or(model.cutoff_hz),
+            )?;
+            let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
+            let motion = model
+                .motion_of(Motion::from_recording(&recording, &joints, &settings)?, &recording);
+            (predicted_efforts(&model, &motion)?, cutoff_hz, motion.notes)
+        }
+    };
     let mut bytes = Vec::new();
     write_csv_to(&mut bytes, &result)?;
 
@@ -64,7 +83,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
         joints: names,
         cutoff_hz,
         effects: model.effects.clone(),
-        notes: motion.notes.clone(),
+        notes,
         warnings: warnings.clone(),
     };
     let to_stdout = output::is_stdout(&args.output_file);

@@ -1,6 +1,6 @@
 //! Coulomb friction of another level in each direction.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Place, Scope};
 
 /// `f = F+` if `v > 0`, `-F-` if `v < 0`.
 pub struct AsymmetricCoulombFriction;
@@ -10,6 +10,7 @@ const LAW: Law = Law {
     title: "asymmetric Coulomb friction",
     formula: "f = F+ if v > 0, -F- if v < 0",
     scope: Scope::Joint,
+    places: &[Place::Dry, Place::Constant],
     parameters: &[
         Parameter::non_negative("level_positive", "N m", "N"),
         Parameter::non_negative("level_negative", "N m", "N"),

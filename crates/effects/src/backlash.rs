@@ -1,6 +1,6 @@
 //! Play in the transmission: the encoder is on the motor side.
 
-use crate::law::{Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `as elasticity, with no effort while `|θ - q| < gap / 2`.
 pub struct Backlash;
@@ -10,6 +10,7 @@ const LAW: Law = Law {
     title: "backlash",
     formula: "as elasticity, with tJ = 0 while abs(th - q) < gap/2 and a stiff contact outside",
     scope: Scope::ThroughJoint,
+    places: &[Place::Inertia],
     parameters: &[
         Parameter::non_negative("gap", "rad", "m"),
         Parameter::non_negative("contact_stiffness", "N m/rad", "N/m"),

@@ -1,6 +1,6 @@
 //! Coulomb friction.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Place, Scope};
 
 /// `f = Fc sign(v)`; at rest anything within `±Fc`.
 pub struct CoulombFriction;
@@ -10,6 +10,7 @@ const LAW: Law = Law {
     title: "Coulomb friction",
     formula: "f = Fc sign(v); at rest anything within +-Fc",
     scope: Scope::Joint,
+    places: &[Place::Dry],
     parameters: &[Parameter::non_negative("level", "N m", "N")],
     contains: None,
     look_alikes: &[

@@ -3,7 +3,7 @@
 use armident_dynamics::{JointGeometry, RigidArm, inverse_dynamics_of_motion};
 
 use crate::arm_motion::{STEP, derivative};
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `recorded q = true q + offset`.
 pub struct EncoderOffset;
@@ -13,6 +13,7 @@ const LAW: Law = Law {
     title: "encoder offset",
     formula: "recorded q = true q + offset",
     scope: Scope::ThroughJoint,
+    places: &[Place::Zero],
     parameters: &[Parameter::any("offset", "rad", "m")],
     contains: None,
     look_alikes: &[

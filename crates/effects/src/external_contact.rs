@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 use crate::mechanism::tip_jacobian;
 
 /// `f = -Jᵀ F`.
@@ -13,6 +13,7 @@ const LAW: Law = Law {
     title: "external contact",
     formula: "f = -J(q)^T F in a time window, F constant in the world, at the origin of the tip link",
     scope: Scope::Arm,
+    places: &[Place::Contact],
     parameters: &[
         Parameter::non_negative("force", "N", "N"),
         Parameter::any("force_x", "N", "N"),

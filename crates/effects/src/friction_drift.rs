@@ -1,7 +1,7 @@
 //! Viscous friction of an arm that warms up.
 
 use crate::law::{
-    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Scope, column,
+    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Place, Scope, column,
 };
 
 /// `f = (bw + (bc - bw) exp(-t/T)) v`.
@@ -12,6 +12,7 @@ const LAW: Law = Law {
     title: "friction drift",
     formula: "f = (bw + (bc - bw) exp(-t/T)) v",
     scope: Scope::Joint,
+    places: &[Place::Viscous],
     parameters: &[
         Parameter::non_negative("cold_coefficient", "N m s/rad", "N s/m"),
         Parameter::non_negative("warm_coefficient", "N m s/rad", "N s/m"),

@@ -4,7 +4,7 @@ use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use nalgebra::{Isometry3, Rotation3, Vector3};
 
 use crate::arm_motion::{STEP, derivative};
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base`.
 pub struct GravityDirection;
@@ -14,6 +14,7 @@ const LAW: Law = Law {
     title: "tilted base",
     formula: "gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base in the world",
     scope: Scope::Arm,
+    places: &[Place::Gravity],
     parameters: &[
         Parameter::non_negative("tilt", "rad", "rad"),
         Parameter::any("tilt_x", "rad", "rad"),

@@ -1,7 +1,9 @@
 //! Friction of a transmission that two neighbouring joints share.
 
 use crate::direction::directions;
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Scope};
+use crate::law::{
+    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Place, Scope,
+};
 
 /// `s = v_b + r v_a`: `F = B s + C sign(s)`, `f_b = F`, `f_a = r F`.
 pub struct JointCoupling;
@@ -11,6 +13,7 @@ const LAW: Law = Law {
     title: "transmission coupling",
     formula: "s = v_b + r v_a: F = B s + C sign(s); f_b = F, f_a = r F",
     scope: Scope::Neighbours,
+    places: &[Place::Shared],
     parameters: &[
         Parameter::any("ratio", "1", "1"),
         Parameter::non_negative("viscous", "N m s/rad", "N s/m"),

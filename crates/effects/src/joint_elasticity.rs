@@ -3,7 +3,7 @@
 use armident_dynamics::inverse_dynamics_of_motion;
 
 use crate::arm_motion::{STEP, derivative, rate};
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `J dω/dt + τ = effort`, `τ = K (θ - q) + D (ω - v)`.
 pub struct JointElasticity;
@@ -13,6 +13,7 @@ const LAW: Law = Law {
     title: "joint elasticity",
     formula: "motor th (recorded), link q (hidden): J ddth + tJ = effort, tJ = K (th - q) + D (dth - dq), rigid(q) = tJ",
     scope: Scope::ThroughJoint,
+    places: &[Place::Inertia],
     parameters: &[
         Parameter::non_negative("stiffness", "N m/rad", "N/m"),
         Parameter::non_negative("damping", "N m s/rad", "N s/m"),

@@ -1,6 +1,8 @@
 //! A spring on the joint, a cable or a balancer.
 
-use crate::law::{Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Scope};
+use crate::law::{
+    Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Place, Scope,
+};
 
 /// `f = k (q - q0)`.
 pub struct JointSpring;
@@ -10,6 +12,7 @@ const LAW: Law = Law {
     title: "joint spring",
     formula: "f = k (q - q0)",
     scope: Scope::Joint,
+    places: &[Place::Constant],
     parameters: &[
         Parameter::non_negative("stiffness", "N m/rad", "N/m"),
         Parameter::any("rest_angle", "rad", "m"),

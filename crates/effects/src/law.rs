@@ -106,6 +106,38 @@ pub enum Scope {
     Arm,
 }
 
+/// Where a law stands among the others on its joint: two laws of one place exclude each other, because
+/// one contains or replaces the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Place {
+    /// Friction proportional to the speed.
+    Viscous,
+    /// Friction that has a direction.
+    Dry,
+    /// Friction of a higher power of the speed.
+    Drag,
+    /// Constant or proportional to the position.
+    Constant,
+    /// Rotor and transmission.
+    Inertia,
+    /// Gain of the effort channel.
+    Gain,
+    /// Zero of the encoder.
+    Zero,
+    /// Periodic in the position.
+    Ripple,
+    /// A transmission shared with a neighbour.
+    Shared,
+    /// Inertia of the link.
+    Link,
+    /// Direction of gravity.
+    Gravity,
+    /// Clock.
+    Time,
+    /// Forces of the surroundings.
+    Contact,
+}
+
 /// Everything about an effect that is not computed.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
@@ -117,6 +149,8 @@ pub struct Law {
     pub formula: &'static str,
     /// What it acts on.
     pub scope: Scope,
+    /// The places it takes on its joint.
+    pub places: &'static [Place],
     /// Parameters in the order of every parameter vector.
     pub parameters: &'static [Parameter],
     /// The simpler law that this one contains, if any: it is what the name must beat.

@@ -3,7 +3,7 @@
 use armident_dynamics::{ParameterColumns, RigidArm};
 use armident_kinematics::InertialParameters;
 
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `f = Y_link Δπ`.
 pub struct LinkInertiaError;
@@ -13,6 +13,7 @@ const LAW: Law = Law {
     title: "wrong link inertia",
     formula: "f = Y_link delta_pi",
     scope: Scope::Link,
+    places: &[Place::Link],
     parameters: &[
         Parameter::any("delta_mass", "kg", "kg"),
         Parameter::any("delta_mcx", "kg m", "kg m"),

@@ -1,6 +1,6 @@
 //! Dry friction that grows with the load the gear carries.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope, column};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Place, Scope, column};
 
 /// `f = (Fc + µ |rigid|) sign(v)`.
 pub struct LoadDependentFriction;
@@ -10,6 +10,7 @@ const LAW: Law = Law {
     title: "load-dependent friction",
     formula: "f = (Fc + mu abs(rigid)) sign(v)",
     scope: Scope::Joint,
+    places: &[Place::Dry],
     parameters: &[
         Parameter::non_negative("level", "N m", "N"),
         Parameter::non_negative("load_coefficient", "1", "1"),

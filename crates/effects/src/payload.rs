@@ -5,7 +5,7 @@ use armident_kinematics::InertialParameters;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::LinkInertiaError;
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `f = Y_last π(m, com)`.
 pub struct Payload;
@@ -15,6 +15,7 @@ const LAW: Law = Law {
     title: "payload",
     formula: "a rigid mass fixed to the last link, not in the model",
     scope: Scope::Link,
+    places: &[Place::Link],
     parameters: &[
         Parameter::non_negative("mass", "kg", "kg"),
         Parameter::any("com_x", "m", "m"),

@@ -1,6 +1,8 @@
 //! Friction that builds up over the travel since the last reversal (Dahl; LuGre with bristle damping).
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Scope};
+use crate::law::{
+    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Place, Scope,
+};
 
 /// `dz/dt = v - s0 |v| z / Fc`, `f = s0 z + s1 dz/dt`.
 pub struct PreslidingHysteresis;
@@ -10,6 +12,7 @@ const LAW: Law = Law {
     title: "presliding hysteresis",
     formula: "dz/dt = v - s0 abs(v) z / Fc, f = s0 z + s1 dz/dt",
     scope: Scope::Joint,
+    places: &[Place::Dry],
     parameters: &[
         Parameter::non_negative("level", "N m", "N"),
         Parameter::non_negative("stiffness", "N m/rad", "N/m"),

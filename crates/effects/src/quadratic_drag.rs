@@ -1,6 +1,8 @@
 //! Drag that grows with the square of the speed.
 
-use crate::law::{Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Scope};
+use crate::law::{
+    Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Place, Scope,
+};
 
 /// `f = c v |v|`.
 pub struct QuadraticDrag;
@@ -10,6 +12,7 @@ const LAW: Law = Law {
     title: "quadratic drag",
     formula: "f = c v abs(v)",
     scope: Scope::Joint,
+    places: &[Place::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m s2/rad2", "N s2/m2")],
     contains: None,
     look_alikes: &[

@@ -1,6 +1,6 @@
 //! Inertia of the rotor, reflected through the gear.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Place, Scope};
 
 /// `f = Ia dv/dt`.
 pub struct RotorInertia;
@@ -10,6 +10,7 @@ const LAW: Law = Law {
     title: "rotor inertia",
     formula: "f = Ia ddq",
     scope: Scope::Joint,
+    places: &[Place::Inertia],
     parameters: &[Parameter::non_negative("inertia", "kg m2", "kg")],
     contains: None,
     look_alikes: &[

@@ -1,7 +1,7 @@
 //! Dry friction that falls with the speed.
 
 use crate::law::{
-    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Scope, column,
+    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Place, Scope, column,
 };
 
 /// `f = (Fc + (Fs - Fc) exp(-(v/vs)²)) sign(v)`.
@@ -12,6 +12,7 @@ const LAW: Law = Law {
     title: "Stribeck friction",
     formula: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) sign(v)",
     scope: Scope::Joint,
+    places: &[Place::Dry],
     parameters: &[
         Parameter::non_negative("static_level", "N m", "N"),
         Parameter::non_negative("coulomb_level", "N m", "N"),

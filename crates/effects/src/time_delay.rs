@@ -1,7 +1,7 @@
 //! Efforts recorded late.
 
 use crate::arm_motion::rate;
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Scope};
+use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
 /// `recorded effort(t) = true effort(t - delay)`.
 pub struct TimeDelay;
@@ -11,6 +11,7 @@ const LAW: Law = Law {
     title: "time delay",
     formula: "recorded effort(t) = true effort(t - delay), all joints",
     scope: Scope::Arm,
+    places: &[Place::Time],
     parameters: &[Parameter::any("delay", "s", "s")],
     contains: None,
     look_alikes: &[

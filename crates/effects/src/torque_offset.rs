@@ -1,6 +1,8 @@
 //! Constant offset of the effort channel.
 
-use crate::law::{Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Scope};
+use crate::law::{
+    Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Place, Scope,
+};
 
 /// `f = c`.
 pub struct TorqueOffset;
@@ -10,6 +12,7 @@ const LAW: Law = Law {
     title: "effort offset",
     formula: "f = c",
     scope: Scope::Joint,
+    places: &[Place::Constant],
     parameters: &[Parameter::any("offset", "N m", "N")],
     contains: None,
     look_alikes: &[

@@ -1,6 +1,8 @@
 //! Ripple of motor and gear, locked to the position.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope, column};
+use crate::law::{
+    Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Place, Scope, column,
+};
 
 /// `f = A sin(n q + phase) [+ A2 sin(2 n q + phase2)]`.
 pub struct TorqueRipple;
@@ -10,6 +12,7 @@ const LAW: Law = Law {
     title: "torque ripple",
     formula: "f = A sin(n q + phase) [+ A2 sin(2 n q + phase2)]; prismatic: sin(2 pi n q + phase)",
     scope: Scope::Joint,
+    places: &[Place::Ripple],
     parameters: &[
         Parameter::non_negative("amplitude", "N m", "N"),
         Parameter::non_negative("order", "1/turn", "1/m"),
@@ -34,6 +37,11 @@ const LAW: Law = Law {
 impl Effect for TorqueRipple {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    /// None: the order is scanned, not tried.
+    fn shapes(&self, _scale: &MotionScale) -> Vec<Vec<f64>> {
+        Vec::new()
     }
 
     fn columns(&self, shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {

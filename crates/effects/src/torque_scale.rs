@@ -1,6 +1,6 @@
 //! A wrong gain of the effort channel.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Scope};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Place, Scope};
 
 /// `recorded effort = gain × true effort`.
 pub struct TorqueScale;
@@ -10,6 +10,7 @@ const LAW: Law = Law {
     title: "effort gain",
     formula: "recorded effort = gain * true effort",
     scope: Scope::Joint,
+    places: &[Place::Gain],
     parameters: &[Parameter::non_negative("gain", "1", "1")],
     contains: None,
     look_alikes: &[

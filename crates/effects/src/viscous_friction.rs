@@ -1,6 +1,8 @@
 //! Viscous friction.
 
-use crate::law::{Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Scope};
+use crate::law::{
+    Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Place, Scope,
+};
 
 /// `f = b v`.
 pub struct ViscousFriction;
@@ -10,6 +12,7 @@ const LAW: Law = Law {
     title: "viscous friction",
     formula: "f = b v",
     scope: Scope::Joint,
+    places: &[Place::Viscous],
     parameters: &[Parameter::non_negative("coefficient", "N m s/rad", "N s/m")],
     contains: None,
     look_alikes: &[

@@ -170,8 +170,15 @@ impl ArmModel {
     /// # Errors
     /// When the file cannot be written.
     pub fn save(&self, path: &Path) -> std::io::Result<()> {
-        let text = serde_json::to_string_pretty(&ModelFile::from(self))?;
-        std::fs::write(path, text + "\n")
+        std::fs::write(path, self.to_json()? + "\n")
+    }
+
+    /// The model file as text.
+    ///
+    /// # Errors
+    /// When a number cannot be put into JSON.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(&ModelFile::from(self))
     }
 
     /// Reads a model written by [`Self::save`].

@@ -10,6 +10,7 @@
 //! | `A⁺` for several right-hand sides | [`PseudoInverse`] |
 //! | rank with its gap | [`rank_of_columns`] |
 //! | which columns depend on which, in a stated order | [`eliminate_in_order`] |
+//! | products of columns with each other; many small symmetric systems | [`gram_of_columns`], [`Cholesky`] |
 //!
 //! ```
 //! use armident_numeric::AccumulatedQr;
@@ -23,12 +24,14 @@
 //! ```
 
 mod accumulate;
+mod gram;
 mod least_squares;
 mod non_negative;
 mod rank;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
+pub use gram::{Cholesky, gram_of_columns, symmetric_eigen};
 pub use least_squares::{LeastSquares, NumericError, PseudoInverse};
 pub use non_negative::NonNegative;
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};

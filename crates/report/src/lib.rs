@@ -3,6 +3,7 @@
 //! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
 //! The fields are described in `docs/json.md`.
 
+mod diagnose;
 mod identify;
 mod numbers;
 mod params;
@@ -10,6 +11,7 @@ mod plan;
 mod table;
 mod validate;
 
+pub use diagnose::DiagnoseReport;
 pub use identify::{
     ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
 };

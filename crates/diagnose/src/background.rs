@@ -1,0 +1,45 @@
+//! Inertial errors of all links, as directions of the standard parameters.
+
+use armident_kinematics::InertialParameters;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::problem::Background;
+
+/// Size of an error of the centre of mass beside its own distance \[m\].
+const COM_SIZE_M: f64 = 0.03;
+/// Size of an error of an entry of the inertia, as a share of the geometric mean of its diagonal.
+const INERTIA_SHARE: f64 = 0.3;
+const STEP: f64 = 1e-6;
+
+/// Eleven directions a link, each an error of relative size 1: the mass with all that goes with it,
+/// the centre of mass along each axis, the size of the inertia, its six entries.
+pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Background {
+    let mut directions = Vec::new();
+    for (k, link) in links.iter().enumerate() {
+        let (mass, com, inertia) = (link.mass_kg, link.com_m(), link.inertia_com_kgm2());
+        let base = link.to_array();
+        let mut push = |moved: InertialParameters, step: f64| {
+            let mut direction = vec![0.0; 10 * links.len()];
+            for (p, (new, old)) in moved.to_array().iter().zip(base).enumerate() {
+                direction[10 * k + p] = (new - old) / step;
+            }
+            directions.push(direction);
+        };
+        let scaled =
+            |factor: f64| InertialParameters::from_com(mass * factor, com, inertia * factor);
+        push(scaled(1.0 + STEP), STEP);
+        let size = com.norm() + COM_SIZE_M;
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            push(InertialParameters::from_com(mass, com + axis * (STEP * size), inertia), STEP);
+        }
+        push(InertialParameters::from_com(mass, com, inertia * (1.0 + STEP)), STEP);
+        for (a, b) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
+            let size = INERTIA_SHARE * (inertia[(a, a)] * inertia[(b, b)]).abs().sqrt();
+            let mut change = Matrix3::zeros();
+            change[(a, b)] = size * STEP;
+            change[(b, a)] = size * STEP;
+            push(InertialParameters::from_com(mass, com, inertia + change), STEP);
+        }
+    }
+    Background { directions }
+}

@@ -1,0 +1,129 @@
+//! The narrow band in which everything is compared.
+
+use std::f64::consts::PI;
+
+/// Cut-off (-6 dB) of the band \[Hz\]: motions of arms and their friction live below; the noise of
+/// efforts and of differentiated encoders mostly above.
+pub(crate) const BAND_HZ: f64 = 10.0;
+/// Rows kept per second: a little above twice the cut-off.
+const ROWS_HZ: f64 = 25.0;
+/// Half the length of the kernel \[s\]: a transition of 4 Hz on either side.
+const HALF_LENGTH_S: f64 = 0.25;
+/// Samples closer to an end than this \[s\] are not used: the kernel and the low-pass of the
+/// kinematics reach there.
+pub(crate) const EDGE_S: f64 = 0.3;
+
+/// A zero-phase low-pass whose output is formed only at the rows that are kept: a windowed sine
+/// cardinal. One kept row costs its taps, which is a tenth of a recursive filter over all samples.
+#[derive(Debug, Clone)]
+pub(crate) struct Band {
+    taps: Vec<f64>,
+    /// sample index of each row
+    pub(crate) kept: Vec<usize>,
+    /// rows per second
+    pub(crate) rows_hz: f64,
+    rate_hz: f64,
+}
+
+impl Band {
+    pub(crate) fn new(rate_hz: f64, samples: usize) -> Self {
+        let cutoff = BAND_HZ.min(0.4 * rate_hz) / rate_hz;
+        let half = (HALF_LENGTH_S * rate_hz).round().max(1.0) as usize;
+        let mut taps: Vec<f64> = (0..=2 * half)
+            .map(|k| {
+                let t = k as f64 - half as f64;
+                let window = 0.5 * (1.0 + (PI * t / (half as f64 + 1.0)).cos());
+                let x = 2.0 * PI * cutoff * t;
+                window * if t == 0.0 { 1.0 } else { x.sin() / x }
+            })
+            .collect();
+        let sum: f64 = taps.iter().sum();
+        taps.iter_mut().for_each(|tap| *tap /= sum);
+        let step = (rate_hz / ROWS_HZ).round().max(1.0) as usize;
+        let edge = ((EDGE_S * rate_hz).ceil() as usize).max(half);
+        let kept = (edge..samples.saturating_sub(edge)).step_by(step).collect();
+        Self { taps, kept, rows_hz: rate_hz / step as f64, rate_hz }
+    }
+
+    /// The rows of a column given at every sample.
+    pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
+        let half = self.taps.len() / 2;
+        self.kept
+            .iter()
+            .map(|&i| {
+                let window = &column[i - half..i - half + self.taps.len()];
+                // four sums, so that the additions do not wait for each other
+                let mut sums = [0.0; 4];
+                let (a, b) = (window.chunks_exact(4), self.taps.chunks_exact(4));
+                let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(x, t)| x * t).sum();
+                for (x, t) in a.zip(b) {
+                    for k in 0..4 {
+                        sums[k] += x[k] * t[k];
+                    }
+                }
+                rest + sums.iter().sum::<f64>()
+            })
+            .collect()
+    }
+
+    /// Variance that white noise of variance 1, coloured by the kernel `[c, 1 - 2c, c]` to variance 1
+    /// again, keeps in the band.
+    pub(crate) fn noise_gain(&self, colour: f64) -> f64 {
+        let kernel = [colour, 1.0 - 2.0 * colour, colour];
+        let n = self.taps.len();
+        let both = (0..n + 2).map(|i| {
+            (0..3)
+                .filter(|k| i >= *k && i - k < n)
+                .map(|k| kernel[k] * self.taps[i - k])
+                .sum::<f64>()
+        });
+        both.map(|x| x * x).sum::<f64>() / kernel.iter().map(|x| x * x).sum::<f64>()
+    }
+
+    /// Mean over all frequencies of `|F|² g(f)`, for noise that a filter of power `g` has shaped.
+    pub(crate) fn mean_power(&self, g: impl Fn(f64) -> f64) -> f64 {
+        const POINTS: usize = 400;
+        let half = self.taps.len() / 2;
+        let power = |k: usize| {
+            let f = (k as f64 + 0.5) / POINTS as f64 * 0.5 * self.rate_hz;
+            let w = 2.0 * PI * f / self.rate_hz;
+            let response: f64 = self.taps[half]
+                + 2.0 * (1..=half).map(|t| self.taps[half + t] * (w * t as f64).cos()).sum::<f64>();
+            response * response * g(f)
+        };
+        (0..POINTS).map(power).sum::<f64>() / POINTS as f64
+    }
+
+    /// Independent samples per row.
+    pub(crate) fn independent_share(&self) -> f64 {
+        // white noise in, so variance over share of the band: mean |F|² is 2 B / rate
+        let bandwidth = 0.5 * self.rate_hz * self.mean_power(|_| 1.0);
+        (2.0 * bandwidth / self.rows_hz).min(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_signals_pass_and_fast_ones_do_not() {
+        let band = Band::new(200.0, 2000);
+        let wave = |hz: f64| -> Vec<f64> {
+            (0..2000).map(|k| (2.0 * PI * hz * f64::from(k) / 200.0).sin()).collect()
+        };
+        let gain = |hz: f64| {
+            let signal = wave(hz);
+            let rows = band.rows(&signal);
+            let kept: f64 = band.kept.iter().map(|&i| signal[i] * signal[i]).sum();
+            (rows.iter().map(|x| x * x).sum::<f64>() / kept).sqrt()
+        };
+        assert!((gain(3.1) - 1.0).abs() < 0.01, "{}", gain(3.1));
+        assert!((gain(10.0) - 0.5).abs() < 0.05, "{}", gain(10.0));
+        assert!(gain(16.0) < 0.01, "{}", gain(16.0));
+        let share = band.independent_share();
+        assert!((0.6..0.85).contains(&share), "{share}");
+        // white noise: the mean power over all frequencies is the sum of the squared taps
+        assert!((band.noise_gain(0.0) / band.mean_power(|_| 1.0) - 1.0).abs() < 0.01);
+    }
+}

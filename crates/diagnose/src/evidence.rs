@@ -1,0 +1,418 @@
+//! From recordings and the believed arm to the linear problem, about an operating point.
+
+use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix, inverse_dynamics_of_motion};
+use armident_effects::{
+    ArmMotion, Effect, JointMotion, LIBRARY, MotionScale, Place, Scope, effect, tilted,
+};
+use armident_kinematics::{DrivingAxisChain, InertialParameters};
+use armident_numeric::{Mat, symmetric_eigen};
+use nalgebra::Vector3;
+
+use crate::background::inertial_error_directions;
+use crate::problem::{Group, Meaning, Problem, Site};
+use crate::rows::{Blocks, Rows};
+use crate::signals::Signals;
+
+/// Laws that turn the configuration itself: where they are assumed to be.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OperatingPoint {
+    /// rotation vector of the base about x and y of the world \[rad\]
+    pub(crate) tilt: [f64; 2],
+    /// recorded minus true position \[rad or m\]
+    pub(crate) offset: Vec<f64>,
+    /// lag of the efforts \[s\]
+    pub(crate) delay_s: f64,
+}
+
+impl OperatingPoint {
+    pub(crate) fn of(joints: usize) -> Self {
+        Self { tilt: [0.0; 2], offset: vec![0.0; joints], delay_s: 0.0 }
+    }
+}
+
+/// Training recordings and the arm they are compared with.
+pub(crate) struct Evidence<'a> {
+    pub(crate) chain: &'a DrivingAxisChain,
+    pub(crate) names: Vec<String>,
+    pub(crate) signals: Vec<Signals>,
+    pub(crate) rows: Rows,
+    /// size of each joint's motion
+    pub(crate) scale: Vec<MotionScale>,
+}
+
+/// One recording at an operating point.
+pub(crate) struct At<'a> {
+    pub(crate) signals: &'a Signals,
+    pub(crate) arm: RigidArm,
+    pub(crate) position: Vec<Vec<f64>>,
+    pub(crate) rigid: Vec<Vec<f64>>,
+}
+
+impl<'a> At<'a> {
+    pub(crate) fn new(
+        chain: &DrivingAxisChain,
+        arm: &RigidArm,
+        signals: &'a Signals,
+        point: &OperatingPoint,
+    ) -> Self {
+        let mut arm = arm.clone();
+        let tilt = Vector3::new(point.tilt[0], point.tilt[1], 0.0);
+        arm.gravity_e0 = tilted(&chain.base_from_e0, &arm.gravity_e0, &tilt);
+        let moved = |(q, offset): (&Vec<f64>, &f64)| q.iter().map(|q| q - offset).collect();
+        let position: Vec<Vec<f64>> =
+            signals.position.iter().zip(&point.offset).map(moved).collect();
+        let rigid =
+            inverse_dynamics_of_motion(&arm, &position, &signals.velocity, &signals.acceleration);
+        Self { signals, arm, position, rigid }
+    }
+
+    pub(crate) fn joint(&self, j: usize) -> JointMotion<'_> {
+        JointMotion {
+            kind: self.arm.joints[j].kind,
+            time_s: &self.signals.time_s,
+            position: &self.position[j],
+            velocity: &self.signals.velocity[j],
+            acceleration: &self.signals.acceleration[j],
+            direction: &self.signals.direction[j],
+            rigid_effort: &self.rigid[j],
+        }
+    }
+
+    pub(crate) fn arm_motion<'b>(
+        &'b self,
+        chain: &DrivingAxisChain,
+        effort: &'b [Vec<f64>],
+    ) -> ArmMotion<'b> {
+        ArmMotion {
+            arm: &self.arm,
+            base_from_e0: chain.base_from_e0,
+            tip_in_last_m: chain.tip_in_e.translation.vector,
+            rate_hz: self.signals.rate_hz,
+            position: &self.position,
+            velocity: &self.signals.velocity,
+            acceleration: &self.signals.acceleration,
+            rigid_effort: effort,
+        }
+    }
+}
+
+impl<'a> Evidence<'a> {
+    pub(crate) fn new(chain: &'a DrivingAxisChain, signals: Vec<Signals>) -> Self {
+        let arm = RigidArm::from_chain(chain);
+        let n = arm.dof();
+        let inertia: Vec<Vec<Vec<f64>>> =
+            signals.iter().map(|s| inertia_root_mean_square(&arm, s)).collect();
+        let rows = Rows::new(&signals, &inertia);
+        let longest = signals.iter().map(|s| s.time_s[s.len() - 1]).fold(0.0, f64::max);
+        let scale = (0..n)
+            .map(|j| {
+                let pooled = |of: &dyn Fn(&Signals) -> &Vec<f64>, about: f64| {
+                    let all = signals.iter().flat_map(|s| of(s).iter());
+                    let count = signals.iter().map(Signals::len).sum::<usize>() as f64;
+                    (all.map(|x| (x - about).powi(2)).sum::<f64>() / count).sqrt()
+                };
+                let mean = signals.iter().flat_map(|s| s.position[j].iter()).sum::<f64>()
+                    / signals.iter().map(Signals::len).sum::<usize>() as f64;
+                MotionScale {
+                    kind: arm.joints[j].kind,
+                    speed_rms: pooled(&|s| &s.velocity[j], 0.0).max(f64::MIN_POSITIVE),
+                    position_deviation: pooled(&|s| &s.position[j], mean).max(f64::MIN_POSITIVE),
+                    duration_s: longest,
+                }
+            })
+            .collect();
+        let names = chain.joints.iter().map(|j| j.name.clone()).collect();
+        Self { chain, names, signals, rows, scale }
+    }
+
+    pub(crate) fn joints(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Recordings at an operating point with other links.
+    pub(crate) fn at(&self, point: &OperatingPoint) -> Vec<At<'_>> {
+        let arm = RigidArm::from_chain(self.chain);
+        self.signals.iter().map(|s| At::new(self.chain, &arm, s, point)).collect()
+    }
+
+    /// Blocks of an arm column given for each recording as `[joint][sample]`.
+    pub(crate) fn arm_blocks(&self, by_recording: &[Vec<Vec<f64>>]) -> Blocks {
+        (0..self.joints())
+            .map(|j| {
+                if by_recording.iter().all(|c| c[j].iter().all(|x| *x == 0.0)) {
+                    return Vec::new();
+                }
+                self.rows.form(&self.signals, j, by_recording.iter().map(|c| c[j].as_slice()))
+            })
+            .collect()
+    }
+
+    /// Blocks of a column on one joint.
+    pub(crate) fn joint_blocks(&self, joint: usize, by_recording: &[Vec<f64>]) -> Blocks {
+        let mut blocks = vec![Vec::new(); self.joints()];
+        blocks[joint] =
+            self.rows.form(&self.signals, joint, by_recording.iter().map(Vec::as_slice));
+        blocks
+    }
+
+    /// The problem with all groups that need no search of their own.
+    pub(crate) fn problem(&self, point: &OperatingPoint) -> Problem {
+        let at = self.at(point);
+        let n = self.joints();
+        let efforts: Vec<Vec<Vec<f64>>> =
+            self.signals.iter().map(|s| s.effort_before(point.delay_s)).collect();
+        let effort: Blocks = (0..n)
+            .map(|j| {
+                let difference: Vec<Vec<f64>> = at
+                    .iter()
+                    .zip(&efforts)
+                    .map(|(at, effort)| {
+                        at.rigid[j].iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
+                    })
+                    .collect();
+                self.rows.form(&self.signals, j, difference.iter().map(Vec::as_slice))
+            })
+            .collect();
+        let rigid = self.rigid_columns(&at);
+        let arm = RigidArm::from_chain(self.chain);
+        let background = inertial_error_directions(&arm.links);
+        let mut problem = Problem::new(self.rows.clone(), effort, rigid, background);
+        for j in 0..n {
+            for law in LIBRARY.iter().filter(|law| law.law().scope == Scope::Joint) {
+                for shape in law.shapes(&self.scale[j]) {
+                    self.push_joint_law(&mut problem, &at, *law, j, &shape);
+                }
+            }
+        }
+        for j in 0..n - 1 {
+            for law in LIBRARY.iter().filter(|law| law.law().scope == Scope::Neighbours) {
+                for shape in law.shapes(&self.scale[j]) {
+                    self.push_pair_law(&mut problem, &at, *law, j, &shape);
+                }
+            }
+        }
+        self.push_arm_laws(&mut problem, &at, &efforts);
+        self.push_links(&mut problem);
+        problem
+    }
+
+    /// The `10 n` columns of the standard parameters.
+    fn rigid_columns(&self, at: &[At<'_>]) -> Vec<Blocks> {
+        let n = self.joints();
+        let standard = ParameterColumns::standard(n);
+        let mut columns: Vec<Blocks> = vec![vec![Vec::new(); n]; 10 * n];
+        for row in 0..n {
+            // a link loads the joints before it
+            let wanted: Vec<usize> = (10 * row..10 * n).collect();
+            let by_recording: Vec<Vec<Vec<f64>>> = at
+                .iter()
+                .map(|at| {
+                    let (v, a) = (&at.signals.velocity, &at.signals.acceleration);
+                    standard.of_motion(&at.arm, row, &at.position, v, a, &wanted)
+                })
+                .collect();
+            for (k, &parameter) in wanted.iter().enumerate() {
+                let pieces = by_recording.iter().map(|c| c[k].as_slice());
+                if pieces.clone().flatten().any(|x| *x != 0.0) {
+                    columns[parameter][row] = self.rows.form(&self.signals, row, pieces);
+                }
+            }
+        }
+        columns
+    }
+
+    /// Adds a law on one joint; columns that are there already are shared. Gives the group's id.
+    pub(crate) fn push_joint_law(
+        &self,
+        problem: &mut Problem,
+        at: &[At<'_>],
+        law: &dyn Effect,
+        joint: usize,
+        shape: &[f64],
+    ) -> Option<usize> {
+        let by_recording: Vec<Vec<Vec<f64>>> =
+            at.iter().map(|at| law.columns(shape, &at.joint(joint))).collect();
+        let count = by_recording.first().map_or(0, Vec::len);
+        if count == 0 {
+            return None;
+        }
+        let mut ids = Vec::new();
+        for k in 0..count {
+            let pieces: Vec<Vec<f64>> = by_recording.iter().map(|c| c[k].clone()).collect();
+            ids.push(self.share_or_push(problem, self.joint_blocks(joint, &pieces)));
+        }
+        let site = Site { joints: vec![joint], window: None };
+        Some(push_law(problem, law, site, shape, ids, shape.len()))
+    }
+
+    pub(crate) fn push_pair_law(
+        &self,
+        problem: &mut Problem,
+        at: &[At<'_>],
+        law: &dyn Effect,
+        first: usize,
+        shape: &[f64],
+    ) -> usize {
+        let by_recording: Vec<Vec<[Vec<f64>; 2]>> = at
+            .iter()
+            .map(|at| law.pair_columns(shape, &at.joint(first), &at.joint(first + 1)))
+            .collect();
+        let count = by_recording.first().map_or(0, Vec::len);
+        let mut ids = Vec::new();
+        for k in 0..count {
+            let mut blocks = vec![Vec::new(); self.joints()];
+            for side in 0..2 {
+                let pieces = by_recording.iter().map(|c| c[k][side].as_slice());
+                blocks[first + side] = self.rows.form(&self.signals, first + side, pieces);
+            }
+            ids.push(self.share_or_push(problem, blocks));
+        }
+        let site = Site { joints: vec![first, first + 1], window: None };
+        push_law(problem, law, site, shape, ids, shape.len())
+    }
+
+    fn share_or_push(&self, problem: &mut Problem, blocks: Blocks) -> usize {
+        match problem.find_column(&blocks, problem.rigid) {
+            Some(known) => known,
+            None => problem.push_columns(vec![blocks]),
+        }
+    }
+
+    /// Encoders, transmissions to first order, gravity and the clock.
+    fn push_arm_laws(&self, problem: &mut Problem, at: &[At<'_>], efforts: &[Vec<Vec<f64>>]) {
+        for law in LIBRARY {
+            let joints = match law.law().scope {
+                Scope::ThroughJoint => self.joints(),
+                Scope::Arm if law.law().places != [Place::Contact] => 1,
+                _ => continue,
+            };
+            for j in 0..joints {
+                let by_recording: Vec<Vec<Vec<Vec<f64>>>> = at
+                    .iter()
+                    .zip(efforts)
+                    .map(|(at, effort)| {
+                        // the clock shifts all that is recorded, not the rigid body alone
+                        let shifted = law.law().places == [Place::Time];
+                        let effort = if shifted { effort } else { &at.rigid };
+                        law.arm_columns(j, &at.arm_motion(self.chain, effort))
+                    })
+                    .collect();
+                let count = by_recording[0].len();
+                if count == 0 {
+                    continue;
+                }
+                let mut ids = Vec::new();
+                for k in 0..count {
+                    let pieces: Vec<Vec<Vec<f64>>> =
+                        by_recording.iter().map(|c| c[k].clone()).collect();
+                    ids.push(problem.push_columns(vec![self.arm_blocks(&pieces)]));
+                }
+                let mut site = Site::default();
+                if law.law().scope == Scope::ThroughJoint {
+                    site.joints = vec![j];
+                }
+                // a transmission brings the inertia of its motor with it
+                let relative = law.law().contains.and_then(effect);
+                let searched = usize::from(relative.is_some());
+                if let Some(relative) = relative {
+                    let columns: Vec<Vec<f64>> = at
+                        .iter()
+                        .filter_map(|at| relative.columns(&[], &at.joint(j)).into_iter().next())
+                        .collect();
+                    ids.push(self.share_or_push(problem, self.joint_blocks(j, &columns)));
+                }
+                push_law(problem, *law, site, &[], ids, searched);
+            }
+        }
+    }
+
+    /// One wrong link each: the directions of its ten parameters that these motions show.
+    fn push_links(&self, problem: &mut Problem) {
+        const SCALE: [f64; 10] = [1.0, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
+        // root mean square effect of a direction below this share of the noise: not shown
+        const LEAST_SHOWN: f64 = 0.05;
+        let Some(law) = effect("link_inertia_error") else { return };
+        let rows = problem.rows.effective();
+        for link in 0..self.joints() {
+            let product = |i: usize, j: usize| {
+                SCALE[i] * SCALE[j] * problem.product(10 * link + i, 10 * link + j) / rows
+            };
+            let Ok((values, vectors)) = symmetric_eigen(&Mat::from_fn(10, 10, product)) else {
+                continue;
+            };
+            let shown: Vec<usize> =
+                (0..10).rev().filter(|k| values[*k] > LEAST_SHOWN * LEAST_SHOWN).collect();
+            if shown.is_empty() {
+                continue;
+            }
+            let transform: Vec<Vec<f64>> = shown
+                .iter()
+                .map(|&k| (0..10).map(|p| SCALE[p] * vectors[(p, k)]).collect())
+                .collect();
+            let mut ids = Vec::new();
+            for direction in &transform {
+                let mut blocks = vec![Vec::new(); self.joints()];
+                for (j, block) in blocks.iter_mut().enumerate().take(link + 1) {
+                    let mut sum = vec![0.0; self.rows.len()];
+                    for (p, x) in direction.iter().enumerate() {
+                        for (s, c) in sum.iter_mut().zip(&problem.columns[10 * link + p][j]) {
+                            *s += x * c;
+                        }
+                    }
+                    *block = sum;
+                }
+                ids.push(problem.push_columns(vec![blocks]));
+            }
+            let site = Site { joints: vec![link], window: None };
+            let group = push_law(problem, law, site, &[], ids, 0);
+            problem.groups[group].transform = Some(transform);
+        }
+    }
+}
+
+fn push_law(
+    problem: &mut Problem,
+    law: &dyn Effect,
+    site: Site,
+    shape: &[f64],
+    columns: Vec<usize>,
+    searched: usize,
+) -> usize {
+    problem.groups.push(Group {
+        meaning: Meaning::Law(law.law().slug),
+        site,
+        shape: shape.to_vec(),
+        columns,
+        searched,
+        places: law.law().places.to_vec(),
+        transform: None,
+    });
+    problem.groups.len() - 1
+}
+
+/// Root mean square of every entry of the inertia matrix over some instants of a recording.
+fn inertia_root_mean_square(arm: &RigidArm, signals: &Signals) -> Vec<Vec<f64>> {
+    const INSTANTS: usize = 20;
+    let n = arm.dof();
+    let mut squares = vec![vec![0.0; n]; n];
+    for k in 0..INSTANTS {
+        let t = k * (signals.len() - 1) / (INSTANTS - 1);
+        let q: Vec<f64> = signals.position.iter().map(|q| q[t]).collect();
+        let inertia = inertia_matrix(arm, &q);
+        for i in 0..n {
+            for j in 0..n {
+                squares[i][j] += inertia[(i, j)].powi(2) / INSTANTS as f64;
+            }
+        }
+    }
+    squares.iter().map(|row| row.iter().map(|x| x.sqrt()).collect()).collect()
+}
+
+/// Standard parameters of a link changed by `10` numbers.
+pub(crate) fn changed(link: &InertialParameters, change: &[f64]) -> InertialParameters {
+    let mut numbers = link.to_array();
+    for (x, d) in numbers.iter_mut().zip(change) {
+        *x += d;
+    }
+    InertialParameters::from_array(&numbers)
+}

@@ -1,0 +1,156 @@
+//! What was learned, in a form that predicts.
+
+use armident_dynamics::RigidArm;
+use armident_effects::{EffectOnJoint, Scope, effect};
+use armident_ident::ArmModel;
+use armident_recording::{Recording, RecordingError};
+use serde::{Deserialize, Serialize};
+
+use crate::evidence::{At, OperatingPoint};
+use crate::flexible::FlexibleTerm;
+use crate::signals::{Signals, later, low_pass};
+
+/// Cut-off for the rigid part of a prediction \[Hz\]: above, differentiated encoders are mostly noise.
+const RIGID_HZ: f64 = 14.0;
+
+/// What a diagnosis adds to an [`ArmModel`], whose links are the corrected ones and whose effects are
+/// those on single joints.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Learned {
+    /// Effects of two neighbouring joints, `joint` being the first.
+    pub couplings: Vec<EffectOnJoint>,
+    /// Rotation vector of the base about x and y of the world \[rad\].
+    pub tilt_rad: [f64; 2],
+    /// Recorded minus true position of each joint \[rad or m\].
+    pub encoder_offset: Vec<f64>,
+    /// Lag of the efforts \[s\].
+    pub delay_s: f64,
+    /// Gain of each effort channel.
+    pub gain: Vec<f64>,
+    /// Structure without a name.
+    pub flexible: Vec<FlexibleTerm>,
+    /// Low-pass on the whole prediction of each joint \[Hz\]: where differentiated encoders or the
+    /// timing of impacts spoil more than they tell.
+    pub output_cutoff_hz: Vec<Option<f64>>,
+}
+
+/// A model with what a diagnosis learned.
+#[derive(Debug, Clone)]
+pub struct DiagnosedModel {
+    /// Rigid body and effects on joints.
+    pub arm: ArmModel,
+    /// The rest.
+    pub learned: Learned,
+}
+
+impl DiagnosedModel {
+    /// The believed arm, nothing learned.
+    pub fn believed(arm: &ArmModel) -> Self {
+        let n = arm.chain.dof();
+        let mut arm = arm.clone();
+        arm.effects.clear();
+        let learned = Learned {
+            couplings: Vec::new(),
+            tilt_rad: [0.0; 2],
+            encoder_offset: vec![0.0; n],
+            delay_s: 0.0,
+            gain: vec![1.0; n],
+            flexible: Vec::new(),
+            output_cutoff_hz: vec![None; n],
+        };
+        Self { arm, learned }
+    }
+
+    pub(crate) fn point(&self) -> OperatingPoint {
+        OperatingPoint {
+            tilt: self.learned.tilt_rad,
+            offset: self.learned.encoder_offset.clone(),
+            delay_s: self.learned.delay_s,
+        }
+    }
+
+    /// Effort of every joint at every stamp of a motion, in recorded terms.
+    ///
+    /// # Errors
+    /// A motion without the positions of the joints, or mostly gaps.
+    pub fn predict(&self, motion: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let names: Vec<String> = self.arm.chain.joints.iter().map(|j| j.name.clone()).collect();
+        let signals = Signals::new(motion, &names)?;
+        let on_grid = self.on_grid(&signals)?;
+        let mut efforts = Vec::new();
+        for (effort, cutoff_hz) in on_grid.iter().zip(&self.learned.output_cutoff_hz) {
+            let smooth = match cutoff_hz {
+                Some(hz) => low_pass(*hz, signals.rate_hz)?.filter(effort),
+                None => effort.clone(),
+            };
+            efforts.push(signals.grid.at_stamps(&smooth));
+        }
+        Ok(efforts)
+    }
+
+    /// The prediction on the grid, before the low-pass of the output.
+    pub(crate) fn on_grid(&self, signals: &Signals) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let chain = &self.arm.chain;
+        let at = At::new(chain, &RigidArm::from_chain(chain), signals, &self.point());
+        let rigid_filter = low_pass(RIGID_HZ, signals.rate_hz)?;
+        let mut effort: Vec<Vec<f64>> =
+            at.rigid.iter().map(|rigid| rigid_filter.filter(rigid)).collect();
+        let index = |name: &str| chain.joints.iter().position(|j| j.name == name);
+        for on_joint in &self.arm.effects {
+            let (Some(law), Some(j)) = (effect(&on_joint.effect), index(&on_joint.joint)) else {
+                continue;
+            };
+            if law.law().scope == Scope::Joint {
+                add(&mut effort[j], &law.effort(&on_joint.parameters, &at.joint(j)));
+            }
+        }
+        for coupling in &self.learned.couplings {
+            let (Some(law), Some(j)) = (effect(&coupling.effect), index(&coupling.joint)) else {
+                continue;
+            };
+            let (shape, coefficients) = law.shape_and_coefficients(&coupling.parameters);
+            let columns = law.pair_columns(&shape, &at.joint(j), &at.joint(j + 1));
+            for (column, x) in columns.iter().zip(&coefficients) {
+                for side in 0..2 {
+                    let part: Vec<f64> = column[side].iter().map(|c| c * x).collect();
+                    add(&mut effort[j + side], &part);
+                }
+            }
+        }
+        for term in &self.learned.flexible {
+            if let Some(j) = index(&term.joint) {
+                add(&mut effort[j], &term.effort(&at, index));
+            }
+        }
+        for (j, effort) in effort.iter_mut().enumerate() {
+            effort.iter_mut().for_each(|e| *e *= self.learned.gain[j]);
+            *effort = later(effort, -self.learned.delay_s * signals.rate_hz);
+        }
+        Ok(effort)
+    }
+
+    /// Writes the model as one JSON file: that of the arm, and a section of what was learned.
+    ///
+    /// # Errors
+    /// When the model cannot be put into JSON.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        let mut document: serde_json::Value = serde_json::from_str(&self.arm.to_json()?)?;
+        document["learned"] = serde_json::to_value(&self.learned)?;
+        Ok(serde_json::to_string_pretty(&document)? + "\n")
+    }
+
+    /// What a model file holds beyond the arm; none in the file of a plain identification.
+    ///
+    /// # Errors
+    /// A section that is not of the expected form.
+    pub fn learned_in(text: &str) -> serde_json::Result<Option<Learned>> {
+        let document: serde_json::Value = serde_json::from_str(text)?;
+        document.get("learned").map(|l| serde_json::from_value(l.clone())).transpose()
+    }
+}
+
+fn add(to: &mut [f64], part: &[f64]) {
+    for (to, part) in to.iter_mut().zip(part) {
+        *to += part;
+    }
+}

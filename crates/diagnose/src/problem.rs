@@ -1,0 +1,444 @@
+//! The weighted linear problem: columns, their products, and the groups of columns that are laws.
+
+use armident_effects::Place;
+use armident_numeric::{Cholesky, Mat, gram_of_columns};
+
+use crate::rows::{Blocks, Rows};
+
+/// Relative ridge on normalised columns: nested laws share columns, round-off does the rest.
+const RIDGE: f64 = 1e-7;
+/// Least unique part of a normalised column, squared: below it the column is a combination.
+const LEAST_UNIQUE: f64 = 1e-6;
+/// Price of a group in the score: the logarithm of the some three hundred groups it was chosen from,
+/// doubled.
+pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
+
+/// Where a group acts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Site {
+    /// joints, base to tip; empty for the whole arm
+    pub(crate) joints: Vec<usize>,
+    /// recording, and window in its time
+    pub(crate) window: Option<(usize, [f64; 2])>,
+}
+
+/// What a group stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Meaning {
+    /// A law of the library.
+    Law(&'static str),
+    /// A flexible description on these variables.
+    Flexible(crate::flexible::Flexible),
+}
+
+/// A law at a site with a shape: the columns that it adds.
+#[derive(Debug, Clone)]
+pub(crate) struct Group {
+    pub(crate) meaning: Meaning,
+    pub(crate) site: Site,
+    pub(crate) shape: Vec<f64>,
+    /// ids of columns
+    pub(crate) columns: Vec<usize>,
+    /// constants that were searched
+    pub(crate) searched: usize,
+    pub(crate) places: Vec<Place>,
+    /// parameters from coefficients: `10 x columns`, for links
+    pub(crate) transform: Option<Vec<Vec<f64>>>,
+}
+
+impl Group {
+    pub(crate) fn slug(&self) -> &'static str {
+        match &self.meaning {
+            Meaning::Law(slug) => slug,
+            Meaning::Flexible(_) => crate::UNMODELLED,
+        }
+    }
+
+    /// Whether the two exclude each other.
+    pub(crate) fn excludes(&self, other: &Self) -> bool {
+        let same_site = match (&self.site.window, &other.site.window) {
+            (Some(a), Some(b)) => a.0 == b.0,
+            (None, None) => self.site.joints == other.site.joints,
+            _ => false,
+        };
+        same_site && self.places.iter().any(|p| other.places.contains(p))
+    }
+}
+
+/// Inertial errors of all links as noise: `W = Y D`, coefficients of deviation `s`.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Background {
+    /// `D`, `[direction][standard parameter]`
+    pub(crate) directions: Vec<Vec<f64>>,
+}
+
+/// Columns and their products; the first `rigid` columns are the standard parameters.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem {
+    pub(crate) rows: Rows,
+    pub(crate) columns: Vec<Blocks>,
+    pub(crate) rigid: usize,
+    /// lower triangle, row by row
+    gram: Vec<Vec<f64>>,
+    rhs: Vec<f64>,
+    pub(crate) effort: Blocks,
+    square: f64,
+    pub(crate) background: Background,
+    pub(crate) groups: Vec<Group>,
+}
+
+impl Problem {
+    pub(crate) fn new(
+        rows: Rows,
+        effort: Blocks,
+        rigid: Vec<Blocks>,
+        background: Background,
+    ) -> Self {
+        let square = effort.iter().flatten().map(|x| x * x).sum();
+        let mut problem = Self {
+            rows,
+            columns: Vec::new(),
+            rigid: rigid.len(),
+            gram: Vec::new(),
+            rhs: Vec::new(),
+            effort,
+            square,
+            background,
+            groups: Vec::new(),
+        };
+        problem.push_columns(rigid);
+        problem
+    }
+
+    /// Adds columns, and gives the id of the first.
+    pub(crate) fn push_columns(&mut self, new: Vec<Blocks>) -> usize {
+        let first = self.columns.len();
+        self.columns.extend(new);
+        let total = self.columns.len();
+        for k in first..total {
+            self.gram.push(vec![0.0; k + 1]);
+            self.rhs.push(0.0);
+        }
+        let fresh = total - first;
+        for j in 0..self.rows.joints() {
+            let present: Vec<usize> =
+                (0..total).filter(|&k| !self.columns[k][j].is_empty()).collect();
+            let is_new = present.iter().filter(|&&k| k >= first).count();
+            if is_new == 0 {
+                continue;
+            }
+            for &k in present.iter().filter(|&&k| k >= first) {
+                self.rhs[k] += dot(&self.columns[k][j], &self.effort[j]);
+            }
+            if fresh > 24 {
+                let views: Vec<&[f64]> =
+                    present.iter().map(|&k| self.columns[k][j].as_slice()).collect();
+                let gram = gram_of_columns(&views);
+                for (a, &k) in present.iter().enumerate() {
+                    for (b, &l) in present[..=a].iter().enumerate() {
+                        if k >= first {
+                            self.gram[k][l] += gram[(a, b)];
+                        }
+                    }
+                }
+            } else {
+                for (a, &k) in present.iter().enumerate() {
+                    if k < first {
+                        continue;
+                    }
+                    for &l in &present[..=a] {
+                        self.gram[k][l] += dot(&self.columns[k][j], &self.columns[l][j]);
+                    }
+                }
+            }
+        }
+        first
+    }
+
+    /// The column with these rows, if there is one already among those from `from` on.
+    pub(crate) fn find_column(&self, blocks: &Blocks, from: usize) -> Option<usize> {
+        (from..self.columns.len()).find(|&k| self.columns[k] == *blocks)
+    }
+
+    pub(crate) fn product(&self, a: usize, b: usize) -> f64 {
+        if a >= b { self.gram[a][b] } else { self.gram[b][a] }
+    }
+
+    /// Weighted rows counted as independent samples.
+    pub(crate) fn samples(&self) -> f64 {
+        self.rows.effective() * self.rows.share
+    }
+
+    /// The problem with inertial errors of relative deviation `scale` integrated out.
+    pub(crate) fn whitened(&self, scale: f64) -> Whitened<'_> {
+        let count = self.columns.len();
+        let mut gram: Vec<Vec<f64>> = self.gram.clone();
+        let mut rhs = self.rhs.clone();
+        let mut square = self.square;
+        let mut log_determinant = 0.0;
+        let mut prior = None;
+        if scale > 0.0 {
+            let weight = self.rows.share * scale * scale;
+            let directions = &self.background.directions;
+            let along = |k: usize| -> Vec<f64> {
+                let products: Vec<f64> = (0..self.rigid).map(|p| self.product(k, p)).collect();
+                directions.iter().map(|d| dot(d, &products)).collect()
+            };
+            // W'Y, then W'W
+            let with_rigid: Vec<Vec<f64>> = (0..self.rigid).map(along).collect();
+            let w_w = |a: usize, b: usize| -> f64 {
+                directions[b].iter().zip(&with_rigid).map(|(d, w)| d * w[a]).sum()
+            };
+            let cholesky = Cholesky::of(directions.len(), |i, j| {
+                f64::from(u8::from(i == j)) + weight * w_w(i, j)
+            });
+            if let Some(cholesky) = cholesky {
+                log_determinant = cholesky.log_determinant();
+                let w_y: Vec<f64> =
+                    directions.iter().map(|d| dot(d, &self.rhs[..self.rigid])).collect();
+                let reduced_y = cholesky.forward(&w_y);
+                let reduced: Vec<Vec<f64>> =
+                    (0..count).map(|k| cholesky.forward(&along(k))).collect();
+                let matrix = Mat::from_fn(directions.len(), count, |i, j| reduced[j][i]);
+                let correction = &matrix.transpose() * &matrix;
+                for k in 0..count {
+                    for l in 0..=k {
+                        gram[k][l] -= weight * correction[(k, l)];
+                    }
+                    rhs[k] -= weight * dot(&reduced[k], &reduced_y);
+                }
+                square -= weight * dot(&reduced_y, &reduced_y);
+                prior = Some((weight, cholesky, w_y));
+            }
+        }
+        let norm = (0..count).map(|k| gram[k][k].max(f64::MIN_POSITIVE).sqrt()).collect();
+        Whitened { problem: self, scale, gram, rhs, square, log_determinant, norm, prior }
+    }
+}
+
+/// A [`Problem`] in the metric in which inertial errors of a given size are noise.
+pub(crate) struct Whitened<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) scale: f64,
+    gram: Vec<Vec<f64>>,
+    rhs: Vec<f64>,
+    square: f64,
+    log_determinant: f64,
+    norm: Vec<f64>,
+    prior: Option<(f64, Cholesky, Vec<f64>)>,
+}
+
+/// The least-squares fit of a set of columns.
+#[derive(Debug, Clone)]
+pub(crate) struct Fit {
+    /// ids of columns
+    pub(crate) columns: Vec<usize>,
+    pub(crate) coefficients: Vec<f64>,
+    pub(crate) sum_of_squares: f64,
+    cholesky: Cholesky,
+    reduced: Vec<f64>,
+}
+
+impl Fit {
+    pub(crate) fn coefficient(&self, column: usize) -> f64 {
+        self.columns.iter().position(|c| *c == column).map_or(0.0, |k| self.coefficients[k])
+    }
+
+    pub(crate) fn of_group(&self, group: &Group) -> Vec<f64> {
+        group.columns.iter().map(|c| self.coefficient(*c)).collect()
+    }
+}
+
+impl Whitened<'_> {
+    fn product(&self, a: usize, b: usize) -> f64 {
+        let value = if a >= b { self.gram[a][b] } else { self.gram[b][a] };
+        value / (self.norm[a] * self.norm[b])
+    }
+
+    /// Columns of a set of groups, each once.
+    pub(crate) fn columns_of(&self, set: &[usize]) -> Vec<usize> {
+        let groups = &self.problem.groups;
+        let mut columns: Vec<usize> =
+            set.iter().flat_map(|g| groups[*g].columns.iter().copied()).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        columns
+    }
+
+    /// Fits a set of columns; none where they are numerically dependent beyond the ridge.
+    pub(crate) fn fit(&self, columns: Vec<usize>) -> Option<Fit> {
+        let cholesky = Cholesky::of(columns.len(), |i, j| {
+            self.product(columns[i], columns[j]) + if i == j { RIDGE } else { 0.0 }
+        })?;
+        let rhs: Vec<f64> = columns.iter().map(|&k| self.rhs[k] / self.norm[k]).collect();
+        let reduced = cholesky.forward(&rhs);
+        let sum_of_squares = (self.square - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE);
+        let coefficients = cholesky
+            .backward(&reduced)
+            .iter()
+            .zip(&columns)
+            .map(|(x, &k)| x / self.norm[k])
+            .collect();
+        Some(Fit { columns, coefficients, sum_of_squares, cholesky, reduced })
+    }
+
+    /// Standard errors of the coefficients, for noise of the weights.
+    pub(crate) fn standard_errors(&self, fit: &Fit) -> Vec<f64> {
+        fit.cholesky
+            .inverse_diagonal()
+            .iter()
+            .zip(&fit.columns)
+            .map(|(v, &k)| (v / self.problem.rows.share).sqrt() / self.norm[k])
+            .collect()
+    }
+
+    /// What the sum of squares would lose if these columns were added to a fit.
+    pub(crate) fn gain(&self, fit: &Fit, added: &[usize]) -> f64 {
+        if added.is_empty() {
+            return 0.0;
+        }
+        let across: Vec<Vec<f64>> = added
+            .iter()
+            .map(|&g| {
+                let products: Vec<f64> = fit.columns.iter().map(|&c| self.product(c, g)).collect();
+                fit.cholesky.forward(&products)
+            })
+            .collect();
+        let rhs: Vec<f64> = added
+            .iter()
+            .zip(&across)
+            .map(|(&g, z)| self.rhs[g] / self.norm[g] - dot(z, &fit.reduced))
+            .collect();
+        let own = Cholesky::of(added.len(), |i, j| {
+            self.product(added[i], added[j]) - dot(&across[i], &across[j])
+                + if i == j { LEAST_UNIQUE } else { 0.0 }
+        });
+        own.map_or(0.0, |own| {
+            let reduced = own.forward(&rhs);
+            dot(&reduced, &reduced)
+        })
+    }
+
+    /// A description length: misfit in units of its own size, a price for every column, every
+    /// searched constant and every choice of a group.
+    pub(crate) fn score(&self, sum_of_squares: f64, columns: usize, set: &[usize]) -> f64 {
+        let rows = self.problem.rows.effective();
+        let samples = rows * self.problem.rows.share;
+        let searched: usize = set.iter().map(|g| self.problem.groups[*g].searched).sum();
+        samples * (sum_of_squares / rows).ln()
+            + samples.ln() * (columns + searched) as f64
+            + PRICE_OF_CHOICE * set.len() as f64
+            + self.log_determinant
+    }
+
+    /// Posterior mean of the relative inertial errors, and with it the change of all standard
+    /// parameters; zeros at scale 0.
+    pub(crate) fn inertial_errors(&self, fit: &Fit) -> Vec<f64> {
+        let problem = self.problem;
+        let mut change = vec![0.0; problem.rigid];
+        let Some((weight, cholesky, w_y)) = &self.prior else { return change };
+        let directions = &problem.background.directions;
+        let rhs: Vec<f64> = directions
+            .iter()
+            .zip(w_y)
+            .map(|(d, w_y)| {
+                let explained: f64 = fit
+                    .columns
+                    .iter()
+                    .zip(&fit.coefficients)
+                    .map(|(&c, x)| {
+                        x * (0..problem.rigid).map(|p| d[p] * problem.product(c, p)).sum::<f64>()
+                    })
+                    .sum();
+                weight * (w_y - explained)
+            })
+            .collect();
+        for (direction, c) in directions.iter().zip(cholesky.solve(&rhs)) {
+            for (change, d) in change.iter_mut().zip(direction) {
+                *change += c * d;
+            }
+        }
+        change
+    }
+
+    /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
+    pub(crate) fn residual(&self, fit: &Fit) -> Blocks {
+        let problem = self.problem;
+        let mut residual = problem.effort.clone();
+        let errors = self.inertial_errors(fit);
+        let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);
+        let fitted = fit.columns.iter().copied().zip(&fit.coefficients);
+        for (k, x) in rigid.chain(fitted) {
+            for (residual, column) in residual.iter_mut().zip(&problem.columns[k]) {
+                for (r, c) in residual.iter_mut().zip(column) {
+                    *r -= x * c;
+                }
+            }
+        }
+        residual
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl Problem {
+    /// The problem with the columns of some groups only, and the ids of these groups there.
+    pub(crate) fn restricted(&self, set: &[usize]) -> (Self, Vec<usize>) {
+        let mut kept: Vec<usize> = (0..self.rigid).collect();
+        let mut groups = Vec::new();
+        for &g in set {
+            let mut group = self.groups[g].clone();
+            for column in &mut group.columns {
+                let place = kept.iter().position(|k| k == column).unwrap_or_else(|| {
+                    kept.push(*column);
+                    kept.len() - 1
+                });
+                *column = place;
+            }
+            groups.push(group);
+        }
+        let gram = (0..kept.len())
+            .map(|k| (0..=k).map(|l| self.product(kept[k], kept[l])).collect())
+            .collect();
+        let problem = Self {
+            rows: self.rows.clone(),
+            columns: kept.iter().map(|k| self.columns[*k].clone()).collect(),
+            rigid: self.rigid,
+            gram,
+            rhs: kept.iter().map(|k| self.rhs[*k]).collect(),
+            effort: self.effort.clone(),
+            square: self.square,
+            background: self.background.clone(),
+            groups,
+        };
+        let ids = (0..set.len()).collect();
+        (problem, ids)
+    }
+}
+
+impl Whitened<'_> {
+    /// Covariance of the coefficients of some columns of a fit.
+    pub(crate) fn covariance(&self, fit: &Fit, columns: &[usize]) -> Vec<Vec<f64>> {
+        let reduced: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|c| {
+                let unit: Vec<f64> =
+                    fit.columns.iter().map(|k| f64::from(u8::from(k == c))).collect();
+                fit.cholesky.forward(&unit)
+            })
+            .collect();
+        let scale = |k: usize| 1.0 / self.norm[columns[k]];
+        (0..columns.len())
+            .map(|a| {
+                (0..columns.len())
+                    .map(|b| {
+                        dot(&reduced[a], &reduced[b]) * scale(a) * scale(b)
+                            / self.problem.rows.share
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,141 @@
+//! What all rows of the comparison have in common: weights, noise, and how columns become rows.
+
+use crate::noise::{Noise, noise_of};
+use crate::signals::Signals;
+
+/// Weight of a row in which its joint sticks: its friction is then no function of its motion.
+const STUCK_WEIGHT: f64 = 0.15;
+/// Share of a row's kernel over stuck samples from which on the row counts as stuck.
+const STUCK_SHARE: f64 = 0.12;
+
+/// A quantity on all joints, in weighted rows; empty where it is zero.
+pub(crate) type Blocks = Vec<Vec<f64>>;
+
+/// The rows of every joint: recordings one after the other.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows {
+    /// `[joint][row]`: one over the noise in the band, less where the joint sticks; 0 without effort
+    weight: Blocks,
+    /// `[joint][row]`: noise in the band \[N m or N\]
+    pub(crate) deviation: Blocks,
+    /// `[joint]`: noise of one recorded sample \[N m or N\]
+    pub(crate) sample_deviation: Vec<f64>,
+    /// `[recording][joint]`
+    pub(crate) noise: Vec<Vec<Noise>>,
+    /// first row of each recording, and the number of rows
+    pub(crate) starts: Vec<usize>,
+    /// independent samples per row
+    pub(crate) share: f64,
+    /// `[joint][row]`
+    pub(crate) stuck: Vec<Vec<bool>>,
+}
+
+impl Rows {
+    /// `inertia`: `[recording][joint i][joint j]`, root mean square of the inertia matrix: through it
+    /// the noise of differentiated encoders comes into the efforts.
+    pub(crate) fn new(signals: &[Signals], inertia: &[Vec<Vec<f64>>]) -> Self {
+        let joints = signals[0].position.len();
+        let noise: Vec<Vec<Noise>> = signals
+            .iter()
+            .map(|s| s.effort.iter().map(|e| noise_of(e, s.rate_hz)).collect())
+            .collect();
+        let mut starts = vec![0];
+        for s in signals {
+            starts.push(starts[starts.len() - 1] + s.band.kept.len());
+        }
+        let mut rows = Self {
+            weight: vec![Vec::new(); joints],
+            deviation: vec![Vec::new(); joints],
+            sample_deviation: vec![0.0; joints],
+            stuck: vec![Vec::new(); joints],
+            share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
+                / signals.len() as f64,
+            noise,
+            starts,
+        };
+        for j in 0..joints {
+            let mut squares = 0.0;
+            for (r, s) in signals.iter().enumerate() {
+                let noise = rows.noise[r][j];
+                let from_effort = noise.deviation.powi(2) * s.band.noise_gain(noise.colour);
+                let from_encoders: f64 =
+                    (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise(i)).powi(2)).sum();
+                let deviation = (from_effort + from_encoders).sqrt();
+                squares += noise.deviation.powi(2) / signals.len() as f64;
+                let sticks: Vec<f64> = s.stuck[j].iter().map(|b| f64::from(u8::from(*b))).collect();
+                for share in s.band.rows(&sticks) {
+                    let stuck = share > STUCK_SHARE;
+                    let weight = if stuck { STUCK_WEIGHT } else { 1.0 };
+                    let known = !s.effort[j].is_empty() && deviation > 0.0;
+                    rows.weight[j].push(if known { weight / deviation } else { 0.0 });
+                    rows.deviation[j].push(deviation);
+                    rows.stuck[j].push(stuck);
+                }
+            }
+            rows.sample_deviation[j] = squares.sqrt();
+        }
+        rows
+    }
+
+    pub(crate) fn joints(&self) -> usize {
+        self.weight.len()
+    }
+
+    /// Number of rows of one joint.
+    pub(crate) fn len(&self) -> usize {
+        self.starts[self.starts.len() - 1]
+    }
+
+    /// Weighted rows counted as a whole one each: the sample size of the fit.
+    pub(crate) fn effective(&self) -> f64 {
+        let squares = self
+            .weight
+            .iter()
+            .zip(&self.deviation)
+            .flat_map(|(w, d)| w.iter().zip(d).map(|(w, d)| (w * d).powi(2)));
+        squares.sum()
+    }
+
+    /// Weighted rows of joint `joint` from columns at every sample of each recording.
+    pub(crate) fn form<'a>(
+        &self,
+        signals: &[Signals],
+        joint: usize,
+        columns: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Vec<f64> {
+        let mut rows = Vec::with_capacity(self.len());
+        for (s, column) in signals.iter().zip(columns) {
+            rows.extend(s.band.rows(column));
+        }
+        for (x, w) in rows.iter_mut().zip(&self.weight[joint]) {
+            *x *= w;
+        }
+        rows
+    }
+
+    pub(crate) fn weight(&self, joint: usize) -> &[f64] {
+        &self.weight[joint]
+    }
+
+    /// Makes all rows of a joint this many times noisier: what its model leaves over is no sharper.
+    pub(crate) fn inflate(&mut self, joint: usize, factor: f64) {
+        self.weight[joint].iter_mut().for_each(|w| *w /= factor);
+        self.deviation[joint].iter_mut().for_each(|d| *d *= factor);
+    }
+
+    /// Root mean square of weighted rows of one joint, over the rows that do not stick, back in the
+    /// unit of the effort over the noise of one recorded sample.
+    pub(crate) fn in_sample_noise(&self, joint: usize, rows: &[f64]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, x) in rows.iter().enumerate() {
+            if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
+                sum += (x / self.weight[joint][k]).powi(2);
+                count += 1;
+            }
+        }
+        if count == 0 || self.sample_deviation[joint] == 0.0 {
+            return 0.0;
+        }
+        (sum / f64::from(count)).sqrt() / self.sample_deviation[joint]
+    }
+}

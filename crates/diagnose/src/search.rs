@@ -1,0 +1,141 @@
+//! The set of laws with the shortest description: a beam search over adding, removing and replacing.
+
+use std::collections::{HashMap, HashSet};
+
+use armident_effects::{Scope, effect};
+
+use crate::problem::{Fit, Group, Meaning, Problem, Whitened};
+
+/// Sets kept at every step.
+const BEAM: usize = 5;
+/// Successors of one set that are kept.
+const SUCCESSORS: usize = 8;
+/// Most groups in a set: beyond, the description has stopped to be one.
+const MOST_GROUPS: usize = 60;
+
+/// A set of groups with its fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Answer {
+    /// group ids, rising
+    pub(crate) set: Vec<usize>,
+    pub(crate) fit: Fit,
+    pub(crate) score: f64,
+}
+
+/// Whether the coefficients of a group may carry its name.
+fn admissible(group: &Group, fit: &Fit) -> bool {
+    let Meaning::Law(slug) = group.meaning else { return true };
+    let Some(law) = effect(slug) else { return false };
+    let coefficients = fit.of_group(group);
+    match law.law().scope {
+        Scope::Joint | Scope::Neighbours => {
+            law.admits(&law.parameters(&group.shape, &coefficients))
+        }
+        // a compliance and an inertia, both positive; an encoder offset has one column and any sign
+        Scope::ThroughJoint if coefficients.len() > 1 => {
+            coefficients[0] > 0.0 && coefficients[1] >= 0.0
+        }
+        _ => true,
+    }
+}
+
+/// Whether all groups of a set are admissible with its fit.
+pub(crate) fn all_admissible(problem: &Problem, set: &[usize], fit: &Fit) -> bool {
+    set.iter().all(|g| admissible(&problem.groups[*g], fit))
+}
+
+/// Fits a set; none where it cannot be fitted or is not admissible.
+pub(crate) fn answer(metric: &Whitened<'_>, mut set: Vec<usize>) -> Option<Answer> {
+    set.sort_unstable();
+    set.dedup();
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    if !all_admissible(metric.problem, &set, &fit) {
+        return None;
+    }
+    let score = metric.score(fit.sum_of_squares, count, &set);
+    Some(Answer { set, fit, score })
+}
+
+/// The best set reachable from any of the starts and from the empty set, of groups that are not banned.
+pub(crate) fn search(
+    metric: &Whitened<'_>,
+    starts: &[Vec<usize>],
+    banned: &HashSet<usize>,
+) -> Option<Answer> {
+    let mut known: HashMap<Vec<usize>, Option<f64>> = HashMap::new();
+    let mut expanded: HashSet<Vec<usize>> = HashSet::new();
+    let mut front: Vec<Answer> = Vec::new();
+    for start in starts.iter().chain([&Vec::new()]) {
+        let allowed: Vec<usize> = start.iter().copied().filter(|g| !banned.contains(g)).collect();
+        front.extend(answer(metric, allowed));
+    }
+    loop {
+        front.sort_by(|a, b| a.score.total_cmp(&b.score));
+        front.dedup_by(|a, b| a.set == b.set);
+        front.truncate(BEAM);
+        let Some(next) = front.iter().find(|a| !expanded.contains(&a.set)).cloned() else { break };
+        expanded.insert(next.set.clone());
+        front.extend(successors(metric, &next, banned, &mut known));
+    }
+    front.into_iter().next()
+}
+
+fn successors(
+    metric: &Whitened<'_>,
+    from: &Answer,
+    banned: &HashSet<usize>,
+    known: &mut HashMap<Vec<usize>, Option<f64>>,
+) -> Vec<Answer> {
+    let groups = &metric.problem.groups;
+    let mut estimates: Vec<(f64, Vec<usize>)> = Vec::new();
+    for g in 0..groups.len() {
+        if banned.contains(&g) || from.set.contains(&g) {
+            continue;
+        }
+        let mut set: Vec<usize> =
+            from.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g])).collect();
+        let replaces = set.len() < from.set.len();
+        set.push(g);
+        set.sort_unstable();
+        if set.len() > MOST_GROUPS {
+            continue;
+        }
+        let columns = metric.columns_of(&set);
+        let sum_of_squares = if replaces {
+            match metric.fit(columns.clone()) {
+                Some(fit) => fit.sum_of_squares,
+                None => continue,
+            }
+        } else {
+            let added: Vec<usize> =
+                columns.iter().copied().filter(|c| !from.fit.columns.contains(c)).collect();
+            from.fit.sum_of_squares - metric.gain(&from.fit, &added)
+        };
+        let score = metric.score(sum_of_squares.max(f64::MIN_POSITIVE), columns.len(), &set);
+        estimates.push((score, set));
+    }
+    for k in 0..from.set.len() {
+        let mut set = from.set.clone();
+        set.remove(k);
+        let columns = metric.columns_of(&set);
+        if let Some(fit) = metric.fit(columns.clone()) {
+            estimates.push((metric.score(fit.sum_of_squares, columns.len(), &set), set));
+        }
+    }
+    estimates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept = Vec::new();
+    for (_, set) in estimates {
+        if kept.len() == SUCCESSORS {
+            break;
+        }
+        if known.get(&set).is_some_and(Option::is_none) {
+            continue;
+        }
+        let found = answer(metric, set.clone());
+        known.insert(set, found.as_ref().map(|a| a.score));
+        kept.extend(found);
+    }
+    kept
+}

@@ -1,0 +1,211 @@
+//! One recording as the diagnosis sees it.
+
+use std::f64::consts::TAU;
+
+use armident_recording::{
+    CUTOFF_SHARE_BOUND, EvenGrid, Quantity, Recording, RecordingError, ZeroPhaseLowPass,
+    differentiate,
+};
+
+use crate::band::Band;
+use crate::noise::{Noise, noise_of};
+
+/// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
+/// columns with signs and products are formed from it and only then filtered.
+const KINEMATICS_HZ: f64 = 25.0;
+const KINEMATICS_ORDER: usize = 4;
+/// A speed below this many standard deviations of its noise has no sign...
+const SIGN_DEVIATIONS: f64 = 5.0;
+/// ... nor one below this share of the root mean square speed.
+const SIGN_SHARE: f64 = 0.002;
+/// A joint sticks below this share of the root mean square speed...
+const STICK_SHARE: f64 = 0.006;
+/// ... if it stays there this long \[s\].
+const STICK_S: f64 = 0.03;
+/// Friction fades to nothing in this time \[s\] when a joint stops and goes on the same way.
+const DIP_S: f64 = 0.04;
+
+/// Channels of the joints of a chain on an even grid, joint-major.
+#[derive(Debug, Clone)]
+pub(crate) struct Signals {
+    pub(crate) source: String,
+    pub(crate) rate_hz: f64,
+    /// since the first sample
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) recorded_position: Vec<Vec<f64>>,
+    pub(crate) position: Vec<Vec<f64>>,
+    pub(crate) velocity: Vec<Vec<f64>>,
+    pub(crate) acceleration: Vec<Vec<f64>>,
+    pub(crate) direction: Vec<Vec<f64>>,
+    pub(crate) stuck: Vec<Vec<bool>>,
+    /// empty for a joint whose effort is not recorded
+    pub(crate) effort: Vec<Vec<f64>>,
+    pub(crate) position_noise: Vec<Noise>,
+    pub(crate) band: Band,
+    pub(crate) grid: EvenGrid,
+}
+
+impl Signals {
+    /// # Errors
+    /// A joint without position, or a recording that is mostly gaps.
+    pub(crate) fn new(recording: &Recording, joints: &[String]) -> Result<Self, RecordingError> {
+        recording.check()?;
+        let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        let rate_hz = grid.rate_hz();
+        let start_s = grid.time_s().first().copied().unwrap_or_default();
+        let time_s: Vec<f64> = grid.time_s().iter().map(|t| t - start_s).collect();
+        let on_grid = |joint: &String, quantity| {
+            let channel = recording.joint(joint).and_then(|j| j.channel(quantity));
+            channel.map(|values| grid.resample(values)).unwrap_or_default()
+        };
+        let recorded_position: Vec<Vec<f64>> = joints
+            .iter()
+            .map(|j| on_grid(j, Quantity::Position))
+            .map(|q| if q.is_empty() { vec![0.0; time_s.len()] } else { q })
+            .collect();
+        let effort: Vec<Vec<f64>> = joints.iter().map(|j| on_grid(j, Quantity::Effort)).collect();
+        let low_pass = kinematics_filter(rate_hz)?;
+        let mut signals = Self {
+            source: recording.source.clone(),
+            rate_hz,
+            band: Band::new(rate_hz, time_s.len()),
+            position_noise: recorded_position.iter().map(|q| noise_of(q, rate_hz)).collect(),
+            position: recorded_position.iter().map(|q| low_pass.filter(q)).collect(),
+            time_s,
+            recorded_position,
+            velocity: Vec::new(),
+            acceleration: Vec::new(),
+            direction: Vec::new(),
+            stuck: Vec::new(),
+            effort,
+            grid,
+        };
+        for j in 0..joints.len() {
+            let velocity = differentiate(&signals.position[j], rate_hz);
+            signals.acceleration.push(differentiate(&velocity, rate_hz));
+            let noise = signals.position_noise[j].deviation * signals.kinematics_gain(1);
+            let (direction, stuck) = directions_and_stops(&velocity, noise, rate_hz);
+            signals.velocity.push(velocity);
+            signals.direction.push(direction);
+            signals.stuck.push(stuck);
+        }
+        Ok(signals)
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Standard deviation of the `order`-th derivative of the low-passed position, for white noise of
+    /// deviation 1 on the position, before the band.
+    fn kinematics_gain(&self, order: i32) -> f64 {
+        const POINTS: usize = 400;
+        let power = |k: usize| {
+            let f = (k as f64 + 0.5) / POINTS as f64 * 0.5 * self.rate_hz;
+            kinematics_power(f, order)
+        };
+        ((0..POINTS).map(power).sum::<f64>() / POINTS as f64).sqrt()
+    }
+
+    /// The same of the acceleration, in the band.
+    pub(crate) fn acceleration_noise(&self, joint: usize) -> f64 {
+        let variance = self.band.mean_power(|f| kinematics_power(f, 2));
+        self.position_noise[joint].deviation * variance.sqrt()
+    }
+}
+
+/// `|K|² ω^(2 order)` of the zero-phase low-pass (its magnitude counts twice).
+fn kinematics_power(f_hz: f64, order: i32) -> f64 {
+    let magnitude = 1.0 / (1.0 + (f_hz / KINEMATICS_HZ).powi(2 * KINEMATICS_ORDER as i32));
+    magnitude * magnitude * (TAU * f_hz).powi(2 * order)
+}
+
+pub(crate) fn kinematics_filter(rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
+    low_pass(KINEMATICS_HZ, rate_hz)
+}
+
+/// A low-pass of this cut-off, or of the highest that the rate allows.
+pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
+    let highest_hz = 0.9 * CUTOFF_SHARE_BOUND * rate_hz;
+    ZeroPhaseLowPass::new(KINEMATICS_ORDER, cutoff_hz.min(highest_hz), rate_hz)
+}
+
+/// Direction of motion, bridged where the speed has no sure sign, and where the joint sticks.
+///
+/// Between two directions the friction of a stopped joint goes from one level to the other, and a line
+/// is the best guess; between two equal ones it gives way in between.
+fn directions_and_stops(velocity: &[f64], noise: f64, rate_hz: f64) -> (Vec<f64>, Vec<bool>) {
+    let n = velocity.len();
+    let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / n.max(1) as f64).sqrt();
+    let threshold = (SIGN_DEVIATIONS * noise).max(SIGN_SHARE * rms);
+    let mut direction: Vec<f64> =
+        velocity.iter().map(|v| if v.abs() >= threshold { v.signum() } else { 0.0 }).collect();
+    let dip = (DIP_S * rate_hz).max(1.0);
+    for (start, end) in spells(velocity, threshold) {
+        let before = if start == 0 { 0.0 } else { direction[start - 1] };
+        let after = if end == n { 0.0 } else { direction[end] };
+        let length = (end - start + 1) as f64;
+        for t in start..end {
+            let (from_start, to_end) = ((t - start + 1) as f64, (end - t) as f64);
+            let by_line = before + (after - before) * from_start / length;
+            let fading =
+                before * (1.0 - from_start / dip).max(0.0) + after * (1.0 - to_end / dip).max(0.0);
+            direction[t] = if before * after < 0.0 { by_line } else { fading.clamp(-1.0, 1.0) };
+        }
+    }
+    let mut stuck = vec![false; n];
+    for (start, end) in spells(velocity, threshold.max(STICK_SHARE * rms)) {
+        if (end - start) as f64 >= STICK_S * rate_hz {
+            stuck[start..end].fill(true);
+        }
+    }
+    (direction, stuck)
+}
+
+/// Stretches of samples with a speed below a threshold.
+fn spells(velocity: &[f64], threshold: f64) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut start = None;
+    for (t, v) in velocity.iter().enumerate() {
+        match (v.abs() < threshold || threshold == 0.0, start) {
+            (true, None) => start = Some(t),
+            (false, Some(from)) => {
+                found.push((from, t));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    found.extend(start.map(|from| (from, velocity.len())));
+    found
+}
+
+impl Signals {
+    /// The efforts as they were before a delay \[s\]: at every instant, what is recorded that much
+    /// later.
+    pub(crate) fn effort_before(&self, delay_s: f64) -> Vec<Vec<f64>> {
+        self.effort.iter().map(|e| later(e, delay_s * self.rate_hz)).collect()
+    }
+}
+
+/// Values `samples` later, by the cubic through four neighbours; held at the ends.
+pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
+    if samples == 0.0 || values.is_empty() {
+        return values.to_vec();
+    }
+    let whole = samples.floor();
+    let x = samples - whole;
+    let weights = [
+        -x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+        -(x + 1.0) * x * (x - 2.0) / 2.0,
+        (x + 1.0) * x * (x - 1.0) / 6.0,
+    ];
+    let last = values.len() as i64 - 1;
+    (0..=last)
+        .map(|t| {
+            let at = |k: i64| values[(t + whole as i64 + k).clamp(0, last) as usize];
+            weights.iter().zip(-1..).map(|(w, k)| w * at(k)).sum()
+        })
+        .collect()
+}

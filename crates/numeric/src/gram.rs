@@ -1,0 +1,126 @@
+//! Gram matrices of columns, and small symmetric systems that are solved many times.
+
+use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Par};
+
+/// `AᵀA` of columns of one length.
+pub fn gram_of_columns(columns: &[&[f64]]) -> Mat<f64> {
+    let rows = columns.first().map_or(0, |c| c.len());
+    let a = Mat::from_fn(rows, columns.len(), |i, j| columns[j][i]);
+    let mut gram = Mat::zeros(columns.len(), columns.len());
+    matmul(gram.as_mut(), Accum::Replace, a.transpose(), &a, 1.0, Par::Seq);
+    gram
+}
+
+/// Eigenvalues (rising) and eigenvectors (columns) of a symmetric matrix.
+///
+/// # Errors
+/// [`NumericError::NoConvergence`](crate::NumericError::NoConvergence).
+pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), crate::NumericError> {
+    let eigen =
+        a.self_adjoint_eigen(faer::Side::Lower).map_err(|_| crate::NumericError::NoConvergence)?;
+    let values = eigen.S().column_vector();
+    Ok(((0..a.nrows()).map(|k| values[k]).collect(), eigen.U().to_owned()))
+}
+
+/// Lower triangle `L` with `L Lᵀ = A`, for systems of some dozen unknowns: written out, because the
+/// set-up of a library call costs more than the work.
+#[derive(Debug, Clone)]
+pub struct Cholesky {
+    order: usize,
+    /// row-major lower triangle, `order x order`
+    lower: Vec<f64>,
+}
+
+impl Cholesky {
+    /// Of the symmetric matrix with these entries; only `i >= j` is asked for. None if it is not
+    /// positive definite.
+    pub fn of(order: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Self> {
+        let mut lower = vec![0.0; order * order];
+        for i in 0..order {
+            let (above, row) = lower.split_at_mut(i * order);
+            let row = &mut row[..=i];
+            for j in 0..i {
+                let other = &above[j * order..j * order + j + 1];
+                let sum: f64 = row[..j].iter().zip(&other[..j]).map(|(a, b)| a * b).sum();
+                row[j] = (entry(i, j) - sum) / other[j];
+            }
+            let pivot = entry(i, i) - row[..i].iter().map(|x| x * x).sum::<f64>();
+            // written so that NaN is refused
+            if !(pivot > 0.0) {
+                return None;
+            }
+            row[i] = pivot.sqrt();
+        }
+        Some(Self { order, lower })
+    }
+
+    /// `L⁻¹ b`.
+    pub fn forward(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = b.to_vec();
+        for i in 0..self.order {
+            let row = &self.lower[i * self.order..i * self.order + i + 1];
+            let sum: f64 = row[..i].iter().zip(&x).map(|(a, b)| a * b).sum();
+            x[i] = (x[i] - sum) / row[i];
+        }
+        x
+    }
+
+    /// `L⁻ᵀ b`.
+    pub fn backward(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = b.to_vec();
+        for i in (0..self.order).rev() {
+            x[i] /= self.lower[i * self.order + i];
+            for j in 0..i {
+                x[j] -= self.lower[i * self.order + j] * x[i];
+            }
+        }
+        x
+    }
+
+    /// `A⁻¹ b`.
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        self.backward(&self.forward(b))
+    }
+
+    /// Diagonal of `A⁻¹`.
+    pub fn inverse_diagonal(&self) -> Vec<f64> {
+        (0..self.order)
+            .map(|k| {
+                let unit: Vec<f64> = (0..self.order).map(|i| f64::from(u8::from(i == k))).collect();
+                self.forward(&unit).iter().map(|x| x * x).sum()
+            })
+            .collect()
+    }
+
+    /// `log det A`.
+    pub fn log_determinant(&self) -> f64 {
+        (0..self.order).map(|i| 2.0 * self.lower[i * self.order + i].ln()).sum()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failed test may panic")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cholesky_solves_and_knows_the_determinant() {
+        let columns = [[1.0, 2.0, 0.5, -1.0], [0.3, -1.0, 2.0, 0.7], [1.1, 0.2, -0.4, 3.0]];
+        let views: Vec<&[f64]> = columns.iter().map(|c| &c[..]).collect();
+        let gram = gram_of_columns(&views);
+        let cholesky = Cholesky::of(3, |i, j| gram[(i, j)]).unwrap();
+        let x = cholesky.solve(&[1.0, -2.0, 0.5]);
+        for (i, b) in [1.0, -2.0, 0.5].iter().enumerate() {
+            let back: f64 = (0..3).map(|j| gram[(i, j)] * x[j]).sum();
+            assert!((back - b).abs() < 1e-12);
+        }
+        let (values, vectors) = symmetric_eigen(&gram).unwrap();
+        let log: f64 = values.iter().map(|v| v.ln()).sum();
+        assert!((cholesky.log_determinant() - log).abs() < 1e-12);
+        let inverse: f64 = (0..3).map(|k| vectors[(1, k)].powi(2) / values[k]).sum();
+        assert!((cholesky.inverse_diagonal()[1] - inverse).abs() < 1e-12);
+        assert!(Cholesky::of(2, |i, j| if i == j { 1.0 } else { 2.0 }).is_none());
+    }
+}
