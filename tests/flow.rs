@@ -19,7 +19,7 @@ const ARROWS: [(&str, &[&str]); 10] = [
     ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
     ("report", &["dynamics", "effects", "ident", "kinematics"]),
-    ("challenge", &["report"]),
+    ("challenge", &["dynamics", "effects", "kinematics", "recording", "simulation"]),
     (
         "",
         &[
