@@ -5,6 +5,7 @@ use armident_recording::{DerivativeSource, Motion, MotionSettings, Recording};
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 
 use crate::error::ChallengeError;
+use crate::exam::EDGE_S;
 use crate::recorder::Exact;
 use crate::truth::{Floors, PerJoint};
 
@@ -18,24 +19,37 @@ pub(crate) struct Taken<'a> {
     pub(crate) exact: &'a Exact,
     pub(crate) recorded: &'a Recording,
     /// Samples that are judged.
-    pub(crate) judged: Vec<usize>,
+    judged: Vec<usize>,
+    /// Samples away from the ends, where a filter of the position has both sides.
+    inside: Vec<usize>,
 }
 
-impl Taken<'_> {
+impl<'a> Taken<'a> {
+    /// A recording that is judged as a whole, or without its ends.
+    pub(crate) fn new(exact: &'a Exact, recorded: &'a Recording, whole: bool) -> Self {
+        let time_s = &exact.time_s;
+        let (first, last) = (time_s[0] + EDGE_S, time_s[time_s.len() - 1] - EDGE_S);
+        let inside: Vec<usize> =
+            (0..time_s.len()).filter(|&k| (first..=last).contains(&time_s[k])).collect();
+        let judged = if whole { (0..time_s.len()).collect() } else { inside.clone() };
+        Self { exact, recorded, judged, inside }
+    }
+
     /// RMS of the recorded effort minus another, by joint.
-    fn rmse(&self, names: &[String], effort: &[Vec<f64>]) -> Vec<f64> {
+    fn rmse(&self, names: &[String], effort: &[Vec<f64>], samples: &[usize]) -> Vec<f64> {
         (0..names.len())
             .map(|j| {
                 let recorded = self.recorded.joints[j].effort.as_deref().unwrap_or_default();
                 let square = |&k: &usize| (recorded[k] - effort[j][k]).powi(2);
-                let sum: f64 = self.judged.iter().map(square).sum();
-                (sum / self.judged.len().max(1) as f64).sqrt()
+                let sum: f64 = samples.iter().map(square).sum();
+                (sum / samples.len().max(1) as f64).sqrt()
             })
             .collect()
     }
 }
 
-/// All floors of a recording.
+/// All floors of a recording. Those by the recorded position leave its ends out, where a low-pass
+/// shows less of it.
 pub(crate) fn floors(
     taken: &Taken<'_>,
     arm: &SimulatedArm,
@@ -72,8 +86,8 @@ pub(crate) fn floors(
                 *value += effort[j][k] - rigid_exact[j][k];
             }
         }
-        lower(&mut practical, taken.rmse(names, &careful));
-        lower(&mut urdf_practical, taken.rmse(names, &rigid(believed)));
+        lower(&mut practical, taken.rmse(names, &careful, &taken.inside));
+        lower(&mut urdf_practical, taken.rmse(names, &rigid(believed), &taken.inside));
         let trajectory = Trajectory {
             joints: names.to_vec(),
             time_s: motion.time_s.clone(),
@@ -86,13 +100,13 @@ pub(crate) fn floors(
         let lawful = inverse(arm, &trajectory)?;
         let lawful: Vec<Vec<f64>> =
             lawful.joints.iter().map(|joint| joint.effort.clone().unwrap_or_default()).collect();
-        lower(&mut attainable, taken.rmse(names, &at_stamps(&lawful)));
+        lower(&mut attainable, taken.rmse(names, &at_stamps(&lawful), &taken.inside));
     }
     Ok(Floors {
-        oracle_rmse: named(taken.rmse(names, effort)),
+        oracle_rmse: named(taken.rmse(names, effort, &taken.judged)),
         practical_rmse: named(practical),
         attainable_rmse: named(attainable),
-        urdf_rmse: named(taken.rmse(names, &believed_exact)),
+        urdf_rmse: named(taken.rmse(names, &believed_exact, &taken.judged)),
         urdf_rmse_practical: named(urdf_practical),
     })
 }

@@ -75,7 +75,7 @@ pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
 /// The files of a case.
 pub(crate) const FILES: [&str; 4] = ["train_1", "train_2", "holdout", "exam"];
 /// Draws of joints and sizes before an effect counts as invisible on this arm.
-const MOST_DRAWS: usize = 40;
+const MOST_DRAWS: usize = 60;
 /// Simulations before that.
 const MOST_SIMULATIONS: usize = 8;
 /// Share of the diagonal's effort that controllers meet unprepared.
@@ -166,7 +166,7 @@ impl<'a> Scene<'a> {
         let (rate_hz, duration_s) = if field {
             (random.one_of(&[100.0, 125.0, 200.0, 200.0, 250.0, 500.0]), random.between(12.0, 18.0))
         } else {
-            (random.one_of(&[200.0, 200.0, 250.0, 333.0, 500.0]), random.between(15.0, 20.0))
+            (random.one_of(&[200.0, 200.0, 250.0, 400.0, 500.0]), random.between(15.0, 20.0))
         };
         let duration_s = duration_s.round();
         let mut rates_hz = [rate_hz; 4];
@@ -267,8 +267,10 @@ fn draw_sensing(
 ) -> Sensing {
     let sigma = (0..robot.dof())
         .map(|j| {
-            let limit = robot.chain.joints[j].limits.effort.unwrap_or(0.0).min(10.0 * range[j]);
-            (noise_share * range[j]).max(3e-4 * limit * random.between(0.8, 1.4))
+            // drives are noisy by their size, not by what they are used for
+            let limit = robot.chain.joints[j].limits.effort.unwrap_or(0.0);
+            let of_drive = 4e-4 * limit * random.between(0.7, 1.3);
+            (noise_share * range[j]).max(of_drive.min(0.15 * range[j]))
         })
         .collect();
     let bits = 17 + random.index(4) as u32;
@@ -431,16 +433,11 @@ fn simulate(
         exact.push(motion);
     }
     let names = &robot.names;
-    let floor = |file: usize, edge_s: f64| -> Result<Floors, ChallengeError> {
-        let time_s = &exact[file].time_s;
-        let last = time_s[time_s.len() - 1] - edge_s;
-        let judged = (0..time_s.len()).filter(|&k| time_s[k] >= time_s[0] + edge_s);
-        let judged = judged.filter(|&k| time_s[k] <= last).collect();
-        let taken = Taken { exact: &exact[file], recorded: &recorded[file], judged };
+    let floor = |file: usize, whole: bool| -> Result<Floors, ChallengeError> {
+        let taken = Taken::new(&exact[file], &recorded[file], whole);
         floors(&taken, &scene.arm(drafts, file, None)?, &believed, names)
     };
-    let holdout = floor(2, 0.0)?;
-    let exam = floor(3, crate::exam::EDGE_S)?;
+    let (holdout, exam) = (floor(2, true)?, floor(3, false)?);
     let recorded: [Recording; 4] = <[Recording; 4]>::try_from(recorded)
         .map_err(|_| ChallengeError::Robot { reason: "a recording is missing".to_owned() })?;
     Ok(Made { exact, recorded, holdout, exam, effort_lag_s: sensing_lag, lag_over_noise })

@@ -73,7 +73,7 @@ pub(crate) fn exact_at(moved: &Recording, instants: &[f64]) -> Exact {
         moved.joints.iter().map(|joint| pick(joint).as_deref().unwrap_or_default()).collect()
     };
     let (q, v) = (column(|j| &j.position), column(|j| &j.velocity));
-    let (a, u) = (column(|j| &j.acceleration), column(|j| &j.effort));
+    let u = column(|j| &j.effort);
     let last = moved.len() - 2;
     let place = |t: f64| {
         let k = ((t * CONTROL_HZ).floor().max(0.0) as usize).min(last);
@@ -101,16 +101,23 @@ pub(crate) fn exact_at(moved: &Recording, instants: &[f64]) -> Exact {
                 + h * s * r * (v[j][k] * r - v[j][k + 1] * s)
         }),
         velocity: each(&|j, k, share| line(v[j], k, share)),
-        acceleration: each(&|j, k, share| line(a[j], k, share)),
+        // that of a whole cycle, as the effort
+        acceleration: each(&|j, k, share| {
+            let x = |k: usize| (v[j][k + 1] - v[j][k]) / h;
+            let (before, share) = about_middles(k, share);
+            let before = before.min(last - 1);
+            x(before) + share * (x(before + 1) - x(before))
+        }),
         effort: each(&|j, k, share| {
-            let x = u[j];
-            if share >= 0.5 || k == 0 {
-                line(x, k, share - 0.5)
-            } else {
-                line(x, k - 1, share + 0.5)
-            }
+            let (before, share) = about_middles(k, share);
+            line(u[j], before, share)
         }),
     }
+}
+
+/// Place between the middles of control cycles of a place between their starts.
+fn about_middles(k: usize, share: f64) -> (usize, f64) {
+    if share >= 0.5 || k == 0 { (k, share - 0.5) } else { (k - 1, share + 0.5) }
 }
 
 /// The recording that these sensors take.
