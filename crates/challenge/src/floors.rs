@@ -11,6 +11,8 @@ use crate::truth::{Floors, PerJoint};
 
 /// Cut-offs that are tried \[Hz\]; the best counts for each joint.
 const CUTOFFS_HZ: [f64; 6] = [6.0, 10.0, 16.0, 25.0, 40.0, 60.0];
+/// Speeds that count as rest, over the RMS speed; the best counts for each joint.
+const RESTING_SHARES: [f64; 3] = [0.0, 0.005, 0.02];
 /// Largest cut-off over the sample rate.
 const HIGHEST_SHARE: f64 = 0.4;
 
@@ -88,19 +90,24 @@ pub(crate) fn floors(
         }
         lower(&mut practical, taken.rmse(names, &careful, &taken.inside));
         lower(&mut urdf_practical, taken.rmse(names, &rigid(believed), &taken.inside));
-        let trajectory = Trajectory {
-            joints: names.to_vec(),
-            time_s: motion.time_s.clone(),
-            position: motion.position.clone(),
-            velocity: motion.velocity.clone(),
-            acceleration: motion.acceleration.clone(),
-            source: String::new(),
-            notes: Vec::new(),
-        };
-        let lawful = inverse(arm, &trajectory)?;
-        let lawful: Vec<Vec<f64>> =
-            lawful.joints.iter().map(|joint| joint.effort.clone().unwrap_or_default()).collect();
-        lower(&mut attainable, taken.rmse(names, &at_stamps(&lawful), &taken.inside));
+        for share in RESTING_SHARES {
+            let trajectory = Trajectory {
+                joints: names.to_vec(),
+                time_s: motion.time_s.clone(),
+                position: motion.position.clone(),
+                velocity: motion.velocity.iter().map(|v| at_rest_below(share, v)).collect(),
+                acceleration: motion.acceleration.clone(),
+                source: String::new(),
+                notes: Vec::new(),
+            };
+            let lawful = inverse(arm, &trajectory)?;
+            let lawful: Vec<Vec<f64>> = lawful
+                .joints
+                .iter()
+                .map(|joint| joint.effort.clone().unwrap_or_default())
+                .collect();
+            lower(&mut attainable, taken.rmse(names, &at_stamps(&lawful), &taken.inside));
+        }
     }
     Ok(Floors {
         oracle_rmse: named(taken.rmse(names, effort, &taken.judged)),
@@ -109,6 +116,12 @@ pub(crate) fn floors(
         urdf_rmse: named(taken.rmse(names, &believed_exact, &taken.judged)),
         urdf_rmse_practical: named(urdf_practical),
     })
+}
+
+/// Velocities without those below a share of their RMS: noise of resting joints has no direction.
+fn at_rest_below(share: f64, velocity: &[f64]) -> Vec<f64> {
+    let least = share * crate::recorder::rms(velocity);
+    velocity.iter().map(|v| if v.abs() < least { 0.0 } else { *v }).collect()
 }
 
 fn lower(best: &mut [f64], found: Vec<f64>) {

@@ -18,7 +18,7 @@ pub(crate) struct Sensing {
     pub(crate) count: Vec<f64>,
     /// The velocity channel, if there is one.
     pub(crate) velocity: Option<VelocityTruth>,
-    /// Time constant of a filter in the effort channel \[s\].
+    /// Largest time constant of a filter in the effort channel \[s\].
     pub(crate) effort_lag_s: f64,
     /// Standard deviation of the sample instants over the step.
     pub(crate) jitter: f64,
@@ -125,6 +125,7 @@ pub(crate) fn record(
     moved: &Recording,
     exact: &Exact,
     sensing: &Sensing,
+    effort_lag_s: f64,
     name: &str,
     random: &mut Draw,
 ) -> Result<Recording, armident_recording::RecordingError> {
@@ -151,7 +152,7 @@ pub(crate) fn record(
             };
             values.iter().map(|v| round_to(*v, 1e-3)).collect()
         });
-        let lagged = lag(&exact.time_s, &exact.effort[j], sensing.effort_lag_s);
+        let lagged = lag(&exact.time_s, &exact.effort[j], effort_lag_s);
         let noise = coloured(exact.time_s.len(), sensing.sigma[j], sensing.colour, random);
         let digit = 10_f64.powf((0.1 * sensing.sigma[j]).log10().floor());
         let effort = lagged

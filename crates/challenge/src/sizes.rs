@@ -16,6 +16,10 @@ pub(crate) const KEPT: [f64; 2] = [1.5, 16.0];
 const ROUNDS: usize = 5;
 const NEAR: f64 = 1.15;
 
+/// Largest RMS torque of an effect over the believed range of the joint: what is larger would be seen
+/// without any tool.
+const MOST_TORQUE: f64 = 0.5;
+
 /// An effect with its size.
 pub(crate) struct Sized {
     pub(crate) draft: Draft,
@@ -105,7 +109,10 @@ pub(crate) fn size(
         let near = (1.0 / NEAR..NEAR).contains(&factor);
         let stuck = factor > 1.0 && sized.x >= sized.draft.most;
         if near || stuck || round + 1 == ROUNDS {
-            let kept = (KEPT[0] * 1.1..KEPT[1]).contains(&seen.naming_margin);
+            let plausible = (0..sized.torque.len()).all(|j| {
+                sized.torque[j] < MOST_TORQUE * scene.range[j].max(scene.sensing.sigma[j])
+            });
+            let kept = plausible && (KEPT[0] * 1.1..KEPT[1]).contains(&seen.naming_margin);
             return Ok(kept.then_some(sized));
         }
         sized.x = (sized.x * factor.clamp(0.02, 50.0)).min(sized.draft.most);
