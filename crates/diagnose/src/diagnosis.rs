@@ -8,12 +8,14 @@ use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
 
 use crate::evidence::{Evidence, OperatingPoint, changed};
-use crate::material::{Materiality, materiality};
+use crate::flexible::FlexibleTerm;
+use crate::material::{Materiality, link_materiality, materiality};
 use crate::model::DiagnosedModel;
-use crate::problem::{Group, Whitened};
+use crate::problem::{Group, Meaning, Whitened};
 use crate::search::answer;
 use crate::select::{Selection, moves, select};
 use crate::signals::{Signals, low_pass};
+use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
 
 /// Cut-offs tried for the output of a joint \[Hz\].
 const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
@@ -195,7 +197,7 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
         .iter()
         .map(|&g| {
             let group = &selection.problem.groups[g];
-            let (size, _) = materiality(&metric, &selection.answer, g);
+            let (size, _) = materiality(&metric, &selection.answer, g, &selection.point);
             let names =
                 |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
             let is_link = group.transform.is_some();
@@ -212,14 +214,51 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
                     materiality: size.value,
                     least_materiality: size.least,
                     joint: evidence.names[size.joint].clone(),
-                    variables: Vec::new(),
+                    variables: match &group.meaning {
+                        Meaning::Flexible(flexible) => flexible.basis.variables(),
+                        Meaning::Law(_) => Vec::new(),
+                    },
                 },
                 alternatives: Vec::new(),
             }
         })
         .collect();
+    let errors = metric.inertial_errors(&selection.answer.fit);
+    for &link in &selection.wide {
+        let size = link_materiality(&metric, &selection.answer, link);
+        if size.ratio() < 1.0 {
+            continue;
+        }
+        found.push(wrong_body(evidence, link, &errors[10 * link..10 * (link + 1)], &size));
+    }
     found.sort_by(|a, b| b.evidence.materiality.total_cmp(&a.evidence.materiality));
     found
+}
+
+/// A link whose inertial errors stand out from those of all others.
+fn wrong_body(evidence: &Evidence<'_>, link: usize, change: &[f64], size: &Materiality) -> Finding {
+    let joint = &evidence.chain.joints[link];
+    let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
+    let units = ["kg", "kg m", "kg m", "kg m"];
+    let parameters = (0..4)
+        .map(|p| (names[p], Value { value: change[p], stderr: None, unit: units[p] }))
+        .collect();
+    Finding {
+        effect: "link_inertia_error".to_owned(),
+        joints: vec![joint.name.clone()],
+        link: Some(joint.child_link.clone()),
+        window: None,
+        recording: None,
+        parameters,
+        confidence: confidence(size),
+        evidence: FindingEvidence {
+            materiality: size.value,
+            least_materiality: size.least,
+            joint: evidence.names[size.joint].clone(),
+            variables: Vec::new(),
+        },
+        alternatives: Vec::new(),
+    }
 }
 
 /// Name of a file without folder and ending.
@@ -276,7 +315,16 @@ fn parameters(
             "encoder_offset" => {
                 vec![selection.point.offset[group.site.joints[0]] + coefficients[0]]
             }
-            "joint_elasticity" => vec![1.0 / coefficients[0], 0.0, coefficients[1]],
+            "joint_elasticity" if group.shape.is_empty() => {
+                vec![1.0 / coefficients[0], 0.0, coefficients[1]]
+            }
+            "joint_elasticity" => vec![group.shape[0], group.shape[1], coefficients[1]],
+            "backlash" => {
+                let at = evidence.at(&selection.point);
+                let joint = group.site.joints[0];
+                let of = of_shape("backlash", &group.shape, mean_inertia(&at, joint));
+                vec![of.gap, of.stiffness, of.damping, coefficients[1]]
+            }
             "link_inertia_error" => {
                 let transform = group.transform.as_deref().unwrap_or_default();
                 (0..4)
@@ -331,6 +379,43 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
             }
             continue;
         }
+        if let Meaning::Flexible(flexible) = &group.meaning {
+            let hats = flexible.transform.first().map_or(0, Vec::len);
+            let scale = gain[group.site.joints[0]];
+            found.learned.flexible.push(FlexibleTerm {
+                joint: evidence.names[group.site.joints[0]].clone(),
+                basis: flexible.basis.clone(),
+                coefficients: (0..hats)
+                    .map(|h| {
+                        let of_hat = flexible.transform.iter().map(|t| t[h]).zip(&coefficients);
+                        of_hat.map(|(t, c)| t * c).sum::<f64>() / scale
+                    })
+                    .collect(),
+            });
+            continue;
+        }
+        if let ("joint_elasticity" | "backlash", Some(&joint)) =
+            (group.slug(), group.site.joints.first())
+        {
+            // a compliance to first order says nothing of its damping: that of gears, by experience
+            const DAMPING: f64 = 0.1;
+            let at = evidence.at(&selection.point);
+            let inertia = mean_inertia(&at, joint);
+            let (transmission, share) = if group.shape.is_empty() {
+                let stiffness = 1.0 / coefficients[0];
+                let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
+                (Transmission { gap: 0.0, stiffness, damping }, 1.0)
+            } else {
+                (of_shape(group.slug(), &group.shape, inertia), coefficients[0])
+            };
+            found.learned.transmissions.push(TransmissionTerm {
+                joint: evidence.names[joint].clone(),
+                transmission,
+                motor_inertia: coefficients[1],
+                share,
+            });
+            continue;
+        }
         let Some(law) = effect(group.slug()) else { continue };
         let joint = &evidence.names[group.site.joints[0]];
         let on_joint = |parameters: Vec<f64>| EffectOnJoint::new(group.slug(), joint, parameters);
@@ -360,7 +445,7 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
 fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<DiagnosedModel> {
     const SCALE: f64 = 1.0;
     let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
-    let metric = problem.whitened(SCALE);
+    let metric = problem.whitened(SCALE, &[]);
     let change = metric.inertial_errors(&answer(&metric, Vec::new())?.fit);
     let mut found = DiagnosedModel::believed(model);
     for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {

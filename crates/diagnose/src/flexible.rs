@@ -1,34 +1,483 @@
-//! A description of structure that no law of the library explains.
+//! A description of structure that no law of the library explains: hat functions of one or two
+//! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
-/// Variables of a flexible description.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Flexible {
-    /// what it depends on
-    pub(crate) variables: Vec<Variable>,
+use armident_effects::Place;
+use armident_numeric::{Cholesky, Mat, gram_of_columns, symmetric_eigen};
+use serde::{Deserialize, Serialize};
+
+use crate::evidence::{At, Evidence};
+use crate::problem::{Group, Meaning, Problem, Site, dot};
+
+/// Knots along the joint's own position, its own velocity, and along each axis of products.
+const POSITION_KNOTS: usize = 64;
+const VELOCITY_KNOTS: usize = 21;
+const FACTOR_KNOTS: usize = 8;
+const PLANE_KNOTS: usize = 8;
+/// Share of the range by which the knots reach beyond what training visited.
+const MARGIN: f64 = 0.1;
+/// Second differences of the coefficients, over the effort that is to be described: deviation of the
+/// prior; and how many times weaker the coefficients themselves are held.
+const ROUGHNESS: f64 = 2.0;
+const LEVEL_OVER_ROUGHNESS: f64 = 10.0;
+/// Most directions of a description.
+const MOST_DIRECTIONS: usize = 40;
+/// Descriptions offered to the search for one joint.
+const OFFERED: usize = 2;
+
+/// A recorded quantity of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Position.
+    Position,
+    /// Velocity.
+    Velocity,
 }
 
-/// A recorded column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Variable {
-    /// Position of a joint.
-    Position(usize),
-    /// Velocity of a joint.
-    Velocity(usize),
+/// Knots along a quantity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Axis {
+    /// Joint.
+    pub joint: String,
+    /// Quantity of the joint.
+    pub quantity: Quantity,
+    /// First and last knot.
+    pub range: [f64; 2],
+    /// Number of knots.
+    pub knots: usize,
+}
+
+/// A function of a joint's velocity that multiplies the hats.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Factor {
+    /// Joint.
+    pub joint: String,
+    /// Form.
+    pub form: Form,
+    /// Speed at which a saturating form turns \[rad/s or m/s\].
+    pub scale: f64,
+}
+
+/// Forms of a [`Factor`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    /// `v`
+    Linear,
+    /// `v |v|`
+    SignedSquare,
+    /// `v³`
+    Cube,
+    /// `v / (1 + (v / scale)²)`
+    Saturating,
+    /// `|v|`
+    Size,
+    /// `v²`
+    Square,
+}
+
+impl Factor {
+    fn value(&self, v: f64) -> f64 {
+        match self.form {
+            Form::Linear => v,
+            Form::SignedSquare => v * v.abs(),
+            Form::Cube => v * v * v,
+            Form::Saturating => v / (1.0 + (v / self.scale).powi(2)),
+            Form::Size => v.abs(),
+            Form::Square => v * v,
+        }
+    }
+}
+
+/// Products of factors and hats.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Basis {
+    /// Factors.
+    pub factors: Vec<Factor>,
+    /// Axes of hats: none, one, or two.
+    pub axes: Vec<Axis>,
+}
+
+/// A flexible description in the search: its basis, and the coefficients of the hats from those of the
+/// columns, `[column][hat]`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Flexible {
+    pub(crate) basis: Basis,
+    pub(crate) transform: Vec<Vec<f64>>,
 }
 
 /// A flexible description with its numbers, as a model file holds it.
-#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlexibleTerm {
     /// Joint whose effort it describes.
     pub joint: String,
+    /// Functions.
+    pub basis: Basis,
+    /// Their coefficients \[N m or N over the unit of the factors\].
+    pub coefficients: Vec<f64>,
 }
 
 impl FlexibleTerm {
-    pub(crate) fn effort(
-        &self,
-        at: &crate::evidence::At<'_>,
-        _index: impl Fn(&str) -> Option<usize>,
-    ) -> Vec<f64> {
-        vec![0.0; at.signals.len()]
+    /// Over a motion; joints that are not there count as resting at 0.
+    pub(crate) fn effort(&self, at: &At<'_>, index: impl Fn(&str) -> Option<usize>) -> Vec<f64> {
+        let columns = self.basis.columns(at, &index);
+        let mut effort = vec![0.0; at.signals.len()];
+        for (column, c) in columns.iter().zip(&self.coefficients) {
+            for (e, x) in effort.iter_mut().zip(column) {
+                *e += c * x;
+            }
+        }
+        effort
     }
+}
+
+impl Basis {
+    /// Names of the recorded columns it depends on.
+    pub(crate) fn variables(&self) -> Vec<String> {
+        let mut names: Vec<String> = self
+            .axes
+            .iter()
+            .map(|axis| match axis.quantity {
+                Quantity::Position => format!("{}/position", axis.joint),
+                Quantity::Velocity => format!("{}/velocity", axis.joint),
+            })
+            .chain(self.factors.iter().map(|f| format!("{}/velocity", f.joint)))
+            .collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Places of the laws that these functions contain on their joint: beside the description these
+    /// cannot be told apart.
+    fn places(&self, joint: &str) -> Vec<Place> {
+        let mut places = vec![Place::Unnamed];
+        let own = |name: &str| name == joint;
+        if self.axes.iter().any(|a| own(&a.joint) && a.quantity == Quantity::Velocity) {
+            places.extend([Place::Viscous, Place::Dry, Place::Drag]);
+        }
+        if let ([factor], false) = (&self.factors[..], self.axes.is_empty()) {
+            match factor.form {
+                Form::Linear if own(&factor.joint) => places.push(Place::Viscous),
+                Form::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
+                _ => {}
+            }
+        }
+        places
+    }
+
+    /// Number of functions.
+    fn size(&self) -> usize {
+        self.axes.iter().map(|a| a.knots).product()
+    }
+
+    /// Values of the functions over a motion, `[function][sample]`.
+    fn columns(&self, at: &At<'_>, index: &impl Fn(&str) -> Option<usize>) -> Vec<Vec<f64>> {
+        let samples = at.signals.len();
+        let mut columns = vec![vec![0.0; samples]; self.size()];
+        let column = |name: &str, quantity: Quantity| {
+            index(name).map(|j| match quantity {
+                Quantity::Position => at.position[j].as_slice(),
+                Quantity::Velocity => at.signals.velocity[j].as_slice(),
+            })
+        };
+        let axes: Vec<Option<&[f64]>> =
+            self.axes.iter().map(|a| column(&a.joint, a.quantity)).collect();
+        let factors: Vec<Option<&[f64]>> =
+            self.factors.iter().map(|f| column(&f.joint, Quantity::Velocity)).collect();
+        for t in 0..samples {
+            let factor: f64 = self
+                .factors
+                .iter()
+                .zip(&factors)
+                .map(|(f, v)| f.value(v.map_or(0.0, |v| v[t])))
+                .product();
+            // hats overlap in pairs: at most four products are not zero
+            let mut cells = vec![(0, factor)];
+            for (axis, values) in self.axes.iter().zip(&axes) {
+                let span = (axis.knots - 1) as f64;
+                let x = (values.map_or(0.0, |v| v[t]) - axis.range[0])
+                    / (axis.range[1] - axis.range[0])
+                    * span;
+                let x = x.clamp(0.0, span);
+                let left = (x.floor() as usize).min(axis.knots - 2);
+                let share = x - left as f64;
+                cells = cells
+                    .iter()
+                    .flat_map(|(cell, weight)| {
+                        [(left, 1.0 - share), (left + 1, share)]
+                            .map(|(k, w)| (cell * axis.knots + k, weight * w))
+                    })
+                    .collect();
+            }
+            for (cell, weight) in cells {
+                columns[cell][t] = weight;
+            }
+        }
+        columns
+    }
+
+    /// `P`: squared second differences along every axis, and a weak hold on the coefficients.
+    fn penalty(&self) -> Mat<f64> {
+        let size = self.size();
+        let hold = 1.0 / (LEVEL_OVER_ROUGHNESS * LEVEL_OVER_ROUGHNESS);
+        let mut penalty = Mat::from_fn(size, size, |i, j| if i == j { hold } else { 0.0 });
+        let mut stride = size;
+        for axis in &self.axes {
+            stride /= axis.knots;
+            for start in 0..size {
+                let place = start / stride % axis.knots;
+                if place + 2 >= axis.knots {
+                    continue;
+                }
+                let difference = [(start, 1.0), (start + stride, -2.0), (start + 2 * stride, 1.0)];
+                for (a, x) in difference {
+                    for (b, y) in difference {
+                        penalty[(a, b)] += x * y;
+                    }
+                }
+            }
+        }
+        penalty
+    }
+}
+
+/// Adds the two best flexible descriptions of what a joint leaves over; gives their ids.
+pub(crate) fn offer(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    joint: usize,
+    residual: &[f64],
+) -> Vec<usize> {
+    let size = problem.rows.in_sample_noise(joint, residual) * problem.rows.sample_deviation[joint];
+    let beside = beside(evidence, at, joint);
+    let mut found: Vec<(f64, Flexible, Vec<Vec<f64>>)> = candidates(evidence, at, joint)
+        .into_iter()
+        .filter_map(|basis| {
+            let (flexible, columns) = reduced(evidence, at, joint, basis, size)?;
+            let score = description(&beside, &columns, residual, problem.rows.share)?;
+            Some((score, flexible, columns))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found
+        .into_iter()
+        .take(OFFERED)
+        .map(|(_, flexible, columns)| {
+            push(problem, &evidence.names[joint], joint, flexible, columns)
+        })
+        .collect()
+}
+
+fn push(
+    problem: &mut Problem,
+    name: &str,
+    joint: usize,
+    flexible: Flexible,
+    columns: Vec<Vec<f64>>,
+) -> usize {
+    let joints = problem.rows.joints();
+    let ids = columns
+        .into_iter()
+        .map(|column| {
+            let mut blocks = vec![Vec::new(); joints];
+            blocks[joint] = column;
+            problem.push_columns(vec![blocks])
+        })
+        .collect();
+    let places = flexible.basis.places(name);
+    problem.groups.push(Group {
+        meaning: Meaning::Flexible(flexible),
+        site: Site { joints: vec![joint], window: None },
+        shape: Vec::new(),
+        columns: ids,
+        searched: 2,
+        places,
+        transform: None,
+    });
+    problem.groups.len() - 1
+}
+
+/// The group again in a problem of another operating point.
+pub(crate) fn recreate(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    joint: usize,
+    flexible: &Flexible,
+) -> usize {
+    let rows = rows_of(evidence, at, joint, &flexible.basis);
+    let columns = flexible.transform.iter().map(|t| combined(&rows, t)).collect();
+    push(problem, &evidence.names[joint], joint, flexible.clone(), columns)
+}
+
+/// What the plain terms of the joint explain anyway: they are fitted beside every description.
+fn beside(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Vec<f64>> {
+    let form = |of: &dyn Fn(&At<'_>) -> Vec<f64>| {
+        let pieces: Vec<Vec<f64>> = at.iter().map(of).collect();
+        evidence.rows.form(&evidence.signals, joint, pieces.iter().map(Vec::as_slice))
+    };
+    vec![
+        form(&|at| at.signals.velocity[joint].clone()),
+        form(&|at| at.signals.direction[joint].clone()),
+        form(&|at| vec![1.0; at.signals.len()]),
+        form(&|at| at.signals.acceleration[joint].clone()),
+        form(&|at| at.position[joint].clone()),
+    ]
+}
+
+fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis> {
+    let name = |j: usize| evidence.names[j].clone();
+    let axis = |j: usize, quantity: Quantity, knots: usize| {
+        let values = at.iter().flat_map(|at| match quantity {
+            Quantity::Position => at.position[j].iter(),
+            Quantity::Velocity => at.signals.velocity[j].iter(),
+        });
+        let (low, high) = values.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+        let margin = MARGIN * (high - low).max(f64::MIN_POSITIVE);
+        Axis { joint: name(j), quantity, range: [low - margin, high + margin], knots }
+    };
+    let factor =
+        |j: usize, form: Form| Factor { joint: name(j), form, scale: evidence.scale[j].speed_rms };
+    let moves = |j: usize| {
+        let axis = axis(j, Quantity::Position, 2);
+        axis.range[1] - axis.range[0] > 1e-4
+    };
+    let others: Vec<usize> = (0..evidence.joints()).filter(|o| *o != joint && moves(*o)).collect();
+    let mut bases = vec![
+        Basis { factors: Vec::new(), axes: vec![axis(joint, Quantity::Position, POSITION_KNOTS)] },
+        Basis { factors: Vec::new(), axes: vec![axis(joint, Quantity::Velocity, VELOCITY_KNOTS)] },
+    ];
+    for form in [Form::Linear, Form::SignedSquare, Form::Cube, Form::Saturating] {
+        for along in std::iter::once(joint).chain(others.iter().copied()) {
+            bases.push(Basis {
+                factors: vec![factor(joint, form)],
+                axes: vec![axis(along, Quantity::Position, FACTOR_KNOTS)],
+            });
+        }
+    }
+    for &other in &others {
+        bases.push(Basis {
+            factors: Vec::new(),
+            axes: vec![
+                axis(joint, Quantity::Position, PLANE_KNOTS),
+                axis(other, Quantity::Position, PLANE_KNOTS),
+            ],
+        });
+        for own in [Form::Linear, Form::SignedSquare, Form::Cube] {
+            for theirs in [Form::Size, Form::Square, Form::Linear] {
+                bases.push(Basis {
+                    factors: vec![factor(joint, own), factor(other, theirs)],
+                    axes: Vec::new(),
+                });
+            }
+        }
+    }
+    bases
+}
+
+/// Weighted rows of all functions of a basis.
+fn rows_of(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize, basis: &Basis) -> Vec<Vec<f64>> {
+    let index = |name: &str| evidence.names.iter().position(|n| n == name);
+    let by_recording: Vec<Vec<Vec<f64>>> = at.iter().map(|at| basis.columns(at, &index)).collect();
+    (0..basis.size())
+        .map(|k| {
+            let pieces = by_recording.iter().map(|c| c[k].as_slice());
+            evidence.rows.form(&evidence.signals, joint, pieces)
+        })
+        .collect()
+}
+
+fn combined(rows: &[Vec<f64>], transform: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; rows.first().map_or(0, Vec::len)];
+    for (row, t) in rows.iter().zip(transform) {
+        for (s, x) in sum.iter_mut().zip(row) {
+            *s += t * x;
+        }
+    }
+    sum
+}
+
+/// The directions of a basis that the recordings know better than the prior does.
+fn reduced(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    joint: usize,
+    basis: Basis,
+    effort: f64,
+) -> Option<(Flexible, Vec<Vec<f64>>)> {
+    let rows = rows_of(evidence, at, joint, &basis);
+    let factor: f64 = {
+        let squares: f64 = at
+            .iter()
+            .flat_map(|at| {
+                let index = |name: &str| evidence.names.iter().position(|n| n == name);
+                let velocities: Vec<Option<&Vec<f64>>> = basis
+                    .factors
+                    .iter()
+                    .map(|f| index(&f.joint).map(|j| &at.signals.velocity[j]))
+                    .collect();
+                (0..at.signals.len())
+                    .map(|t| {
+                        basis
+                            .factors
+                            .iter()
+                            .zip(&velocities)
+                            .map(|(f, v)| f.value(v.map_or(0.0, |v| v[t])))
+                            .product::<f64>()
+                            .powi(2)
+                    })
+                    .collect::<Vec<f64>>()
+            })
+            .sum();
+        (squares / at.iter().map(|at| at.signals.len()).sum::<usize>() as f64).sqrt()
+    };
+    let deviation = ROUGHNESS * effort / factor.max(f64::MIN_POSITIVE);
+    let (values, vectors) = symmetric_eigen(&basis.penalty()).ok()?;
+    let size = basis.size();
+    // coefficients = deviation P^(-1/2) z with z of deviation 1
+    let root = |k: usize| deviation / values[k].max(1e-12).sqrt();
+    let smooth: Vec<Vec<f64>> =
+        (0..size).map(|k| (0..size).map(|i| vectors[(i, k)] * root(k)).collect()).collect();
+    let along: Vec<Vec<f64>> = smooth.iter().map(|t| combined(&rows, t)).collect();
+    let views: Vec<&[f64]> = along.iter().map(Vec::as_slice).collect();
+    let (known, directions) = symmetric_eigen(&gram_of_columns(&views)).ok()?;
+    let kept: Vec<usize> = (0..size)
+        .rev()
+        .filter(|k| known[*k] * evidence.rows.share > 1.0)
+        .take(MOST_DIRECTIONS)
+        .collect();
+    if kept.is_empty() {
+        return None;
+    }
+    let transform: Vec<Vec<f64>> = kept
+        .iter()
+        .map(|&k| {
+            (0..size).map(|i| (0..size).map(|m| directions[(m, k)] * smooth[m][i]).sum()).collect()
+        })
+        .collect();
+    let columns = transform.iter().map(|t| combined(&rows, t)).collect();
+    Some((Flexible { basis, transform }, columns))
+}
+
+/// Description length of a residual by a basis and the plain terms.
+fn description(
+    beside: &[Vec<f64>],
+    columns: &[Vec<f64>],
+    residual: &[f64],
+    share: f64,
+) -> Option<f64> {
+    let all: Vec<&[f64]> = beside.iter().chain(columns).map(Vec::as_slice).collect();
+    let gram = gram_of_columns(&all);
+    let norm: Vec<f64> =
+        (0..all.len()).map(|k| gram[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let cholesky = Cholesky::of(all.len(), |i, j| {
+        gram[(i, j)] / (norm[i] * norm[j]) + if i == j { 1e-7 } else { 0.0 }
+    })?;
+    let rhs: Vec<f64> = all.iter().zip(&norm).map(|(c, n)| dot(c, residual) / n).collect();
+    let reduced = cholesky.forward(&rhs);
+    let left = (dot(residual, residual) - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE);
+    let samples = residual.len() as f64 * share;
+    Some(samples * left.ln() + samples.ln() * columns.len() as f64)
 }

@@ -4,7 +4,9 @@
 
 use armident_effects::effect;
 
-use crate::problem::{Meaning, Problem, Whitened};
+use crate::evidence::OperatingPoint;
+use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::rows::Blocks;
 use crate::search::{Answer, answer};
 
 /// Least root mean square effort, in standard deviations of one recorded sample, that must come back
@@ -38,13 +40,17 @@ pub(crate) fn excess(problem: &Problem, residual: &[Vec<f64>]) -> Vec<f64> {
     (0..residual.len())
         .map(|j| {
             let left = problem.rows.in_sample_noise(j, &residual[j]);
-            let ones: Vec<f64> = problem.rows.weight(j).to_vec();
-            let band: Vec<f64> =
-                ones.iter().zip(&problem.rows.deviation[j]).map(|(w, d)| w * d).collect();
-            let noise = problem.rows.in_sample_noise(j, &band);
+            let noise = band_noise(problem, j);
             (left * left - UNCERTAINTY * noise * noise).max(0.0).sqrt()
         })
         .collect()
+}
+
+/// Noise in the band, in standard deviations of one recorded sample.
+pub(crate) fn band_noise(problem: &Problem, joint: usize) -> f64 {
+    let rows = &problem.rows;
+    let weighted = rows.weight(joint).iter().zip(&rows.deviation[joint]).map(|(w, d)| w * d);
+    rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
 
 /// How much a group of an answer matters: against the answer without it, its simpler relative in its
@@ -53,15 +59,15 @@ pub(crate) fn materiality(
     metric: &Whitened<'_>,
     of: &Answer,
     group: usize,
+    point: &OperatingPoint,
 ) -> (Materiality, Option<Answer>) {
     let problem = metric.problem;
     let with = metric.residual(&of.fit);
     let left = excess(problem, &with);
-    let without = reduced(metric, of, group);
+    let without = reduced(metric, of, group, point);
     let least = if metric.scale > 0.0 { LEAST_BESIDE_INERTIA } else { LEAST };
     let mut worst = Materiality { value: 0.0, least, joint: 0 };
-    if let Some(without) = &without {
-        let rest = metric.residual(&without.fit);
+    if let Some((_, rest)) = &without {
         for j in 0..with.len() {
             let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
             let value = (square(&rest[j]) - square(&with[j])).max(0.0).sqrt();
@@ -72,13 +78,36 @@ pub(crate) fn materiality(
             }
         }
     }
-    (worst, without)
+    (worst, without.map(|w| w.0))
 }
 
-/// The answer without a group, its simpler relative in its place where that is admissible.
-fn reduced(metric: &Whitened<'_>, of: &Answer, group: usize) -> Option<Answer> {
+/// What the operating point holds of a group's effect: its columns and their amounts.
+fn held(group: &Group, point: &OperatingPoint) -> Vec<(usize, f64)> {
+    let amounts = match group.slug() {
+        "gravity_direction" => point.tilt.to_vec(),
+        "time_delay" => vec![point.delay_s],
+        "encoder_offset" => vec![point.offset[group.site.joints[0]]],
+        _ => return Vec::new(),
+    };
+    group.columns.iter().copied().zip(amounts).filter(|(_, a)| *a != 0.0).collect()
+}
+
+/// The answer without a group, its simpler relative in its place where that is admissible, and what it
+/// leaves. What the operating point holds of the group is put back into the efforts first.
+fn reduced(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    group: usize,
+    point: &OperatingPoint,
+) -> Option<(Answer, Blocks)> {
     let groups = &metric.problem.groups;
     let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
+    let held = held(&groups[group], point);
+    if !held.is_empty() {
+        let moved = metric.problem.with_added(&held);
+        let metric = moved.whitened(metric.scale, &metric.wide);
+        return unnamed(&metric, rest);
+    }
     let relative = match groups[group].meaning {
         Meaning::Law(slug) => effect(slug).and_then(|law| law.law().contains),
         Meaning::Flexible(_) => None,
@@ -87,26 +116,31 @@ fn reduced(metric: &Whitened<'_>, of: &Answer, group: usize) -> Option<Answer> {
         (0..groups.len())
             .find(|&g| groups[g].slug() == slug && groups[g].site == groups[group].site)
     });
-    let with_relative = relative.and_then(|g| answer(metric, [rest.clone(), vec![g]].concat()));
-    with_relative.or_else(|| {
-        // without the name what is left may be inadmissible: the sizes count, not the names
-        let columns = metric.columns_of(&rest);
-        let count = columns.len();
-        let fit = metric.fit(columns)?;
-        let score = metric.score(fit.sum_of_squares, count, &rest);
-        Some(Answer { set: rest, fit, score })
-    })
+    let with_relative = relative
+        .and_then(|g| answer(metric, [rest.clone(), vec![g]].concat()))
+        .map(|found| (metric.residual(&found.fit), found))
+        .map(|(residual, found)| (found, residual));
+    with_relative.or_else(|| unnamed(metric, rest))
 }
 
-/// Removes what does not matter, the least first; `kept` are never removed.
-pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, kept: impl Fn(usize) -> bool) -> Answer {
+/// A set whose names do not count: without the effect in question they may be inadmissible.
+fn unnamed(metric: &Whitened<'_>, set: Vec<usize>) -> Option<(Answer, Blocks)> {
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    let residual = metric.residual(&fit);
+    let score = metric.score(fit.sum_of_squares, count, &set);
+    Some((Answer { set, fit, score }, residual))
+}
+
+/// Removes what does not matter, the least first.
+pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoint) -> Answer {
     loop {
         let least = of
             .set
             .iter()
-            .filter(|g| !kept(**g))
             .filter_map(|&g| {
-                let (size, without) = materiality(metric, &of, g);
+                let (size, without) = materiality(metric, &of, g, point);
                 without.map(|without| (size.ratio(), without))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
@@ -115,4 +149,27 @@ pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, kept: impl Fn(usize) 
             _ => return of,
         }
     }
+}
+
+/// Effort of the inertial errors of one link, in standard deviations of one recorded sample, on the
+/// joint where it is largest.
+pub(crate) fn link_materiality(metric: &Whitened<'_>, of: &Answer, link: usize) -> Materiality {
+    let problem = metric.problem;
+    let errors = metric.inertial_errors(&of.fit);
+    let left = excess(problem, &metric.residual(&of.fit));
+    let mut worst = Materiality { value: 0.0, least: LEAST, joint: link };
+    for j in 0..=link {
+        let mut effort = vec![0.0; problem.rows.len()];
+        for p in 10 * link..10 * (link + 1) {
+            for (e, x) in effort.iter_mut().zip(&problem.columns[p][j]) {
+                *e += errors[p] * x;
+            }
+        }
+        let value = problem.rows.in_sample_noise(j, &effort);
+        let found = Materiality { value, least: LEAST.max(SHARE_OF_EXCESS * left[j]), joint: j };
+        if found.ratio() > worst.ratio() {
+            worst = found;
+        }
+    }
+    worst
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::evidence::{At, OperatingPoint};
 use crate::flexible::FlexibleTerm;
 use crate::signals::{Signals, later, low_pass};
+use crate::transmission::TransmissionTerm;
 
 /// Cut-off for the rigid part of a prediction \[Hz\]: above, differentiated encoders are mostly noise.
 const RIGID_HZ: f64 = 14.0;
@@ -27,6 +28,8 @@ pub struct Learned {
     pub delay_s: f64,
     /// Gain of each effort channel.
     pub gain: Vec<f64>,
+    /// Springy and loose transmissions.
+    pub transmissions: Vec<TransmissionTerm>,
     /// Structure without a name.
     pub flexible: Vec<FlexibleTerm>,
     /// Low-pass on the whole prediction of each joint \[Hz\]: where differentiated encoders or the
@@ -55,6 +58,7 @@ impl DiagnosedModel {
             encoder_offset: vec![0.0; n],
             delay_s: 0.0,
             gain: vec![1.0; n],
+            transmissions: Vec::new(),
             flexible: Vec::new(),
             output_cutoff_hz: vec![None; n],
         };
@@ -103,6 +107,17 @@ impl DiagnosedModel {
             if law.law().scope == Scope::Joint {
                 add(&mut effort[j], &law.effort(&on_joint.parameters, &at.joint(j)));
             }
+        }
+        for term in &self.learned.transmissions {
+            let Some(j) = index(&term.joint) else { continue };
+            let difference = term.transmission.difference(&at, j)?;
+            for (effort, difference) in effort.iter_mut().zip(&difference) {
+                let part: Vec<f64> = difference.iter().map(|x| x * term.share).collect();
+                add(effort, &part);
+            }
+            let inertia: Vec<f64> =
+                signals.acceleration[j].iter().map(|a| a * term.motor_inertia).collect();
+            add(&mut effort[j], &inertia);
         }
         for coupling in &self.learned.couplings {
             let (Some(law), Some(j)) = (effect(&coupling.effect), index(&coupling.joint)) else {

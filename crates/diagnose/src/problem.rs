@@ -13,6 +13,9 @@ const LEAST_UNIQUE: f64 = 1e-6;
 /// doubled.
 pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
 
+/// How many times larger the errors of a link with a wrong body may be than those of all others.
+const WIDE: f64 = 12.0;
+
 /// Where a group acts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Site {
@@ -169,8 +172,26 @@ impl Problem {
         self.rows.effective() * self.rows.share
     }
 
-    /// The problem with inertial errors of relative deviation `scale` integrated out.
-    pub(crate) fn whitened(&self, scale: f64) -> Whitened<'_> {
+    /// The problem with an effort added that some of its columns explain.
+    pub(crate) fn with_added(&self, added: &[(usize, f64)]) -> Self {
+        let mut problem = self.clone();
+        for &(column, amount) in added {
+            for (effort, block) in problem.effort.iter_mut().zip(&self.columns[column]) {
+                for (e, x) in effort.iter_mut().zip(block) {
+                    *e += amount * x;
+                }
+            }
+            for k in 0..self.columns.len() {
+                problem.rhs[k] += amount * self.product(k, column);
+            }
+        }
+        problem.square = problem.effort.iter().flatten().map(|x| x * x).sum();
+        problem
+    }
+
+    /// The problem with inertial errors integrated out: of relative deviation `scale`, and
+    /// [`WIDE`] times that on the links in `wide`.
+    pub(crate) fn whitened(&self, scale: f64, wide: &[usize]) -> Whitened<'_> {
         let count = self.columns.len();
         let mut gram: Vec<Vec<f64>> = self.gram.clone();
         let mut rhs = self.rhs.clone();
@@ -178,8 +199,19 @@ impl Problem {
         let mut log_determinant = 0.0;
         let mut prior = None;
         if scale > 0.0 {
-            let weight = self.rows.share * scale * scale;
-            let directions = &self.background.directions;
+            let weight = self.rows.share;
+            let per_link = self.background.directions.len() / (self.rigid / 10).max(1);
+            let directions: Vec<Vec<f64>> = self
+                .background
+                .directions
+                .iter()
+                .enumerate()
+                .map(|(k, d)| {
+                    let is_wide = wide.contains(&(k / per_link));
+                    let scale = if is_wide { WIDE * scale } else { scale };
+                    d.iter().map(|x| scale * x).collect()
+                })
+                .collect();
             let along = |k: usize| -> Vec<f64> {
                 let products: Vec<f64> = (0..self.rigid).map(|p| self.product(k, p)).collect();
                 directions.iter().map(|d| dot(d, &products)).collect()
@@ -208,11 +240,21 @@ impl Problem {
                     rhs[k] -= weight * dot(&reduced[k], &reduced_y);
                 }
                 square -= weight * dot(&reduced_y, &reduced_y);
-                prior = Some((weight, cholesky, w_y));
+                prior = Some(Prior { weight, cholesky, w_y, directions });
             }
         }
         let norm = (0..count).map(|k| gram[k][k].max(f64::MIN_POSITIVE).sqrt()).collect();
-        Whitened { problem: self, scale, gram, rhs, square, log_determinant, norm, prior }
+        Whitened {
+            problem: self,
+            scale,
+            wide: wide.to_vec(),
+            gram,
+            rhs,
+            square,
+            log_determinant,
+            norm,
+            prior,
+        }
     }
 }
 
@@ -220,12 +262,24 @@ impl Problem {
 pub(crate) struct Whitened<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) scale: f64,
+    /// links whose errors may be larger
+    pub(crate) wide: Vec<usize>,
     gram: Vec<Vec<f64>>,
     rhs: Vec<f64>,
     square: f64,
     log_determinant: f64,
     norm: Vec<f64>,
-    prior: Option<(f64, Cholesky, Vec<f64>)>,
+    prior: Option<Prior>,
+}
+
+/// What integrates inertial errors out.
+struct Prior {
+    weight: f64,
+    /// of `1 + weight W'W`
+    cholesky: Cholesky,
+    w_y: Vec<f64>,
+    /// `D`, each scaled to its deviation
+    directions: Vec<Vec<f64>>,
 }
 
 /// The least-squares fit of a set of columns.
@@ -327,7 +381,7 @@ impl Whitened<'_> {
         let searched: usize = set.iter().map(|g| self.problem.groups[*g].searched).sum();
         samples * (sum_of_squares / rows).ln()
             + samples.ln() * (columns + searched) as f64
-            + PRICE_OF_CHOICE * set.len() as f64
+            + PRICE_OF_CHOICE * (set.len() + self.wide.len()) as f64
             + self.log_determinant
     }
 
@@ -336,8 +390,7 @@ impl Whitened<'_> {
     pub(crate) fn inertial_errors(&self, fit: &Fit) -> Vec<f64> {
         let problem = self.problem;
         let mut change = vec![0.0; problem.rigid];
-        let Some((weight, cholesky, w_y)) = &self.prior else { return change };
-        let directions = &problem.background.directions;
+        let Some(Prior { weight, cholesky, w_y, directions }) = &self.prior else { return change };
         let rhs: Vec<f64> = directions
             .iter()
             .zip(w_y)

@@ -31,6 +31,10 @@ fn admissible(group: &Group, fit: &Fit) -> bool {
         Scope::Joint | Scope::Neighbours => {
             law.admits(&law.parameters(&group.shape, &coefficients))
         }
+        // the simulated motion of the link, about as large as simulated, and the inertia of a motor
+        Scope::ThroughJoint if !group.shape.is_empty() => {
+            (0.3..1.7).contains(&coefficients[0]) && coefficients[1] >= 0.0
+        }
         // a compliance and an inertia, both positive; an encoder offset has one column and any sign
         Scope::ThroughJoint if coefficients.len() > 1 => {
             coefficients[0] > 0.0 && coefficients[1] >= 0.0

@@ -2,19 +2,27 @@
 
 use std::collections::HashSet;
 
-use armident_effects::{Scope, effect};
+use armident_effects::{Place, Scope, effect};
 
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence, OperatingPoint};
-use crate::material::prune;
+use crate::flexible;
+use crate::material::{LEAST, band_noise, excess, prune};
 use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
+use crate::transmission;
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 7] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.3, 1.0];
+/// Most links whose body is called wrong; more are a wrong arm.
+const MOST_WRONG_BODIES: usize = 2;
 /// Rounds of scanning what is left over.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
+/// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
+/// name, and on how many joints.
+const LEAST_UNEXPLAINED: f64 = 0.7;
+const DESCRIBED_JOINTS: usize = 2;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s\].
@@ -28,13 +36,15 @@ pub(crate) struct Selection {
     pub(crate) answer: Answer,
     /// relative inertial error
     pub(crate) scale: f64,
+    /// links with a wrong body
+    pub(crate) wide: Vec<usize>,
     /// where the columns were formed
     pub(crate) point: OperatingPoint,
 }
 
 impl Selection {
     pub(crate) fn metric(&self) -> Whitened<'_> {
-        self.problem.whitened(self.scale)
+        self.problem.whitened(self.scale, &self.wide)
     }
 }
 
@@ -44,6 +54,15 @@ struct Memory {
     groups: Vec<Group>,
     /// ripple is not offered on these joints: its order was no whole number
     no_ripple: HashSet<usize>,
+    /// inertial error of the last pass
+    scale: Option<f64>,
+}
+
+/// What one search gives.
+struct Best {
+    scale: f64,
+    wide: Vec<usize>,
+    answer: Answer,
 }
 
 pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
@@ -61,21 +80,11 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             .iter()
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
-        let (scale, found) =
+        let Best { scale, wide, answer: found } =
             best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
-        let on_point = |g: usize| {
-            let site = &problem.groups[g].site;
-            match problem.groups[g].slug() {
-                "gravity_direction" => point.tilt != [0.0; 2],
-                "time_delay" => point.delay_s != 0.0,
-                "encoder_offset" => point.offset[site.joints[0]] != 0.0,
-                _ => false,
-            }
-        };
-        let kept: Vec<usize> = found.set.iter().copied().filter(|g| on_point(*g)).collect();
-        let found = prune(&problem.whitened(scale), found, |g| kept.contains(&g));
-        let found = refine(evidence, &at, &contact, &mut problem, scale, found);
-        let found = prune(&problem.whitened(scale), found, |g| kept.contains(&g));
+        let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
+        let found = prune(&problem.whitened(scale, &wide), found, &point);
         let fractional = fractional_ripples(evidence, &problem, &found);
         memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
         let again = !fractional.is_empty();
@@ -91,7 +100,8 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             && target.offset.iter().zip(&point.offset).all(|(a, b)| (a - b).abs() < STILL.1)
             && (target.delay_s - point.delay_s).abs() < STILL.2;
         let done = (still && !again) || pass + 1 == PASSES;
-        last = Some(Selection { problem, answer: found, scale, point: point.clone() });
+        memory.scale = Some(scale);
+        last = Some(Selection { problem, answer: found, scale, wide, point: point.clone() });
         if done {
             break;
         }
@@ -130,26 +140,32 @@ fn best_of_scales(
     problem: &mut Problem,
     start: Vec<usize>,
     memory: &Memory,
-) -> Option<(f64, Answer)> {
+) -> Option<Best> {
     let everyday: Vec<usize> = (0..problem.groups.len())
         .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
         .collect();
     let mut starts = vec![start, everyday];
-    let mut best: Option<(f64, Answer)> = None;
+    let mut best: Option<Best> = None;
+    let mut worse = 0;
+    let mut memory_of_drives: Vec<usize> = Vec::new();
     for scale in SCALES {
-        let mut found: Option<Answer> = None;
+        // later passes look around the scale of the one before
+        let place = |s: f64| SCALES.iter().position(|x| *x == s);
+        if let Some(before) = memory.scale.and_then(place) {
+            if place(scale).is_some_and(|k| k.abs_diff(before) > 1 && scale > 0.0) {
+                continue;
+            }
+        }
+        let mut found: Option<Best> = None;
+        let (mut driven, mut flexible) = (false, false);
+        let mut library: Option<Answer> = None;
         for round in 0..ROUNDS {
-            let banned: HashSet<usize> = (0..problem.groups.len())
-                .filter(|&g| {
-                    let group = &problem.groups[g];
-                    group.slug() == "torque_ripple"
-                        && memory.no_ripple.contains(&group.site.joints[0])
-                })
-                .collect();
-            let metric = problem.whitened(scale);
-            found = search(&metric, &starts, &banned);
-            let Some(answer_now) = &found else { break };
-            let mut residuals = vec![metric.residual(&answer_now.fit)];
+            let banned = banned(problem, memory, scale);
+            let metric = problem.whitened(scale, &[]);
+            let Some(now) = search(&metric, &starts, &banned) else { break };
+            let now = with_wrong_bodies(problem, scale, now, &starts, &banned);
+            let metric = problem.whitened(scale, &now.wide);
+            let mut residuals = vec![metric.residual(&now.answer.fit)];
             if round == 0 {
                 residuals.extend(answer(&metric, Vec::new()).map(|a| metric.residual(&a.fit)));
             }
@@ -158,19 +174,149 @@ fn best_of_scales(
                 offered.extend(ripple.offer(evidence, at, problem, residual));
                 offered.extend(contact.offer(evidence, problem, residual));
             }
-            starts.push(answer_now.set.clone());
+            starts.push(now.answer.set.clone());
+            let residual = residuals.swap_remove(0);
+            found = Some(now);
+            if offered.is_empty() && !driven {
+                driven = true;
+                let suspects = suspects(problem, found.as_ref(), &residual, scale);
+                for &j in suspects.iter().filter(|j| !memory_of_drives.contains(j)) {
+                    offered.extend(transmission::offer(evidence, at, problem, j));
+                }
+                memory_of_drives.extend(suspects);
+            }
             if offered.is_empty() {
-                break;
+                // only what everything cheaper has failed to explain is described without a name
+                if flexible {
+                    break;
+                }
+                flexible = true;
+                let left = excess(problem, &residual);
+                let mut worst: Vec<usize> =
+                    (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+                worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+                for &j in worst.iter().take(DESCRIBED_JOINTS) {
+                    offered.extend(flexible::offer(evidence, at, problem, j, &residual[j]));
+                }
+                library = found.as_ref().map(|f| f.answer.clone());
+                if offered.is_empty() {
+                    break;
+                }
             }
             starts.extend(offered.iter().map(|g| vec![*g]));
         }
-        if let Some(found) = found {
-            if best.as_ref().is_none_or(|(_, b)| found.score < b.score) {
-                best = Some((scale, found));
+        if let (Some(found), Some(library)) = (&mut found, library) {
+            contest(problem, scale, found, library);
+        }
+        let Some(found) = found else { continue };
+        if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
+            best = Some(found);
+            worse = 0;
+        } else {
+            worse += 1;
+            // the misfit falls with the scale until the price of freedom takes over
+            if worse == 2 {
+                break;
             }
         }
     }
     best
+}
+
+/// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
+/// those with something left over.
+fn suspects(
+    problem: &Problem,
+    found: Option<&Best>,
+    residual: &[Vec<f64>],
+    _scale: f64,
+) -> Vec<usize> {
+    let mut joints: Vec<usize> = found
+        .iter()
+        .flat_map(|f| &f.answer.set)
+        .map(|g| &problem.groups[*g])
+        .filter(|g| g.places == [Place::Inertia])
+        .map(|g| g.site.joints[0])
+        .collect();
+    let left = excess(problem, residual);
+    let mut worst: Vec<usize> = (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+    worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+    joints.extend(worst.iter().take(DESCRIBED_JOINTS));
+    joints.sort_unstable();
+    joints.dedup();
+    joints
+}
+
+/// Keeps structure without a name only where it explains what the best answer of the library could not:
+/// a material amount, and more than half of it.
+fn contest(problem: &Problem, scale: f64, found: &mut Best, library: Answer) {
+    let unnamed: Vec<usize> = found
+        .answer
+        .set
+        .iter()
+        .copied()
+        .filter(|g| matches!(problem.groups[*g].meaning, Meaning::Flexible(_)))
+        .collect();
+    if unnamed.is_empty() {
+        return;
+    }
+    let metric = problem.whitened(scale, &found.wide);
+    let library = answer(&metric, library.set.clone()).unwrap_or(library);
+    let (by_library, by_all) = (metric.residual(&library.fit), metric.residual(&found.answer.fit));
+    let holds = unnamed.iter().all(|g| {
+        let j = problem.groups[*g].site.joints[0];
+        let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
+        let noise = band_noise(problem, j).powi(2);
+        let (left, rest) = (square(&by_library[j]), square(&by_all[j]));
+        let gained = left - rest;
+        gained.max(0.0).sqrt() >= LEAST && gained > 0.5 * (left - noise)
+    });
+    if !holds {
+        found.answer = library;
+    }
+}
+
+/// Groups that may not be named: ripples of no whole order, and single links where all links are
+/// uncertain, which wrong bodies stand for.
+fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
+    (0..problem.groups.len())
+        .filter(|&g| {
+            let group = &problem.groups[g];
+            (group.slug() == "torque_ripple" && memory.no_ripple.contains(&group.site.joints[0]))
+                || (scale > 0.0 && group.transform.is_some())
+        })
+        .collect()
+}
+
+/// Lets the errors of single links be larger than those of all others, as long as that is a shorter
+/// description.
+fn with_wrong_bodies(
+    problem: &Problem,
+    scale: f64,
+    mut found: Answer,
+    starts: &[Vec<usize>],
+    banned: &HashSet<usize>,
+) -> Best {
+    let mut wide = Vec::new();
+    if scale > 0.0 {
+        let links = problem.rigid / 10;
+        while wide.len() < MOST_WRONG_BODIES {
+            let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {
+                let trial = [wide.clone(), vec![link]].concat();
+                let next = answer(&problem.whitened(scale, &trial), found.set.clone())?;
+                Some((next.score, trial))
+            });
+            let Some((score, trial)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            if score >= found.score {
+                break;
+            }
+            let metric = problem.whitened(scale, &trial);
+            let starts = [starts, &[found.set.clone()]].concat();
+            let Some(next) = search(&metric, &starts, banned) else { break };
+            (found, wide) = (next, trial);
+        }
+    }
+    Best { scale, wide, answer: found }
 }
 
 /// The group of a new problem that stands for the same.
@@ -188,7 +334,13 @@ fn recreate(
     if known.is_some() {
         return known;
     }
-    let Meaning::Law(slug) = group.meaning else { return None };
+    let slug = match &group.meaning {
+        Meaning::Law(slug) => *slug,
+        Meaning::Flexible(flexible) => {
+            let joint = group.site.joints[0];
+            return Some(flexible::recreate(evidence, at, problem, joint, flexible));
+        }
+    };
     let law = effect(slug)?;
     let id = match law.law().scope {
         Scope::Joint => {
@@ -196,6 +348,9 @@ fn recreate(
         }
         Scope::Neighbours => {
             evidence.push_pair_law(problem, at, law, group.site.joints[0], &group.shape)
+        }
+        Scope::ThroughJoint if !group.shape.is_empty() => {
+            transmission::push(evidence, at, problem, slug, group.site.joints[0], &group.shape)?
         }
         Scope::Arm => {
             let (recording, window) = group.site.window?;
@@ -213,12 +368,12 @@ fn refine(
     at: &[At<'_>],
     contact: &ContactColumns,
     problem: &mut Problem,
-    scale: f64,
+    (scale, wide): (f64, &[usize]),
     found: Answer,
 ) -> Answer {
     // a problem of the answer's columns alone: trials are then cheap
     let (mut small, set) = problem.restricted(&found.set);
-    let Some(mut best) = answer(&small.whitened(scale), set) else { return found };
+    let Some(mut best) = answer(&small.whitened(scale, wide), set) else { return found };
     for _ in 0..2 {
         for k in 0..best.set.len() {
             let group = small.groups[best.set[k]].clone();
@@ -248,7 +403,7 @@ fn refine(
                         };
                         let mut set = best.set.clone();
                         set[k] = id;
-                        let metric = small.whitened(scale);
+                        let metric = small.whitened(scale, wide);
                         let Some(mut next) = answer(&metric, set.clone()) else { continue };
                         if next.score < best.score - 1e-3 {
                             // keep the order of groups, so that k stays the same group
@@ -271,7 +426,7 @@ fn refine(
         .iter()
         .filter_map(|g| recreate(evidence, at, contact, problem, &small.groups[*g].clone()))
         .collect();
-    answer(&problem.whitened(scale), set).unwrap_or(found)
+    answer(&problem.whitened(scale, wide), set).unwrap_or(found)
 }
 
 /// First step of a constant, the smallest, and whether they are relative.

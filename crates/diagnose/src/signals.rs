@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use armident_numeric::Cholesky;
 use armident_recording::{
     CUTOFF_SHARE_BOUND, EvenGrid, Quantity, Recording, RecordingError, ZeroPhaseLowPass,
     differentiate,
@@ -70,7 +71,7 @@ impl Signals {
             rate_hz,
             band: Band::new(rate_hz, time_s.len()),
             position_noise: recorded_position.iter().map(|q| noise_of(q, rate_hz)).collect(),
-            position: recorded_position.iter().map(|q| low_pass.filter(q)).collect(),
+            position: Vec::new(),
             time_s,
             recorded_position,
             velocity: Vec::new(),
@@ -81,8 +82,14 @@ impl Signals {
             grid,
         };
         for j in 0..joints.len() {
-            let velocity = differentiate(&signals.position[j], rate_hz);
-            signals.acceleration.push(differentiate(&velocity, rate_hz));
+            let (extended, margin) = extended(&signals.recorded_position[j], rate_hz);
+            let position = low_pass.filter(&extended);
+            let velocity = differentiate(&position, rate_hz);
+            let acceleration = differentiate(&velocity, rate_hz);
+            let inner = margin..margin + signals.time_s.len();
+            signals.position.push(position[inner.clone()].to_vec());
+            signals.acceleration.push(acceleration[inner.clone()].to_vec());
+            let velocity = velocity[inner].to_vec();
             let noise = signals.position_noise[j].deviation * signals.kinematics_gain(1);
             let (direction, stuck) = directions_and_stops(&velocity, noise, rate_hz);
             signals.velocity.push(velocity);
@@ -128,6 +135,43 @@ pub(crate) fn kinematics_filter(rate_hz: f64) -> Result<ZeroPhaseLowPass, Record
 pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
     let highest_hz = 0.9 * CUTOFF_SHARE_BOUND * rate_hz;
     ZeroPhaseLowPass::new(KINEMATICS_ORDER, cutoff_hz.min(highest_hz), rate_hz)
+}
+
+/// Values continued at both ends along a polynomial through the samples there, or held where the joint
+/// rests: a recording that ends in motion then has speed and acceleration up to its end. Gives the
+/// number of samples added at an end.
+pub(crate) fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
+    // some periods of the low-pass of the kinematics, and what a polynomial follows of a motion
+    const MARGIN_S: f64 = 0.12;
+    const FITTED_S: f64 = 0.25;
+    let margin = (MARGIN_S * rate_hz).round() as usize;
+    let fitted = ((FITTED_S * rate_hz).round() as usize).max(8).min(values.len());
+    let start: Vec<f64> = values[..fitted].iter().rev().copied().collect();
+    let before = continued(&start, margin);
+    let after = continued(&values[values.len() - fitted..], margin);
+    let all = before.iter().rev().chain(values).chain(&after).copied().collect();
+    (all, margin)
+}
+
+/// The next values of a series by its least-squares quartic; its last value where the last tenth does
+/// not move.
+fn continued(values: &[f64], count: usize) -> Vec<f64> {
+    const TERMS: usize = 5;
+    let n = values.len();
+    let last = values[n - 1];
+    if n < 2 * TERMS || values[n - (n / 10).max(3)..].iter().all(|x| *x == last) {
+        return vec![last; count];
+    }
+    // time from the last sample, in lengths of the series
+    let powers =
+        |k: f64| -> [f64; TERMS] { std::array::from_fn(|p| (k / n as f64).powi(p as i32)) };
+    let rows: Vec<[f64; TERMS]> = (0..n).map(|k| powers(k as f64 - (n - 1) as f64)).collect();
+    let product = |a: usize, b: usize| rows.iter().map(|r| r[a] * r[b]).sum::<f64>();
+    let rhs: Vec<f64> =
+        (0..TERMS).map(|a| rows.iter().zip(values).map(|(r, x)| r[a] * x).sum()).collect();
+    let Some(cholesky) = Cholesky::of(TERMS, product) else { return vec![last; count] };
+    let c = cholesky.solve(&rhs);
+    (1..=count).map(|k| c.iter().zip(powers(k as f64)).map(|(c, p)| c * p).sum()).collect()
 }
 
 /// Direction of motion, bridged where the speed has no sure sign, and where the joint sticks.

@@ -136,6 +136,8 @@ pub enum Place {
     Time,
     /// Forces of the surroundings.
     Contact,
+    /// Structure without a law.
+    Unnamed,
 }
 
 /// Everything about an effect that is not computed.

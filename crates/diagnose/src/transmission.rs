@@ -1,0 +1,264 @@
+//! Springy and loose transmissions: the recorded motor drives a hidden link.
+//!
+//! ```text
+//! m(t) q̈ + b(t) = τ,   τ = K (θ - q) + D (θ̇ - q̇), or that beyond a gap;   effort = rigid(link) + J θ̈
+//! ```
+//!
+//! `m` is the joint's own inertia and `b` all other efforts on it. The motion of the link follows from
+//! that of the motor by one scalar differential equation a joint; the efforts of all joints follow from
+//! the motion of the link.
+
+use armident_dynamics::inverse_dynamics_of_motion;
+use armident_effects::{Effect, Place, RotorInertia};
+use armident_recording::{RecordingError, differentiate};
+use serde::{Deserialize, Serialize};
+
+use crate::evidence::{At, Evidence};
+use crate::problem::{Group, Meaning, Problem, Site};
+use crate::signals::{Signals, extended, low_pass};
+
+/// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
+const MOTOR_HZ: f64 = 80.0;
+/// Longest step of the integration \[s\].
+const STEP_S: f64 = 2.5e-4;
+/// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
+const RESONANCES_HZ: [f64; 9] = [3.5, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
+const DAMPINGS: [f64; 2] = [0.03, 0.1];
+/// Gaps tried on rotational joints \[rad\] and translational ones \[m\].
+const GAPS: [f64; 13] =
+    [3e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3, 4e-3, 5.6e-3, 8e-3, 1.1e-2, 1.6e-2, 3e-2];
+/// The flanks of a gear are stiffer than what the recordings resolve: the link bounces on them at this
+/// circular frequency \[rad/s\], with this share of critical damping.
+const FLANK_RATE: f64 = 350.0;
+const FLANK_DAMPING: f64 = 0.4;
+
+/// What lies between motor and link.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Transmission {
+    /// Gap in which no effort passes \[rad or m\]; 0 for a springy transmission.
+    pub gap: f64,
+    /// \[N m/rad or N/m\]
+    pub stiffness: f64,
+    /// \[N m s/rad or N s/m\]
+    pub damping: f64,
+}
+
+/// A transmission in a model.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct TransmissionTerm {
+    /// Joint.
+    pub joint: String,
+    /// What lies between.
+    pub transmission: Transmission,
+    /// Inertia of the motor beyond the model's \[kg m2 or kg\].
+    pub motor_inertia: f64,
+    /// Fitted size of the difference to a rigid transmission; 1 where the law holds.
+    pub share: f64,
+}
+
+impl Transmission {
+    /// Effort that passes for a deflection and its rate.
+    fn effort(&self, deflection: f64, rate: f64) -> f64 {
+        let half = 0.5 * self.gap;
+        if self.gap > 0.0 {
+            let side = deflection.signum();
+            let pressed = deflection.abs() - half;
+            if pressed <= 0.0 {
+                return 0.0;
+            }
+            // flanks push, they do not pull
+            return side * (self.stiffness * pressed + self.damping * rate * side).max(0.0);
+        }
+        self.stiffness * deflection + self.damping * rate
+    }
+
+    /// Efforts of all joints with the link behind this transmission minus those with a rigid one.
+    pub(crate) fn difference(
+        &self,
+        at: &At<'_>,
+        joint: usize,
+    ) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let motor =
+            Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
+        let mut position = at.position.clone();
+        let mut velocity = at.signals.velocity.clone();
+        let mut acceleration = at.signals.acceleration.clone();
+        // the loads on the link are those of its own motion: found in two turns
+        for _ in 0..2 {
+            let load = Load::of(at, joint, &position, &velocity);
+            let (q, v, a) = self.link(&motor, &load, at.signals.rate_hz);
+            (position[joint], velocity[joint], acceleration[joint]) = (q, v, a);
+        }
+        let mut effort = inverse_dynamics_of_motion(&at.arm, &position, &velocity, &acceleration);
+        for (effort, rigid) in effort.iter_mut().zip(&at.rigid) {
+            for (e, r) in effort.iter_mut().zip(rigid) {
+                *e -= r;
+            }
+        }
+        Ok(effort)
+    }
+
+    /// Motion of the link at every sample.
+    fn link(&self, motor: &Motor, load: &Load, rate_hz: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let n = motor.position.len();
+        let steps = (1.0 / (rate_hz * STEP_S)).ceil().max(1.0) as usize;
+        let h = 1.0 / (rate_hz * steps as f64);
+        let rest = load.bias[0] / self.stiffness + 0.5 * self.gap * load.bias[0].signum();
+        let (mut q, mut v) = (motor.position[0] - rest, motor.velocity[0]);
+        let (mut position, mut velocity, mut acceleration) = (vec![q; n], vec![v; n], vec![0.0; n]);
+        for t in 0..n - 1 {
+            let before = v;
+            for k in 0..steps {
+                let x = (k as f64 + 0.5) / steps as f64;
+                let line = |values: &[f64]| values[t] + x * (values[t + 1] - values[t]);
+                let (theta, omega) = (motor.at(t, x, rate_hz), line(&motor.velocity));
+                let m = line(&load.inertia);
+                // the spring is taken at the end of the step, so that no stiffness is too high
+                let passed = self.effort(theta - q, omega - v);
+                let pressed = self.gap == 0.0 || passed != 0.0;
+                let (stiffness, damping) =
+                    if pressed { (self.stiffness, self.damping) } else { (0.0, 0.0) };
+                let implicit = m + h * damping + h * h * stiffness;
+                let force = passed - line(&load.bias) + h * stiffness * (omega - v);
+                v += h * force / implicit;
+                q += h * v;
+            }
+            position[t + 1] = q;
+            velocity[t + 1] = v;
+            // the mean over the interval: impacts are shorter than a sample
+            let mean = (v - before) * rate_hz;
+            acceleration[t] = if t == 0 { mean } else { 0.5 * (acceleration[t] + mean) };
+            acceleration[t + 1] = mean;
+        }
+        (position, velocity, acceleration)
+    }
+}
+
+/// Motion of the motor, finer than the kinematics.
+struct Motor {
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl Motor {
+    fn of(signals: &Signals, joint: usize, offset: f64) -> Result<Self, RecordingError> {
+        let (long, margin) = extended(&signals.recorded_position[joint], signals.rate_hz);
+        let smooth = low_pass(MOTOR_HZ, signals.rate_hz)?.filter(&long);
+        let rate = differentiate(&smooth, signals.rate_hz);
+        let inner = margin..margin + signals.len();
+        Ok(Self {
+            position: smooth[inner.clone()].iter().map(|q| q - offset).collect(),
+            velocity: rate[inner].to_vec(),
+        })
+    }
+
+    /// Position between samples `t` and `t + 1`: the cubic with both positions and both velocities.
+    fn at(&self, t: usize, x: f64, rate_hz: f64) -> f64 {
+        let (p, r) = (self.position[t], self.position[t + 1]);
+        let (v, w) = (self.velocity[t] / rate_hz, self.velocity[t + 1] / rate_hz);
+        let (square, cube) = (x * x, x * x * x);
+        p * (2.0 * cube - 3.0 * square + 1.0)
+            + v * (cube - 2.0 * square + x)
+            + r * (3.0 * square - 2.0 * cube)
+            + w * (cube - square)
+    }
+}
+
+/// Inertia of a joint and all other efforts on it.
+struct Load {
+    inertia: Vec<f64>,
+    bias: Vec<f64>,
+}
+
+impl Load {
+    fn of(at: &At<'_>, joint: usize, position: &[Vec<f64>], velocity: &[Vec<f64>]) -> Self {
+        let with = |own: f64| {
+            let mut acceleration = at.signals.acceleration.clone();
+            acceleration[joint].fill(own);
+            inverse_dynamics_of_motion(&at.arm, position, velocity, &acceleration)
+                .swap_remove(joint)
+        };
+        let bias = with(0.0);
+        let inertia = with(1.0).iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
+        Self { inertia, bias }
+    }
+}
+
+/// Adds the group of a transmission on a joint; gives its id.
+pub(crate) fn push(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    slug: &'static str,
+    joint: usize,
+    shape: &[f64],
+) -> Option<usize> {
+    let transmission = of_shape(slug, shape, mean_inertia(at, joint));
+    let pieces: Vec<Vec<Vec<f64>>> =
+        at.iter().map(|at| transmission.difference(at, joint)).collect::<Result<_, _>>().ok()?;
+    if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let column = problem.push_columns(vec![evidence.arm_blocks(&pieces)]);
+    let inertia: Vec<Vec<f64>> = at
+        .iter()
+        .filter_map(|at| RotorInertia.columns(&[], &at.joint(joint)).into_iter().next())
+        .collect();
+    let inertia = evidence.joint_blocks(joint, &inertia);
+    let inertia = match problem.find_column(&inertia, problem.rigid) {
+        Some(known) => known,
+        None => problem.push_columns(vec![inertia]),
+    };
+    problem.groups.push(Group {
+        meaning: Meaning::Law(slug),
+        site: Site { joints: vec![joint], window: None },
+        shape: shape.to_vec(),
+        columns: vec![column, inertia],
+        searched: shape.len(),
+        places: vec![Place::Inertia],
+        transform: None,
+    });
+    Some(problem.groups.len() - 1)
+}
+
+/// The transmission that a shape stands for: stiffness and damping, or a gap.
+pub(crate) fn of_shape(slug: &str, shape: &[f64], inertia: f64) -> Transmission {
+    if slug == "backlash" {
+        return Transmission {
+            gap: shape[0],
+            stiffness: inertia * FLANK_RATE * FLANK_RATE,
+            damping: 2.0 * FLANK_DAMPING * inertia * FLANK_RATE,
+        };
+    }
+    Transmission { gap: 0.0, stiffness: shape[0], damping: shape[1] }
+}
+
+/// Mean over the recordings of the joint's own inertia.
+pub(crate) fn mean_inertia(at: &[At<'_>], joint: usize) -> f64 {
+    let loads: Vec<Load> =
+        at.iter().map(|at| Load::of(at, joint, &at.position, &at.signals.velocity)).collect();
+    let count: usize = loads.iter().map(|l| l.inertia.len()).sum();
+    loads.iter().flat_map(|l| &l.inertia).sum::<f64>() / count as f64
+}
+
+/// Adds springs and gaps of all sizes on a joint; gives their ids.
+pub(crate) fn offer(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    joint: usize,
+) -> Vec<usize> {
+    let inertia = mean_inertia(at, joint);
+    let mut offered = Vec::new();
+    for hz in RESONANCES_HZ {
+        for damping in DAMPINGS {
+            let rate = std::f64::consts::TAU * hz;
+            let shape = [inertia * rate * rate, 2.0 * damping * inertia * rate];
+            offered.extend(push(evidence, at, problem, "joint_elasticity", joint, &shape));
+        }
+    }
+    for gap in GAPS {
+        offered.extend(push(evidence, at, problem, "backlash", joint, &[gap]));
+    }
+    offered
+}
