@@ -103,7 +103,7 @@ impl Draft {
             "coulomb_friction" => set(&[0.12 * speed], 4.0 * sigma, endless),
             "quadratic_drag" => set(&[], 4.0 * sigma / speed.powi(2), endless),
             "asymmetric_coulomb_friction" => set(&[level, side], 0.3, 0.8),
-            "stribeck_friction" => set(&[level, random.between(0.12, 0.35) * speed], 1.0, 5.0),
+            "stribeck_friction" => set(&[level, random.between(0.15, 0.45) * speed], 1.0, 8.0),
             "load_dependent_friction" => set(&[level], 0.1, 0.35),
             "presliding_hysteresis" => {
                 let level = level * random.between(1.0, 4.0);
@@ -196,6 +196,11 @@ impl Draft {
             };
         }
         Some(draft)
+    }
+
+    /// Whether a link of its own moves behind the motor.
+    pub(crate) fn has_transmission(&self) -> bool {
+        matches!(self.slug, "joint_elasticity" | "backlash")
     }
 
     /// Whether some joint laws of the library have a stand-in.

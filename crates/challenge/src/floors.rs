@@ -90,7 +90,9 @@ pub(crate) fn floors(
         }
         lower(&mut practical, taken.rmse(names, &careful, &taken.inside));
         lower(&mut urdf_practical, taken.rmse(names, &rigid(believed), &taken.inside));
-        for share in RESTING_SHARES {
+        // an integration of links each, and rest is not what their floor hangs on
+        let shares = if arm.has_transmissions() { &RESTING_SHARES[1..2] } else { &RESTING_SHARES };
+        for &share in shares {
             let trajectory = Trajectory {
                 joints: names.to_vec(),
                 time_s: motion.time_s.clone(),

@@ -17,7 +17,7 @@ use crate::recorder::{Exact, Sensing, encoder_count, exact_at, instants, record,
 use crate::robot::Robot;
 use crate::sizes::{Sized, Sizing, size};
 use crate::truth::{Floors, VelocityTruth};
-use crate::truth_of::{Made, truth_of};
+use crate::truth_of::{Made, effective_noise, truth_of};
 
 /// What a case looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,8 +76,12 @@ pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
 pub(crate) const FILES: [&str; 4] = ["train_1", "train_2", "holdout", "exam"];
 /// Draws of joints and sizes before an effect counts as invisible on this arm.
 const MOST_DRAWS: usize = 60;
+/// The same where each draw is several integrations.
+const MOST_TRANSMISSION_DRAWS: usize = 10;
 /// Simulations before that.
-const MOST_SIMULATIONS: usize = 8;
+const MOST_SIMULATIONS: usize = 6;
+/// What stick phases add to the noise of a field case, until a simulation shows it.
+const UNSEEN_STICK_PHASES: f64 = 1.3;
 /// Largest change by the lag of the effort channel over noise.
 const MOST_LAG: f64 = 0.45;
 /// Share of the effort range that controllers meet unprepared.
@@ -98,9 +102,13 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
     let mut random = Draw::new(request.seed);
     let scene = Scene::draw(&robot, request, &mut random);
     let mut last = None;
+    // stick phases are not known before the first simulation
+    let margin = if scene.field { UNSEEN_STICK_PHASES } else { 1.0 };
+    let mut noise: Vec<f64> = scene.sensing.sigma.iter().map(|sigma| margin * sigma).collect();
     for _ in 0..MOST_SIMULATIONS {
         let mut random = random.branch();
-        let Some(drafts) = draw_effects(&scene, request, &slugs, &mut random)? else { continue };
+        let drafts = draw_effects(&scene, request, &slugs, &noise, &mut random)?;
+        let Some(drafts) = drafts else { continue };
         let simulated = simulate(&scene, &drafts, request.kind, &mut random);
         let made = match simulated {
             Ok(made) => made,
@@ -111,16 +119,11 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
             }
             Err(other) => return Err(other),
         };
-        if let Some(truth) = truth_of(&scene, &drafts, &made, request)? {
+        noise = effective_noise(&scene, &made);
+        if let Some(truth) = truth_of(&scene, &drafts, &made, &noise, request)? {
             let [train_1, train_2, holdout, exam] = made.recorded;
-            return Ok(Case {
-                robot_urdf: robot.urdf.clone(),
-                train_1,
-                train_2,
-                holdout,
-                exam,
-                truth,
-            });
+            let robot_urdf = robot.urdf.clone();
+            return Ok(Case { robot_urdf, train_1, train_2, holdout, exam, truth });
         }
     }
     Err(last.unwrap_or_else(|| ChallengeError::Invisible {
@@ -346,6 +349,7 @@ fn draw_effects(
     scene: &Scene<'_>,
     request: &CaseRequest,
     slugs: &[&'static str],
+    noise: &[f64],
     random: &mut Draw,
 ) -> Result<Option<Vec<Sized>>, ChallengeError> {
     let true_arm = RigidArm::from_chain(&scene.chain);
@@ -358,11 +362,12 @@ fn draw_effects(
         viscous: &scene.viscous,
         duration_s: scene.durations_s[0],
     };
-    let sizing = Sizing::new(scene);
+    let sizing = Sizing::new(scene, noise);
     let mut chosen: Vec<Sized> = Vec::new();
     for &slug in slugs {
         let mut found = None;
-        for _ in 0..MOST_DRAWS {
+        let transmission = matches!(slug, "joint_elasticity" | "backlash");
+        for _ in 0..if transmission { MOST_TRANSMISSION_DRAWS } else { MOST_DRAWS } {
             let perturbed = request.perturbed && Draft::can_be_perturbed(slug);
             let Some(draft) = Draft::draw(slug, perturbed, &context, random) else { continue };
             // two effects on one joint may add up to a third

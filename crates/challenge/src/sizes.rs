@@ -15,6 +15,8 @@ pub(crate) const KEPT: [f64; 2] = [1.5, 16.0];
 /// Rounds of sizing, and how near the drawn margin is near enough.
 const ROUNDS: usize = 5;
 const NEAR: f64 = 1.15;
+/// Rounds where each is an integration.
+const TRANSMISSION_ROUNDS: usize = 3;
 
 /// Largest RMS torque of an effect over the believed range of the joint: what is larger would be seen
 /// without any tool.
@@ -43,15 +45,13 @@ pub(crate) struct Sizing {
 }
 
 impl Sizing {
-    pub(crate) fn new(scene: &Scene<'_>) -> Self {
+    /// Against this noise.
+    pub(crate) fn new(scene: &Scene<'_>, sigma: &[f64]) -> Self {
         let motions: Vec<&Exact> = scene.planned[..2].iter().collect();
         let arm = armident_dynamics::RigidArm::from_chain(&scene.chain);
-        // stick phases are not known yet
-        let margin = if scene.field { 1.2 } else { 1.0 };
-        let sigma: Vec<f64> = scene.sensing.sigma.iter().map(|sigma| margin * sigma).collect();
-        let body_sigma = with_background(scene, &motions, &sigma);
+        let body_sigma = with_background(scene, &motions, sigma);
         Self {
-            observer: Observer::new(&arm, &motions, &sigma),
+            observer: Observer::new(&arm, &motions, sigma),
             bodies: Observer::new(&arm, &motions, &body_sigma),
         }
     }
@@ -98,7 +98,8 @@ pub(crate) fn size(
     let wanted = random.log_between(DRAWN[0], DRAWN[1]);
     let motions: Vec<&Exact> = scene.planned[..2].iter().collect();
     let mut sized = Sized { x: draft.start.min(draft.most), draft, torque: Vec::new() };
-    for round in 0..ROUNDS {
+    let rounds = if sized.draft.has_transmission() { TRANSMISSION_ROUNDS } else { ROUNDS };
+    for round in 0..rounds {
         let one = std::slice::from_ref(&sized);
         let torque = effect_torque(scene, one, 0, &motions)?;
         let seen =
@@ -108,7 +109,7 @@ pub(crate) fn size(
         let factor = wanted / seen.naming_margin.max(1e-12);
         let near = (1.0 / NEAR..NEAR).contains(&factor);
         let stuck = factor > 1.0 && sized.x >= sized.draft.most;
-        if near || stuck || round + 1 == ROUNDS {
+        if near || stuck || round + 1 == rounds {
             let plausible = (0..sized.torque.len()).all(|j| {
                 sized.torque[j] < MOST_TORQUE * scene.range[j].max(scene.sensing.sigma[j])
             });

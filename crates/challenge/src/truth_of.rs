@@ -31,11 +31,21 @@ pub(crate) struct Made {
     pub(crate) lag_over_noise: f64,
 }
 
+/// What noise and stick phases leave to a careful user \[N m or N\].
+pub(crate) fn effective_noise(scene: &Scene<'_>, made: &Made) -> Vec<f64> {
+    let of_joint = |(name, sigma): (&String, &f64)| match made.holdout.attainable_rmse.get(name) {
+        Some(attainable) if scene.field => attainable.max(*sigma),
+        _ => *sigma,
+    };
+    scene.robot.names.iter().zip(&scene.sensing.sigma).map(of_joint).collect()
+}
+
 /// The answer; nothing if some effect is not visible enough, or too much, in what was recorded.
 pub(crate) fn truth_of(
     scene: &Scene<'_>,
     drafts: &[Sized],
     made: &Made,
+    effective: &[f64],
     request: &CaseRequest,
 ) -> Result<Option<Truth>, ChallengeError> {
     let names = &scene.robot.names;
@@ -43,20 +53,11 @@ pub(crate) fn truth_of(
         names.iter().cloned().zip(values.iter().copied()).collect()
     };
     let sigma = &scene.sensing.sigma;
-    // what noise and stick phases leave to a careful user
-    let effective: Vec<f64> = names
-        .iter()
-        .zip(sigma)
-        .map(|(name, sigma)| match made.holdout.attainable_rmse.get(name) {
-            Some(attainable) if scene.field => attainable.max(*sigma),
-            _ => *sigma,
-        })
-        .collect();
     let motions: Vec<&Exact> = made.exact[..2].iter().collect();
     let arm = RigidArm::from_chain(&scene.chain);
-    let observer = Observer::new(&arm, &motions, &effective);
+    let observer = Observer::new(&arm, &motions, effective);
     let body_noise =
-        if scene.field { with_background(scene, &motions, &effective) } else { effective.clone() };
+        if scene.field { with_background(scene, &motions, effective) } else { effective.to_vec() };
     let bodies = Observer::new(&arm, &motions, &body_noise);
     let mut effects = Vec::new();
     for (k, sized) in drafts.iter().enumerate() {
@@ -91,7 +92,7 @@ pub(crate) fn truth_of(
         bodies: scene.robot.bodies(),
         noise: NoiseTruth {
             effort_sigma: named(sigma),
-            effective_sigma: if scene.field { named(&effective) } else { BTreeMap::new() },
+            effective_sigma: if scene.field { named(effective) } else { BTreeMap::new() },
             effort_fraction: scene.noise_share,
             effort_colour: scene.sensing.colour,
             encoder_resolution: named(&scene.sensing.count),
