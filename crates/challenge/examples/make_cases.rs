@@ -74,7 +74,7 @@ fn main() -> ExitCode {
         // an arm that does not show the effect makes place for the next
         let tried = (0..ROBOTS.len()).map(|turn| one(&given, k, turn));
         let usable = |tried: &Result<String, ChallengeError>| {
-            !matches!(tried, Err(ChallengeError::Invisible { .. }))
+            !matches!(tried, Err(ChallengeError::Invisible { .. } | ChallengeError::Simulation(_)))
         };
         match tried.take(if given.robot.is_some() { 1 } else { ROBOTS.len() }).find(usable) {
             Some(Ok(line)) => println!("{line} ({:.1} s)", started.elapsed().as_secs_f64()),

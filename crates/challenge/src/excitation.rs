@@ -155,13 +155,26 @@ fn within_efforts(robot: &Robot, trajectory: &Trajectory) -> bool {
     })
 }
 
-/// Gains with which efforts of this size that the feed-forward does not know cause small errors.
-pub(crate) fn gains(robot: &Robot, start: &[f64], unknown: &[f64]) -> TrackingGains {
+/// Gains with which efforts of this size that the feed-forward does not know cause small errors, as far
+/// as the control cycle allows.
+pub(crate) fn gains(robot: &Robot, plan: &Trajectory, unknown: &[f64]) -> TrackingGains {
     const SLOWEST_HZ: f64 = 2.0;
-    let inertia = inertia_matrix(&robot.arm(), start).diagonal();
+    const FASTEST_PER_CYCLE: f64 = 0.2;
+    let arm = robot.arm();
+    // what a joint moves while the others give way, in the lightest of some poses
+    let mut inertia = vec![f64::INFINITY; robot.dof()];
+    for k in (0..plan.len()).step_by((plan.len() / 30).max(1)) {
+        let q: Vec<f64> = plan.position.iter().map(|column| column[k]).collect();
+        if let Some(factor) = inertia_matrix(&arm, &q).cholesky() {
+            for (least, mobility) in inertia.iter_mut().zip(&factor.inverse().diagonal()) {
+                *least = least.min(1.0 / mobility);
+            }
+        }
+    }
     let stiffness = |j: usize| {
         let slowest = inertia[j] * (TAU * SLOWEST_HZ).powi(2);
-        slowest.max(unknown[j] / TRACKING_ERROR)
+        let fastest = inertia[j] * (FASTEST_PER_CYCLE * CONTROL_HZ).powi(2);
+        (unknown[j] / TRACKING_ERROR).clamp(slowest, fastest)
     };
     let proportional: Vec<f64> = (0..robot.dof()).map(stiffness).collect();
     let derivative = proportional.iter().zip(&inertia).map(|(p, m)| 1.6 * (p * m).sqrt()).collect();

@@ -403,7 +403,6 @@ fn simulate(
 ) -> Result<Made, ChallengeError> {
     let robot = scene.robot;
     let believed = robot.arm();
-    let start: Vec<f64> = scene.plans[0].position.iter().map(|column| column[0]).collect();
     let unknown: Vec<f64> = (0..robot.dof())
         .map(|j| {
             let dry = if kind == CaseKind::Field { 2.0 * scene.level[j] } else { 0.0 };
@@ -411,7 +410,7 @@ fn simulate(
             UNKNOWN_SHARE * scene.range[j] + dry + special
         })
         .collect();
-    let gains = gains(robot, &start, &unknown);
+    let gains = gains(robot, &scene.plans[0], &unknown);
     let mut exact = Vec::new();
     let mut moved = Vec::new();
     for (file, plan) in scene.plans.iter().enumerate() {
