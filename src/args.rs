@@ -15,7 +15,8 @@ Start here:
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
-/acceleration, /effort (rad, m, N m, N). Exit codes: 0 the result was written, 1 it failed,
+/acceleration, /effort (rad, m, N m, N), Parquet files of such columns, or MCAP files of ROS 2 joint
+states. Exit codes: 0 the result was written, 1 it failed,
 2 the command line is wrong, 3 what --fail-on names has happened."
 )]
 pub(crate) struct Cli {
@@ -32,6 +33,7 @@ pub(crate) enum Command {
     Diagnose(DiagnoseArgs),
     Validate(ValidateArgs),
     Predict(PredictArgs),
+    Export(ExportArgs),
 }
 
 /// Which part of the robot is the arm.
@@ -64,6 +66,9 @@ pub(crate) struct ReadingArgs {
     /// TOML file that says which column is which joint, quantity and unit (docs/mapping.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) mapping: Option<PathBuf>,
+    /// Topic of the joint states in MCAP files [default: the only one, or /joint_states]
+    #[arg(long, value_name = "TOPIC")]
+    pub(crate) topic: Option<String>,
 }
 
 /// Where results go.
@@ -175,10 +180,10 @@ Without --encoder-bits the exact accelerations are written too, and identify use
 pub(crate) struct SimulateArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
-    /// Folder of a plan, or trajectory files (CSV)
+    /// Folder of a plan, or trajectory files (CSV, MCAP, Parquet)
     #[arg(required = true)]
     pub(crate) trajectories: Vec<PathBuf>,
-    /// Folder to write to, or a file when one trajectory is given
+    /// Folder to write to, or a file when one trajectory is given (.csv, .mcap, .parquet)
     #[arg(short, long, value_name = "PATH")]
     pub(crate) output_path: PathBuf,
     /// Which way to simulate
@@ -222,7 +227,7 @@ accelerations are recorded.")]
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
+    /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// Recordings kept out of the fit, to judge it
@@ -234,6 +239,9 @@ pub(crate) struct IdentifyArgs {
     /// What is believed of the links before the recordings; no matter with a plan
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
+    /// Keep the estimate as it is, also where no real links and friction have it
+    #[arg(long)]
+    pub(crate) raw_estimate: bool,
     /// Write the model found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
@@ -288,7 +296,7 @@ simulated arm through windows of half a second, before (URDF) and after (model).
 pub(crate) struct ValidateArgs {
     /// Model written by identify, or a URDF
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
+    /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
@@ -317,9 +325,10 @@ Examples:
 pub(crate) struct PredictArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
-    /// Motion (CSV) with the positions of the joints
+    /// Motion (CSV, MCAP, Parquet) with the positions of the joints
     pub(crate) motion: PathBuf,
-    /// File to write the columns t and JOINT/effort to; - is stdout
+    /// File to write the columns t and JOINT/effort to, as CSV unless it ends in .mcap or .parquet; - is
+    /// stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
@@ -327,6 +336,39 @@ pub(crate) struct PredictArgs {
     pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FormatArg {
+    /// links, limits, damping and friction
+    Urdf,
+    /// the same for MuJoCo, with armature, gravity and motors
+    Mjcf,
+}
+
+/// Write a model as URDF or MJCF, for controllers and simulators
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident export model.json -o robot.urdf
+  armident export model.json -o robot.xml           (MJCF, for MuJoCo)
+  armident export urdf/panda.urdf -o - --format mjcf
+
+The chain with its links, limits and what the format holds of the joints' effects; what it cannot hold
+is said. Shapes and meshes are left out.")]
+pub(crate) struct ExportArgs {
+    /// Model written by identify, or a URDF
+    pub(crate) robot: PathBuf,
+    /// File to write; .urdf or .xml tells the format, - is stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+    /// The format, where the name of the file does not tell it
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<FormatArg>,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]

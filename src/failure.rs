@@ -99,6 +99,16 @@ impl From<armident_numeric::NumericError> for Failure {
     }
 }
 
+impl From<armident_ident::ConsistencyError> for Failure {
+    fn from(error: armident_ident::ConsistencyError) -> Self {
+        Self::new(
+            error,
+            "the links of the model",
+            Some("check the URDF, or keep the estimate as it is with --raw-estimate"),
+        )
+    }
+}
+
 impl From<armident_effects::UnknownEffect> for Failure {
     fn from(error: armident_effects::UnknownEffect) -> Self {
         Self::new(error, "the model", None::<String>)

@@ -24,6 +24,7 @@ fn main() -> ExitCode {
         Command::Diagnose(args) => commands::diagnose::run(args),
         Command::Validate(args) => commands::validate::run(args),
         Command::Predict(args) => commands::predict::run(args),
+        Command::Export(args) => commands::export::run(args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
@@ -18,13 +18,16 @@ const ARROWS: [(&str, &[&str]); 10] = [
     ("recording", &[]),
     ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
-    ("report", &["dynamics", "effects", "ident", "kinematics"]),
+    ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
+    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
     ("challenge", &["dynamics", "effects", "kinematics", "recording", "simulation"]),
+    ("export", &["effects", "ident", "kinematics"]),
     (
         "",
         &[
             "dynamics",
             "effects",
+            "export",
             "ident",
             "kinematics",
             "numeric",

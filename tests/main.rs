@@ -27,6 +27,12 @@ mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
 
+/// models as URDF and MJCF, and what these formats cannot hold
+mod export;
+/// MCAP beside CSV
+mod formats;
+/// exported URDF and MJCF in Pinocchio and MuJoCo
+mod peers;
 /// plan, simulate, identify, predict: what was put in comes out
 mod pipeline;
 /// public recordings of real arms: rank, error against a plain baseline, refusals

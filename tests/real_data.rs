@@ -1,9 +1,9 @@
 //! Public recordings of real arms (the shared data; `dataset.toml` of each folder holds a baseline).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::shared::shared;
-use crate::tool::{list, number, run, string, text};
+use crate::tool::{list, number, run, scratch, string, text};
 
 /// The errors may be at most this times the baseline's.
 const ALLOWANCE: f64 = 1.1;
@@ -130,6 +130,65 @@ fn fits_no_worse_than_the_baseline() {
         check(case, &mut worse);
     }
     assert!(worse.is_empty(), "worse than {ALLOWANCE} x baseline:\n{}", worse.join("\n"));
+}
+
+/// Models have real links by default: recorded efforts drive the simulated arm on every set, and the effort
+/// error on motions that follow is not worse than that of the estimate as it is.
+#[test]
+fn models_have_real_links_and_can_be_simulated() {
+    let mut ratios = Vec::new();
+    for case in &CASES {
+        let name = case.folder;
+        let Some(folder) = shared("real_data", &format!("data/{name}")) else { return };
+        let dataset = dataset(&folder);
+        let urdf = folder.join(dataset["urdf"].as_str().unwrap());
+        let cutoff = dataset["baseline"]["filter_hz"].as_integer().unwrap().to_string();
+        let scratch = scratch(&format!("real_{name}"));
+        let (fitted, kept) = halves(&folder.join(case.training), &scratch);
+        let model = scratch.join("model.json");
+        let args = ["identify", text(&urdf), text(&fitted), "--holdout", text(&kept)];
+        let args = [&args[..], &["--cutoff-hz", &cutoff, "--json", "-"]].concat();
+        let raw = run(&[&args[..], &["--raw-estimate"]].concat()).fine().json();
+        let real = run(&[&args[..], &["--save-model", text(&model)]].concat()).fine().json();
+        let consistency = &real["consistency"];
+        assert_eq!(consistency["converged"], true, "{name}: {consistency}");
+        let (distance, least) = (
+            number(&consistency["distance_in_standard_errors"]),
+            number(&consistency["distance_at_least"]),
+        );
+        assert!(least <= distance && distance < least + 0.5, "{name}: {least} {distance}");
+        for (joint, smallest) in consistency["smallest_eigenvalues"].as_object().unwrap() {
+            assert!(number(smallest) > 0.0, "{name} {joint}: {smallest}");
+        }
+        let joints = list(&real["joints"]);
+        let mean_log = |found: &serde_json::Value| {
+            let rmse = &found["fit"]["holdout"]["rmse"];
+            let logs = joints.iter().map(|joint| number(&rmse[string(joint)]).ln());
+            logs.sum::<f64>() / joints.len() as f64
+        };
+        ratios.push((name, (mean_log(&real) - mean_log(&raw)).exp()));
+
+        let judged = run(&["validate", text(&model), text(&kept), "--json", "-"]).fine().json();
+        let replay = &judged["replay_after"];
+        assert!(number(&replay["windows"]) > 0.0, "{name}: {}", judged["warnings"]);
+        assert_eq!(number(&replay["diverged"]), 0.0, "{name}");
+    }
+    for (name, ratio) in &ratios {
+        assert!(*ratio < 1.05, "{name}: {ratio}");
+    }
+}
+
+/// The first two thirds of a recording, and the rest.
+fn halves(recording: &Path, folder: &Path) -> (PathBuf, PathBuf) {
+    let all = std::fs::read_to_string(recording).unwrap();
+    let lines: Vec<&str> = all.lines().collect();
+    let cut = 1 + 2 * (lines.len() - 1) / 3;
+    let write = |name: &str, rows: &[&str]| {
+        let path = folder.join(name);
+        std::fs::write(&path, [&lines[..1], rows].concat().join("\n") + "\n").unwrap();
+        path
+    };
+    (write("fitted.csv", &lines[1..cut]), write("kept.csv", &lines[cut..]))
 }
 
 /// Currents and voltages are no efforts: said in words, with what to do.

@@ -7,12 +7,13 @@ use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows, MinimalSet, Term,
-    with_recorded_velocity,
+    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Consistent, JointFit, JointRows,
+    MinimalSet, Term, with_recorded_velocity,
 };
 use armident_recording::{Motion, Recording};
 use armident_report::{
-    ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+    ConsistencyReport, ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow,
+    StepRow,
 };
 
 use super::recordings;
@@ -99,6 +100,10 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     }
     let Fit { rows, estimate, holdout_rows } = from_recorded.unwrap_or(from_positions);
 
+    let consistent =
+        if args.raw_estimate { None } else { Some(problem.nearest_consistent(&estimate)?) };
+    let values = consistent.as_ref().map_or(&estimate.values, |c| &c.estimated);
+
     let of_urdf = set.values(&arm.constants());
     let urdf_terms: Vec<f64> = problem
         .terms
@@ -109,10 +114,8 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         })
         .collect();
     let fit = FitReport {
-        train: fit_rows(&estimate.train, &joints),
-        holdout: holdout_rows
-            .as_ref()
-            .map(|r| fit_rows(&problem.fit(r, &estimate.values), &joints)),
+        train: fit_rows(&problem.fit(&rows, values), &joints),
+        holdout: holdout_rows.as_ref().map(|r| fit_rows(&problem.fit(r, values), &joints)),
         urdf: fit_rows(&problem.fit(holdout_rows.as_ref().unwrap_or(&rows), &urdf_terms), &joints),
     };
     let mut constants = Vec::new();
@@ -172,6 +175,9 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
             open.join(", ")
         ));
     }
+    let consistency = consistent.as_ref().map(|c| ConsistencyReport::of(c, &joints));
+    add_consistent(&mut constants, &set, consistent.as_ref());
+    warnings.extend(consistency.iter().flat_map(ConsistencyReport::warnings));
     let report = IdentifyReport {
         schema: "armident.identify/1",
         method: "batch",
@@ -182,6 +188,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         cutoff_hz,
         velocities,
         link_prior: settings.link_prior,
+        consistency,
         constants,
         effects,
         merged,
@@ -197,9 +204,16 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         notes,
     };
     let speed_resolution = problem.speed_resolution.clone();
-    let found_effects = problem.effects(&estimate.values, &joints);
-    let mut found = model.with_constants(&set, &problem.constants(&estimate.values));
-    found.effects = found_effects;
+    let mut found = match &consistent {
+        Some(consistent) => ArmModel {
+            effects: problem.consistent_effects(consistent, &joints),
+            ..model.with_links(&consistent.links)
+        },
+        None => ArmModel {
+            effects: problem.effects(&estimate.values, &joints),
+            ..model.with_constants(&set, &problem.constants(&estimate.values))
+        },
+    };
     found.cutoff_hz = cutoff_hz;
     found.recorded_velocities = recorded_velocities;
     found.speed_resolution = speed_resolution;
@@ -276,7 +290,7 @@ fn by_algorithm2(
     let set = MinimalSet::of(&arm)?;
     let estimate = algorithm2(&arm, &set, &plan, &motions)?;
     let of_urdf = set.values(&arm.constants());
-    let constants: Vec<ConstantRow> = (0..set.len())
+    let mut constants: Vec<ConstantRow> = (0..set.len())
         .map(|k| {
             let value = estimate.values[k];
             let known = value.is_finite();
@@ -297,9 +311,17 @@ fn by_algorithm2(
         .zip(&of_urdf)
         .map(|(&found, &urdf)| if found.is_finite() { found } else { urdf })
         .collect();
-    let report_warnings = algorithm2_warnings(&model, &set, &estimate);
+    let consistent =
+        if args.raw_estimate { None } else { Some(estimate.nearest_consistent(&arm, &set)?) };
+    let consistency = consistent.as_ref().map(|c| ConsistencyReport::of(c, &joints));
+    add_consistent(&mut constants, &set, consistent.as_ref());
+    let mut report_warnings = algorithm2_warnings(&model, &set, &estimate);
+    report_warnings.extend(consistency.iter().flat_map(ConsistencyReport::warnings));
     let urdf_errors = effort_errors(&arm, &motions, &joints);
-    let mut found = model.with_constants(&set, &values);
+    let mut found = match &consistent {
+        Some(consistent) => model.with_links(&consistent.links),
+        None => model.with_constants(&set, &values),
+    };
     found.cutoff_hz = cutoff_hz;
     found.effort_noise = (estimate.effort_noise.iter().all(|s| s.is_finite()))
         .then(|| estimate.effort_noise.clone());
@@ -314,6 +336,7 @@ fn by_algorithm2(
         cutoff_hz,
         velocities: if cutoff_hz.is_some() { "position" } else { "recorded" },
         link_prior: None,
+        consistency,
         constants,
         effects: own_friction(&found, &estimate),
         merged: Vec::new(),
@@ -392,8 +415,20 @@ fn constant_row(
         standard_error: found.map(|(_, error, _)| error),
         interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
         urdf,
+        consistent: None,
         from_prior,
         undetermined,
+    }
+}
+
+/// Values of the real links beside the estimates, which are in the order of the set.
+fn add_consistent(rows: &mut [ConstantRow], set: &MinimalSet, found: Option<&Consistent>) {
+    let Some(found) = found else { return };
+    for (k, constant) in set.constants.iter().enumerate() {
+        let label = constant.label();
+        if let Some(row) = rows.iter_mut().find(|row| row.label == label) {
+            row.consistent = Some(found.estimated[k]);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! One file a command: read, call, write.
 
 pub(crate) mod diagnose;
+pub(crate) mod export;
 pub(crate) mod identify;
 pub(crate) mod params;
 pub(crate) mod plan;

@@ -2,7 +2,7 @@
 
 use armident_diagnose::DiagnosedModel;
 use armident_ident::ArmModel;
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording, write_csv_to};
+use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
 use serde::Serialize;
 
 use super::recordings;
@@ -71,8 +71,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
             (predicted_efforts(&model, &motion)?, cutoff_hz, motion.notes)
         }
     };
-    let mut bytes = Vec::new();
-    write_csv_to(&mut bytes, &result)?;
+    let bytes = recordings::encoded(&result, &args.output_file, &args.output)?;
 
     let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
     let report = PredictReport {

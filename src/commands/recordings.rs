@@ -3,15 +3,32 @@
 use std::path::{Path, PathBuf};
 
 use armident_recording::{
-    Action, FindingKind, Mapping, Motion, MotionSettings, Quantity, Recording, default_cutoff_hz,
-    quality, read_csv, read_csv_mapped,
+    Action, Encoded, FileFormat, FindingKind, Mapping, Motion, MotionSettings, Quantity,
+    ReadSettings, Recording, default_cutoff_hz, encode, quality, read_recording,
 };
 
 use crate::args::{OutputArgs, ReadingArgs};
 use crate::failure::Failure;
 use crate::output;
 
-/// Files as given, folders replaced by their CSV files in the order of their names.
+/// Ends of the names of recordings.
+const ENDS: [&str; 3] = ["csv", "mcap", "parquet"];
+
+/// A recording in the format that the file's name tells, and a note on what it cannot hold.
+pub(crate) fn encoded(
+    recording: &Recording,
+    path: &Path,
+    output: &OutputArgs,
+) -> Result<Vec<u8>, Failure> {
+    let Encoded { bytes, lost } = encode(recording, FileFormat::of(path))?;
+    if !lost.is_empty() {
+        let note = format!("{} cannot hold {}", path.display(), lost.join(", "));
+        output::say_all(output, "note", &[note]);
+    }
+    Ok(bytes)
+}
+
+/// Files as given, folders replaced by their recordings in the order of their names.
 pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for path in paths {
@@ -25,14 +42,17 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             })?;
             let mut found: Vec<PathBuf> = entries
                 .filter_map(|entry| Some(entry.ok()?.path()))
-                .filter(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
+                .filter(|p| {
+                    let end = p.extension().map(|e| e.to_string_lossy().to_lowercase());
+                    end.is_some_and(|end| ENDS.contains(&end.as_str()))
+                })
                 .collect();
             found.sort();
             if found.is_empty() {
                 return Err(Failure::new(
-                    "the folder holds no CSV file",
+                    "the folder holds no recording",
                     path.display(),
-                    Some("give recordings as CSV files, or a folder of them"),
+                    Some("give recordings as files (.csv, .mcap, .parquet), or a folder of them"),
                 ));
             }
             files.extend(found);
@@ -53,10 +73,9 @@ pub(crate) fn read_all(
     let recordings: Vec<Recording> = files
         .iter()
         .map(|file| {
-            Ok(match &mapping {
-                Some(mapping) => read_csv_mapped(file, mapping)?,
-                None => read_csv(file)?,
-            })
+            let settings =
+                ReadSettings { mapping: mapping.as_ref(), topic: reading.topic.as_deref() };
+            Ok(read_recording(file, &settings)?)
         })
         .collect::<Result<_, Failure>>()?;
     // what was repaired is in the recordings' notes; what was left as it is, is said here

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_recording::{Recording, write_csv_to};
+use armident_recording::Recording;
 use armident_simulation::{
     ArmState, EffortNoise, ForwardSettings, Sensors, SimulatedArm, Trajectory, forward, inverse,
 };
@@ -103,8 +103,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
                 Some("write to another folder"),
             ));
         }
-        let mut bytes = Vec::new();
-        write_csv_to(&mut bytes, &recording)?;
+        let bytes = recordings::encoded(&recording, &path, &args.output)?;
         output::write_file(&path, &bytes)?;
         written.push(Written {
             trajectory: file.display().to_string(),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
-use armident_recording::{Motion, write_csv_to};
+use armident_recording::Motion;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
@@ -58,8 +58,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         (replayed("URDF", &before), replayed("model", &model))
     };
     if let Some(path) = &args.predictions {
-        let mut bytes = Vec::new();
-        write_csv_to(&mut bytes, &predict::predicted_efforts(&model, &motions[0])?)?;
+        let predicted = predict::predicted_efforts(&model, &motions[0])?;
+        let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
     }
     let report = ValidateReport {

@@ -12,7 +12,7 @@ const fn law(slug: &'static str, title: &'static str, formula: &'static str) -> 
         scope: Scope::Joint,
         places: &[Place::Dry],
         parameters: &[],
-        contains: None,
+        contains: &[],
         look_alikes: &[],
         export: Export { urdf: None, mjcf: None },
     }

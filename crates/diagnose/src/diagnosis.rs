@@ -20,6 +20,9 @@ use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape
 /// Cut-offs tried for the output of a joint \[Hz\].
 const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
 
+/// Cut-offs tried for the rigid part \[Hz\].
+const RIGID_HZ: [f64; 5] = [14.0, 10.0, 7.0, 5.0, 3.5];
+
 /// A number with its standard error.
 #[derive(Debug, Clone, Serialize)]
 pub struct Value {
@@ -134,8 +137,8 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
     if signals.iter().any(|s| s.band.kept.len() < 2) {
         return Err(DiagnoseError::TooShort);
     }
-    let evidence = Evidence::new(&model.chain, signals);
-    let selection = select(&evidence).ok_or(DiagnoseError::Unsolvable)?;
+    let mut evidence = Evidence::new(&model.chain, signals);
+    let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let findings = findings(&evidence, &selection);
     let mut learned = learned(model, &evidence, &selection);
     choose_outputs(&mut learned, &evidence)?;
@@ -454,12 +457,31 @@ fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<DiagnosedMod
     Some(found)
 }
 
-/// Chooses the low-pass of each joint's prediction by the training recordings.
+/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
+/// recordings.
 fn choose_outputs(
     model: &mut DiagnosedModel,
     evidence: &Evidence<'_>,
 ) -> Result<(), RecordingError> {
     let n = evidence.joints();
+    let mut best = f64::INFINITY;
+    let mut chosen = model.learned.rigid_cutoff_hz;
+    for cutoff_hz in RIGID_HZ {
+        model.learned.rigid_cutoff_hz = cutoff_hz;
+        let mut squares = vec![0.0; n];
+        for signals in &evidence.signals {
+            for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
+                let differences = predicted.iter().zip(&signals.effort[j]);
+                squares[j] += differences.map(|(p, e)| (p - e).powi(2)).sum::<f64>();
+            }
+        }
+        // each joint in its own unit: a product of errors, not a sum
+        let misfit: f64 = squares.iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).sum();
+        if misfit < best {
+            (best, chosen) = (misfit, cutoff_hz);
+        }
+    }
+    model.learned.rigid_cutoff_hz = chosen;
     let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
     for signals in &evidence.signals {
         let predicted = model.on_grid(signals)?;

@@ -312,7 +312,7 @@ impl<'a> Evidence<'a> {
                     site.joints = vec![j];
                 }
                 // a transmission brings the inertia of its motor with it
-                let relative = law.law().contains.and_then(effect);
+                let relative = law.law().contains.first().and_then(|slug| effect(slug));
                 let searched = usize::from(relative.is_some());
                 if let Some(relative) = relative {
                     let columns: Vec<Vec<f64>> = at

@@ -3,6 +3,7 @@
 mod background;
 mod band;
 mod contact;
+mod crossval;
 mod diagnosis;
 mod evidence;
 mod flexible;

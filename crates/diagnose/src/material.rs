@@ -49,6 +49,7 @@ pub(crate) fn excess(problem: &Problem, residual: &[Vec<f64>]) -> Vec<f64> {
 /// Noise in the band, in standard deviations of one recorded sample.
 pub(crate) fn band_noise(problem: &Problem, joint: usize) -> f64 {
     let rows = &problem.rows;
+    // in_sample_noise divides by the weights, misfit and all
     let weighted = rows.weight(joint).iter().zip(&rows.deviation[joint]).map(|(w, d)| w * d);
     rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
@@ -82,7 +83,7 @@ pub(crate) fn materiality(
 }
 
 /// What the operating point holds of a group's effect: its columns and their amounts.
-fn held(group: &Group, point: &OperatingPoint) -> Vec<(usize, f64)> {
+pub(crate) fn held(group: &Group, point: &OperatingPoint) -> Vec<(usize, f64)> {
     let amounts = match group.slug() {
         "gravity_direction" => point.tilt.to_vec(),
         "time_delay" => vec![point.delay_s],
@@ -90,6 +91,28 @@ fn held(group: &Group, point: &OperatingPoint) -> Vec<(usize, f64)> {
         _ => return Vec::new(),
     };
     group.columns.iter().copied().zip(amounts).filter(|(_, a)| *a != 0.0).collect()
+}
+
+/// A set without a group, its simpler relatives in its place.
+pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Vec<usize> {
+    let groups = &problem.groups;
+    let contained = match groups[group].meaning {
+        Meaning::Law(slug) => effect(slug).map_or(&[][..], |law| law.law().contains),
+        Meaning::Flexible(_) => &[],
+    };
+    let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != group).collect();
+    for (slug, joint) in
+        contained.iter().flat_map(|slug| groups[group].site.joints.iter().map(move |j| (slug, j)))
+    {
+        let relative = (0..groups.len()).find(|&g| {
+            groups[g].slug() == *slug
+                && groups[g].site.joints == [*joint]
+                && groups[g].site.window.is_none()
+        });
+        let free = |g: &usize| rest.iter().all(|r| !groups[*r].excludes(&groups[*g]));
+        rest.extend(relative.filter(free));
+    }
+    rest
 }
 
 /// The answer without a group, its simpler relative in its place where that is admissible, and what it
@@ -108,16 +131,7 @@ fn reduced(
         let metric = moved.whitened(metric.scale, &metric.wide);
         return unnamed(&metric, rest);
     }
-    let relative = match groups[group].meaning {
-        Meaning::Law(slug) => effect(slug).and_then(|law| law.law().contains),
-        Meaning::Flexible(_) => None,
-    };
-    let relative = relative.and_then(|slug| {
-        (0..groups.len())
-            .find(|&g| groups[g].slug() == slug && groups[g].site == groups[group].site)
-    });
-    let with_relative = relative
-        .and_then(|g| answer(metric, [rest.clone(), vec![g]].concat()))
+    let with_relative = answer(metric, unnamed_rest(metric.problem, &of.set, group))
         .map(|found| (metric.residual(&found.fit), found))
         .map(|(residual, found)| (found, residual));
     with_relative.or_else(|| unnamed(metric, rest))

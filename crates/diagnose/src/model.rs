@@ -11,7 +11,8 @@ use crate::flexible::FlexibleTerm;
 use crate::signals::{Signals, later, low_pass};
 use crate::transmission::TransmissionTerm;
 
-/// Cut-off for the rigid part of a prediction \[Hz\]: above, differentiated encoders are mostly noise.
+/// Cut-off for the rigid part of a prediction \[Hz\], unless training recordings ask for a lower one:
+/// above, differentiated encoders are mostly noise.
 const RIGID_HZ: f64 = 14.0;
 
 /// What a diagnosis adds to an [`ArmModel`], whose links are the corrected ones and whose effects are
@@ -32,6 +33,8 @@ pub struct Learned {
     pub transmissions: Vec<TransmissionTerm>,
     /// Structure without a name.
     pub flexible: Vec<FlexibleTerm>,
+    /// Low-pass on the rigid part of a prediction \[Hz\].
+    pub rigid_cutoff_hz: f64,
     /// Low-pass on the whole prediction of each joint \[Hz\]: where differentiated encoders or the
     /// timing of impacts spoil more than they tell.
     pub output_cutoff_hz: Vec<Option<f64>>,
@@ -60,6 +63,7 @@ impl DiagnosedModel {
             gain: vec![1.0; n],
             transmissions: Vec::new(),
             flexible: Vec::new(),
+            rigid_cutoff_hz: RIGID_HZ,
             output_cutoff_hz: vec![None; n],
         };
         Self { arm, learned }
@@ -96,7 +100,7 @@ impl DiagnosedModel {
     pub(crate) fn on_grid(&self, signals: &Signals) -> Result<Vec<Vec<f64>>, RecordingError> {
         let chain = &self.arm.chain;
         let at = At::new(chain, &RigidArm::from_chain(chain), signals, &self.point());
-        let rigid_filter = low_pass(RIGID_HZ, signals.rate_hz)?;
+        let rigid_filter = low_pass(self.learned.rigid_cutoff_hz, signals.rate_hz)?;
         let mut effort: Vec<Vec<f64>> =
             at.rigid.iter().map(|rigid| rigid_filter.filter(rigid)).collect();
         let index = |name: &str| chain.joints.iter().position(|j| j.name == name);

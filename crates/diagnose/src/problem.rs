@@ -495,3 +495,21 @@ impl Whitened<'_> {
             .collect()
     }
 }
+
+impl Problem {
+    /// The problem of some of its rows. The sizes in `rows` stay those of the whole.
+    pub(crate) fn of_rows(&self, kept: impl Fn(usize) -> bool) -> Self {
+        let cut = |blocks: &Blocks| -> Blocks {
+            let of = |block: &Vec<f64>| {
+                block.iter().enumerate().filter(|(row, _)| kept(*row)).map(|(_, x)| *x).collect()
+            };
+            blocks.iter().map(of).collect()
+        };
+        let columns = self.columns.iter().map(cut).collect();
+        let mut problem =
+            Self::new(self.rows.clone(), cut(&self.effort), columns, self.background.clone());
+        problem.rigid = self.rigid;
+        problem.groups = self.groups.clone();
+        problem
+    }
+}

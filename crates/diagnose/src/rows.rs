@@ -28,6 +28,8 @@ pub(crate) struct Rows {
     pub(crate) share: f64,
     /// `[joint][row]`
     pub(crate) stuck: Vec<Vec<bool>>,
+    /// `[joint]`, 1 or more: by what the weights are smaller for the imperfection of the model
+    pub(crate) misfit: Vec<f64>,
 }
 
 impl Rows {
@@ -48,6 +50,7 @@ impl Rows {
             deviation: vec![Vec::new(); joints],
             sample_deviation: vec![0.0; joints],
             stuck: vec![Vec::new(); joints],
+            misfit: vec![1.0; joints],
             share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
                 / signals.len() as f64,
             noise,
@@ -88,12 +91,11 @@ impl Rows {
 
     /// Weighted rows counted as a whole one each: the sample size of the fit.
     pub(crate) fn effective(&self) -> f64 {
-        let squares = self
-            .weight
-            .iter()
-            .zip(&self.deviation)
-            .flat_map(|(w, d)| w.iter().zip(d).map(|(w, d)| (w * d).powi(2)));
-        squares.sum()
+        let of_joint = |j: usize| -> f64 {
+            let rows = self.weight[j].iter().zip(&self.deviation[j]);
+            rows.map(|(w, d)| (w * d * self.misfit[j]).powi(2)).sum()
+        };
+        (0..self.joints()).map(of_joint).sum()
     }
 
     /// Weighted rows of joint `joint` from columns at every sample of each recording.
@@ -117,10 +119,25 @@ impl Rows {
         &self.weight[joint]
     }
 
-    /// Makes all rows of a joint this many times noisier: what its model leaves over is no sharper.
-    pub(crate) fn inflate(&mut self, joint: usize, factor: f64) {
-        self.weight[joint].iter_mut().for_each(|w| *w /= factor);
-        self.deviation[joint].iter_mut().for_each(|d| *d *= factor);
+    /// How much more than its noise a joint's model leaves over: weights that do not know of it would
+    /// let the imperfection of one joint's model decide about all others.
+    pub(crate) fn set_misfit(&mut self, joint: usize, factor: f64) {
+        let change = self.misfit[joint] / factor;
+        self.weight[joint].iter_mut().for_each(|w| *w *= change);
+        self.misfit[joint] = factor;
+    }
+
+    /// Root mean square of weighted rows of one joint that do not stick, in units of the noise in the
+    /// band, whatever the misfit in the weights.
+    pub(crate) fn in_band_noise(&self, joint: usize, rows: &[f64]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (x, stuck) in rows.iter().zip(&self.stuck[joint]) {
+            if !stuck {
+                sum += (x * self.misfit[joint]).powi(2);
+                count += 1;
+            }
+        }
+        (sum / f64::from(count.max(1))).sqrt()
     }
 
     /// Root mean square of weighted rows of one joint, over the rows that do not stick, back in the

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use armident_effects::{Scope, effect};
+use rayon::prelude::*;
 
 use crate::problem::{Fit, Group, Meaning, Problem, Whitened};
 
@@ -93,33 +94,39 @@ fn successors(
     known: &mut HashMap<Vec<usize>, Option<f64>>,
 ) -> Vec<Answer> {
     let groups = &metric.problem.groups;
-    let mut estimates: Vec<(f64, Vec<usize>)> = Vec::new();
-    for g in 0..groups.len() {
-        if banned.contains(&g) || from.set.contains(&g) {
-            continue;
+    // what stays when a group comes in, and its fit: few different ones
+    let staying = |g: usize| -> Vec<usize> {
+        from.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g])).collect()
+    };
+    let candidates: Vec<usize> = (0..groups.len())
+        .filter(|g| !banned.contains(g) && !from.set.contains(g))
+        .filter(|_| from.set.len() < MOST_GROUPS)
+        .collect();
+    let mut rests: HashMap<Vec<usize>, Option<Fit>> = HashMap::new();
+    for &g in &candidates {
+        let rest = staying(g);
+        if rest.len() < from.set.len() && !rests.contains_key(&rest) {
+            let fit = metric.fit(metric.columns_of(&rest));
+            rests.insert(rest, fit);
         }
-        let mut set: Vec<usize> =
-            from.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g])).collect();
-        let replaces = set.len() < from.set.len();
+    }
+    let estimate = |&g: &usize| -> Option<(f64, Vec<usize>)> {
+        let mut set = staying(g);
+        let fit = match rests.get(&set) {
+            Some(fit) => fit.as_ref()?,
+            None => &from.fit,
+        };
+        let mut added: Vec<usize> =
+            groups[g].columns.iter().copied().filter(|c| !fit.columns.contains(c)).collect();
+        added.sort_unstable();
+        added.dedup();
+        let left = (fit.sum_of_squares - metric.gain(fit, &added)).max(f64::MIN_POSITIVE);
         set.push(g);
         set.sort_unstable();
-        if set.len() > MOST_GROUPS {
-            continue;
-        }
-        let columns = metric.columns_of(&set);
-        let sum_of_squares = if replaces {
-            match metric.fit(columns.clone()) {
-                Some(fit) => fit.sum_of_squares,
-                None => continue,
-            }
-        } else {
-            let added: Vec<usize> =
-                columns.iter().copied().filter(|c| !from.fit.columns.contains(c)).collect();
-            from.fit.sum_of_squares - metric.gain(&from.fit, &added)
-        };
-        let score = metric.score(sum_of_squares.max(f64::MIN_POSITIVE), columns.len(), &set);
-        estimates.push((score, set));
-    }
+        Some((metric.score(left, fit.columns.len() + added.len(), &set), set))
+    };
+    let mut estimates: Vec<(f64, Vec<usize>)> =
+        candidates.par_iter().filter_map(estimate).collect();
     for k in 0..from.set.len() {
         let mut set = from.set.clone();
         set.remove(k);

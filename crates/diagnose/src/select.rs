@@ -4,17 +4,22 @@ use std::collections::HashSet;
 
 use armident_effects::{Place, Scope, effect};
 
+use armident_numeric::{Cholesky, gram_of_columns};
+
 use crate::contact::ContactColumns;
+use crate::crossval::confirm;
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
-use crate::material::{LEAST, band_noise, excess, prune};
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::material::{LEAST, band_noise, excess, held, prune};
+use crate::problem::{Group, Meaning, Problem, Whitened, dot};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
 use crate::transmission;
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
-const SCALES: [f64; 7] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.3, 1.0];
+const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// Beyond this relative error of all links no single one is called wrong.
+const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most links whose body is called wrong; more are a wrong arm.
 const MOST_WRONG_BODIES: usize = 2;
 /// Rounds of scanning what is left over.
@@ -23,6 +28,12 @@ const ROUNDS: usize = 6;
 /// name, and on how many joints.
 const LEAST_UNEXPLAINED: f64 = 0.7;
 const DESCRIBED_JOINTS: usize = 2;
+/// A joint that leaves over more than this many times its noise has an imperfect model, which then
+/// weighs less; and changes of its misfit (logarithm) that no longer matter.
+const CLEAR_MISFIT: f64 = 1.5;
+const SAME_MISFIT: f64 = 0.3;
+/// Share of the independent samples from which on their number was clearly overrated.
+const FEWER_SAMPLES: f64 = 0.6;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s\].
@@ -65,13 +76,16 @@ struct Best {
     answer: Answer,
 }
 
-pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
-    let mut point = OperatingPoint::of(evidence.joints());
+pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
+    let mut point = OperatingPoint::of(owner.joints());
     let mut memory = Memory::default();
-    let at = evidence.at(&point);
-    let ripple = RippleColumns::new(evidence, &at);
+    let ripple = RippleColumns::new(owner, &owner.at(&point));
+    for (j, misfit) in first_misfits(&owner.problem(&point)).into_iter().enumerate() {
+        owner.rows.set_misfit(j, misfit);
+    }
     let mut last = None;
     for pass in 0..PASSES {
+        let evidence: &Evidence<'_> = owner;
         let at = evidence.at(&point);
         let contact = ContactColumns::new(evidence, &at);
         let mut problem = evidence.problem(&point);
@@ -82,9 +96,16 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             .collect();
         let Best { scale, wide, answer: found } =
             best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
+        // at the right operating point nothing is left to add: what it holds is in the answer all the same
+        let held = (0..problem.groups.len())
+            .filter(|g| !held(&problem.groups[*g], &point).is_empty())
+            .filter(|g| !found.set.contains(g));
+        let with_held: Vec<usize> = found.set.iter().copied().chain(held).collect();
+        let found = answer(&problem.whitened(scale, &wide), with_held).unwrap_or(found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let found = confirm(&problem.whitened(scale, &wide), found, &point);
         let fractional = fractional_ripples(evidence, &problem, &found);
         memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
         let again = !fractional.is_empty();
@@ -99,15 +120,103 @@ pub(crate) fn select(evidence: &Evidence<'_>) -> Option<Selection> {
             < STILL.0
             && target.offset.iter().zip(&point.offset).all(|(a, b)| (a - b).abs() < STILL.1)
             && (target.delay_s - point.delay_s).abs() < STILL.2;
-        let done = (still && !again) || pass + 1 == PASSES;
-        memory.scale = Some(scale);
+        let misfit = misfits(&problem.whitened(scale, &wide), &found);
+        let reweighted = misfit
+            .iter()
+            .zip(&problem.rows.misfit)
+            .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
+        let residual = problem.whitened(scale, &wide).residual(&found.fit);
+        let share = independent_share(&problem, &residual).min(problem.rows.share);
+        let reweighted = reweighted || share < FEWER_SAMPLES * problem.rows.share;
+        let done = (still && !again && !reweighted) || pass + 1 == PASSES;
+        // with other weights another scale may be right
+        memory.scale = (!reweighted).then_some(scale);
         last = Some(Selection { problem, answer: found, scale, wide, point: point.clone() });
         if done {
             break;
         }
         point = target;
+        for (j, misfit) in misfit.into_iter().enumerate() {
+            owner.rows.set_misfit(j, misfit);
+        }
+        if reweighted {
+            owner.rows.share = share;
+        }
     }
     last
+}
+
+/// What all columns of the library together leave over on each joint, each joint by itself, in units of
+/// its noise: less is not in the reach of any answer. Clearly more than 1 where efforts were smoothed
+/// before they were recorded, so that the noise above the band says nothing about the band, and where
+/// the physics is none of the library's.
+fn first_misfits(problem: &Problem) -> Vec<f64> {
+    const HOLD: f64 = 1e-6;
+    (0..problem.rows.joints())
+        .map(|j| {
+            let blocks: Vec<&[f64]> = problem
+                .columns
+                .iter()
+                .map(|c| c[j].as_slice())
+                .filter(|c| c.iter().any(|x| *x != 0.0))
+                .collect();
+            let effort = &problem.effort[j];
+            let gram = gram_of_columns(&blocks);
+            let norm: Vec<f64> = (0..blocks.len()).map(|k| gram[(k, k)].sqrt()).collect();
+            let cholesky = Cholesky::of(blocks.len(), |a, b| {
+                gram[(a, b)] / (norm[a] * norm[b]) + if a == b { HOLD } else { 0.0 }
+            });
+            let Some(cholesky) = cholesky else { return 1.0 };
+            let rhs: Vec<f64> = blocks.iter().zip(&norm).map(|(c, n)| dot(c, effort) / n).collect();
+            let solution = cholesky.solve(&rhs);
+            let mut residual = effort.clone();
+            for ((column, x), n) in blocks.iter().zip(&solution).zip(&norm) {
+                for (r, c) in residual.iter_mut().zip(*column) {
+                    *r -= x / n * c;
+                }
+            }
+            let samples = effort.len() as f64 * problem.rows.share;
+            // each column takes one independent sample
+            let free = (1.0 - blocks.len() as f64 / samples).max(0.1);
+            problem.rows.in_band_noise(j, &residual) / free.sqrt()
+        })
+        .map(|left| if left > CLEAR_MISFIT { left } else { 1.0 })
+        .collect()
+}
+
+/// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
+/// of rows. Model errors last longer than noise in the band does.
+fn independent_share(problem: &Problem, residual: &[Vec<f64>]) -> f64 {
+    // as long as a motion lasts; beyond, the estimate is noise
+    const LONGEST_S: f64 = 2.0;
+    const ROWS_HZ: f64 = 25.0;
+    let mut time = 0.0;
+    for residual in residual {
+        let square = dot(residual, residual).max(f64::MIN_POSITIVE);
+        let correlation = |lag: usize| -> f64 {
+            let pairs = problem.rows.starts.windows(2).map(|p| &residual[p[0]..p[1]]);
+            pairs
+                .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
+                .sum::<f64>()
+                / square
+        };
+        let lags = (1..(LONGEST_S * ROWS_HZ) as usize).map(correlation);
+        time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
+    }
+    residual.len() as f64 / time
+}
+
+/// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
+fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
+    let residual = metric.residual(&found.fit);
+    (0..residual.len())
+        .map(|j| {
+            let left = metric.problem.rows.in_band_noise(j, &residual[j]);
+            // only downward: what an answer has not yet explained must not make it unimportant
+            let left = if left > CLEAR_MISFIT { left } else { 1.0 };
+            left.min(metric.problem.rows.misfit[j])
+        })
+        .collect()
 }
 
 /// The operating point with what a fit adds to it.
@@ -146,16 +255,22 @@ fn best_of_scales(
         .collect();
     let mut starts = vec![start, everyday];
     let mut best: Option<Best> = None;
-    let mut worse = 0;
     let mut memory_of_drives: Vec<usize> = Vec::new();
-    for scale in SCALES {
-        // later passes look around the scale of the one before
-        let place = |s: f64| SCALES.iter().position(|x| *x == s);
-        if let Some(before) = memory.scale.and_then(place) {
-            if place(scale).is_some_and(|k| k.abs_diff(before) > 1 && scale > 0.0) {
-                continue;
-            }
+    // widely spaced scales first, then the neighbours of the best; later passes stay near it
+    let mut tried: Vec<usize> = Vec::new();
+    let mut wanted: Vec<usize> = match memory.scale {
+        Some(before) => [vec![0], neighbours(before)].concat(),
+        None => (0..SCALES.len()).step_by(2).collect(),
+    };
+    loop {
+        wanted.retain(|k| !tried.contains(k));
+        if wanted.is_empty() && memory.scale.is_none() {
+            wanted = best.as_ref().map(|b| neighbours(b.scale)).unwrap_or_default();
+            wanted.retain(|k| !tried.contains(k));
         }
+        let Some(&next) = wanted.first() else { break };
+        tried.push(next);
+        let scale = SCALES[next];
         let mut found: Option<Best> = None;
         let (mut driven, mut flexible) = (false, false);
         let mut library: Option<Answer> = None;
@@ -211,16 +326,15 @@ fn best_of_scales(
         let Some(found) = found else { continue };
         if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
             best = Some(found);
-            worse = 0;
-        } else {
-            worse += 1;
-            // the misfit falls with the scale until the price of freedom takes over
-            if worse == 2 {
-                break;
-            }
         }
     }
     best
+}
+
+/// Places of a scale and of those beside it.
+fn neighbours(scale: f64) -> Vec<usize> {
+    let at = SCALES.iter().position(|s| *s == scale).unwrap_or(0);
+    (at.saturating_sub(1)..(at + 2).min(SCALES.len())).collect()
 }
 
 /// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
@@ -298,7 +412,7 @@ fn with_wrong_bodies(
     banned: &HashSet<usize>,
 ) -> Best {
     let mut wide = Vec::new();
-    if scale > 0.0 {
+    if scale > 0.0 && scale <= ALL_LINKS_WRONG {
         let links = problem.rigid / 10;
         while wide.len() < MOST_WRONG_BODIES {
             let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {

@@ -15,7 +15,7 @@ const LAW: Law = Law {
         Parameter::non_negative("level_positive", "N m", "N"),
         Parameter::non_negative("level_negative", "N m", "N"),
     ],
-    contains: Some("coulomb_friction"),
+    contains: &["coulomb_friction"],
     look_alikes: &[
         LookAlike {
             slug: "torque_offset",

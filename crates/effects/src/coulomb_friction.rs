@@ -12,7 +12,7 @@ const LAW: Law = Law {
     scope: Scope::Joint,
     places: &[Place::Dry],
     parameters: &[Parameter::non_negative("level", "N m", "N")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "torque_offset",

@@ -15,7 +15,7 @@ const LAW: Law = Law {
     scope: Scope::ThroughJoint,
     places: &[Place::Zero],
     parameters: &[Parameter::any("offset", "rad", "m")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "gravity_direction",

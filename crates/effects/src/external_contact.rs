@@ -20,7 +20,7 @@ const LAW: Law = Law {
         Parameter::any("force_y", "N", "N"),
         Parameter::any("force_z", "N", "N"),
     ],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "coulomb_friction",

@@ -18,7 +18,7 @@ const LAW: Law = Law {
         Parameter::non_negative("warm_coefficient", "N m s/rad", "N s/m"),
         Parameter::non_negative("time_constant", "s", "s"),
     ],
-    contains: Some("viscous_friction"),
+    contains: &["viscous_friction"],
     look_alikes: &[
         LookAlike { slug: "viscous_friction", separated_by: "a second run on the warm arm" },
         LookAlike {

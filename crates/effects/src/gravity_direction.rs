@@ -20,7 +20,7 @@ const LAW: Law = Law {
         Parameter::any("tilt_x", "rad", "rad"),
         Parameter::any("tilt_y", "rad", "rad"),
     ],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "encoder_offset",

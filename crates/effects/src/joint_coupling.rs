@@ -19,7 +19,7 @@ const LAW: Law = Law {
         Parameter::non_negative("viscous", "N m s/rad", "N s/m"),
         Parameter::non_negative("coulomb", "N m", "N"),
     ],
-    contains: None,
+    contains: &["viscous_friction", "coulomb_friction"],
     look_alikes: &[
         LookAlike {
             slug: "coulomb_friction",

@@ -19,7 +19,7 @@ const LAW: Law = Law {
         Parameter::non_negative("damping", "N m s/rad", "N s/m"),
         Parameter::non_negative("motor_inertia", "kg m2", "kg"),
     ],
-    contains: Some("rotor_inertia"),
+    contains: &["rotor_inertia"],
     look_alikes: &[
         LookAlike {
             slug: "rotor_inertia",

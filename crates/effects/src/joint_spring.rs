@@ -17,7 +17,7 @@ const LAW: Law = Law {
         Parameter::non_negative("stiffness", "N m/rad", "N/m"),
         Parameter::any("rest_angle", "rad", "m"),
     ],
-    contains: Some("torque_offset"),
+    contains: &["torque_offset"],
     look_alikes: &[
         LookAlike {
             slug: "payload",

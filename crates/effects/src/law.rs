@@ -155,8 +155,8 @@ pub struct Law {
     pub places: &'static [Place],
     /// Parameters in the order of every parameter vector.
     pub parameters: &'static [Parameter],
-    /// The simpler law that this one contains, if any: it is what the name must beat.
-    pub contains: Option<&'static str>,
+    /// The simpler laws on its joints that this one contains: what the name must beat.
+    pub contains: &'static [&'static str],
     /// What it can be confused with.
     pub look_alikes: &'static [LookAlike],
     /// What simulator formats hold of it.

@@ -15,7 +15,7 @@ const LAW: Law = Law {
         Parameter::non_negative("level", "N m", "N"),
         Parameter::non_negative("load_coefficient", "1", "1"),
     ],
-    contains: Some("coulomb_friction"),
+    contains: &["coulomb_friction"],
     look_alikes: &[
         LookAlike {
             slug: "torque_scale",

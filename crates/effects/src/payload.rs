@@ -22,7 +22,7 @@ const LAW: Law = Law {
         Parameter::any("com_y", "m", "m"),
         Parameter::any("com_z", "m", "m"),
     ],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "link_inertia_error",

@@ -18,7 +18,7 @@ const LAW: Law = Law {
         Parameter::non_negative("stiffness", "N m/rad", "N/m"),
         Parameter::non_negative("damping", "N m s/rad", "N s/m"),
     ],
-    contains: Some("coulomb_friction"),
+    contains: &["coulomb_friction"],
     look_alikes: &[
         LookAlike {
             slug: "stribeck_friction",

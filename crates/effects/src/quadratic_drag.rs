@@ -14,7 +14,7 @@ const LAW: Law = Law {
     scope: Scope::Joint,
     places: &[Place::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m s2/rad2", "N s2/m2")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike { slug: "viscous_friction", separated_by: "a ladder of speeds" },
         LookAlike { slug: "coulomb_friction", separated_by: "a ladder of speeds" },

@@ -12,7 +12,7 @@ const LAW: Law = Law {
     scope: Scope::Joint,
     places: &[Place::Inertia],
     parameters: &[Parameter::non_negative("inertia", "kg m2", "kg")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "U_33",

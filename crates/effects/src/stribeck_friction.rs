@@ -18,7 +18,7 @@ const LAW: Law = Law {
         Parameter::non_negative("coulomb_level", "N m", "N"),
         Parameter::non_negative("stribeck_velocity", "rad/s", "m/s"),
     ],
-    contains: Some("coulomb_friction"),
+    contains: &["coulomb_friction"],
     look_alikes: &[
         LookAlike {
             slug: "presliding_hysteresis",

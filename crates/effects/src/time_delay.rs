@@ -13,7 +13,7 @@ const LAW: Law = Law {
     scope: Scope::Arm,
     places: &[Place::Time],
     parameters: &[Parameter::any("delay", "s", "s")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "viscous_friction",

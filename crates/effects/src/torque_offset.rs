@@ -14,7 +14,7 @@ const LAW: Law = Law {
     scope: Scope::Joint,
     places: &[Place::Constant],
     parameters: &[Parameter::any("offset", "N m", "N")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "asymmetric_coulomb_friction",

@@ -20,7 +20,7 @@ const LAW: Law = Law {
         Parameter::non_negative("amplitude_2", "N m", "N"),
         Parameter::any("phase_2", "rad", "rad"),
     ],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "unmodelled",

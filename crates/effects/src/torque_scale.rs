@@ -12,7 +12,7 @@ const LAW: Law = Law {
     scope: Scope::Joint,
     places: &[Place::Gain],
     parameters: &[Parameter::non_negative("gain", "1", "1")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "link_inertia_error",

@@ -14,7 +14,7 @@ const LAW: Law = Law {
     scope: Scope::Joint,
     places: &[Place::Viscous],
     parameters: &[Parameter::non_negative("coefficient", "N m s/rad", "N s/m")],
-    contains: None,
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "time_delay",

@@ -105,8 +105,8 @@ pub struct JointRows {
 /// The unknowns of an arm and where they appear.
 #[derive(Debug, Clone)]
 pub struct BatchProblem<'a> {
-    arm: &'a RigidArm,
-    set: &'a MinimalSet,
+    pub(crate) arm: &'a RigidArm,
+    pub(crate) set: &'a MinimalSet,
     /// Unknowns estimated.
     pub terms: Vec<Term>,
     /// Unknowns merged into others by the arm's structure (rotor inertia of joint 1 and `U1_33`).
@@ -134,6 +134,9 @@ pub struct BatchEstimate {
     /// Covariance of the values, counting only independent samples, the prior included; rows and
     /// columns of terms at their bound are zero.
     pub covariance: Mat<f64>,
+    /// A root `R` of the information matrix `RᵀR`, which counts only independent samples, the prior
+    /// included; without regard to bounds.
+    pub information_root: Mat<f64>,
     /// Per term, whether its sign bound holds it at 0.
     pub at_bound: Vec<bool>,
     /// Per term, share of what is known of it that is the prior's and not the recordings', 0 to 1
@@ -450,6 +453,7 @@ impl<'a> BatchProblem<'a> {
         let NonNegative { answer, at_bound } = solved;
         let p = self.terms.len();
         let covariance = Mat::from_fn(p, p, |i, j| answer.unit_covariance[(i, j)] / rows.share);
+        let information_root = self.weighted_rows(rows, &noise, &beliefs).root(rows.share.sqrt());
         let train = self.fit(rows, &answer.solution);
         // rank and the like are of the recordings, whatever is believed
         let (from_prior, recorded) = match &beliefs.prior {
@@ -463,6 +467,7 @@ impl<'a> BatchProblem<'a> {
         Ok(BatchEstimate {
             values: answer.solution,
             covariance,
+            information_root,
             at_bound,
             from_prior,
             quantile_95: student_t_975(freedom),
@@ -521,15 +526,11 @@ impl<'a> BatchProblem<'a> {
         all
     }
 
-    fn weighted(
-        &self,
-        rows: &JointRows,
-        noise: &[f64],
-        beliefs: &Beliefs,
-    ) -> Result<NonNegative, NumericError> {
+    /// All that is known of the terms; with a prior, of their distances from it: what neither sees
+    /// stays where it is believed.
+    fn weighted_rows(&self, rows: &JointRows, noise: &[f64], beliefs: &Beliefs) -> AccumulatedQr {
         let mut all = self.recorded(rows, noise);
         if let Some(TermPrior { mean, rows: prior_rows }) = &beliefs.prior {
-            // unknowns are distances from the prior: what neither sees stays where it is believed
             all = all.beyond(mean);
             let mut prior = AccumulatedQr::new(self.terms.len());
             prior.push_rows(
@@ -539,6 +540,16 @@ impl<'a> BatchProblem<'a> {
             // rows of samples count for more than they know by the dependent ones among them
             all.merge_weighted(&prior, &terms, 1.0 / rows.share.sqrt());
         }
+        all
+    }
+
+    fn weighted(
+        &self,
+        rows: &JointRows,
+        noise: &[f64],
+        beliefs: &Beliefs,
+    ) -> Result<NonNegative, NumericError> {
+        let all = self.weighted_rows(rows, noise, beliefs);
         let mut solved = match &beliefs.bound {
             // effects, the only terms with bounds, are at 0 in the prior
             Some(bound) => all.solve_non_negative(bound, RANK_CUT)?,

@@ -10,13 +10,16 @@
 //! | which experiments find them one joint at a time | [`algorithm2::plan`] |
 //! | what do such recordings say | [`algorithm2::algorithm2`] |
 //! | what do ordinary motions say, friction included | [`BatchProblem`] |
+//! | which real links have such constants, or nearly | [`ConsistencyProblem`] |
 //! | the arm with what was found, to predict and to keep | [`ArmModel`] |
 //!
-//! Not handled yet: robust and instrumental-variable estimation, physical consistency of the links.
+//! Not handled yet: robust and instrumental-variable estimation.
 
 mod algorithm1;
 pub mod algorithm2;
 mod batch;
+mod consistency;
+mod consistent_estimate;
 mod constant;
 mod link_prior;
 mod minimal_set;
@@ -30,6 +33,7 @@ pub use algorithm1::algorithm1;
 pub use batch::{
     BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows, MergedTerm, Term,
 };
+pub use consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
 pub use constant::{Constant, Quantity};
 pub use minimal_set::{DroppedConstant, MinimalSet};
 pub use model::{ArmModel, MODEL_SCHEMA, ModelError};

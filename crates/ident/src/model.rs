@@ -108,6 +108,17 @@ impl ArmModel {
         self
     }
 
+    /// The same arm with other links, one per joint, in the frames of the joints.
+    #[must_use]
+    pub fn with_links(mut self, links: &[InertialParameters]) -> Self {
+        let before = self.chain.joints.iter().map(|j| j.link).collect();
+        self.prior_links.get_or_insert(before);
+        for (joint, link) in self.chain.joints.iter_mut().zip(links) {
+            joint.link = *link;
+        }
+        self
+    }
+
     /// The model before the fit: the prior links and no effects. A URDF is its own.
     #[must_use]
     pub fn before(&self) -> Self {

@@ -1,6 +1,6 @@
 //! The ten standard inertial parameters of one rigid body, and how they move between frames.
 
-use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
 
 /// Mass, first moment and inertia about the frame **origin** of one rigid body, in one frame.
 ///
@@ -100,18 +100,33 @@ impl InertialParameters {
         }
     }
 
-    /// Smallest eigenvalue of the pseudo-inertia, the 4x4 matrix `[[tr(I)/2 1 - I, mc], [mc', m]]`.
+    /// The pseudo-inertia `[[S, mc], [mcᵀ, m]]` with `S = tr(I)/2 1 - I = ∫ r rᵀ dm`.
     ///
-    /// A body made of non-negative mass has none below zero (Wensing, Kim, Slotine 2018, eq. 6-11).
-    pub fn smallest_pseudo_inertia_eigenvalue(&self) -> f64 {
-        let i = &self.inertia_origin_kgm2;
-        let density = Matrix3::identity() * (0.5 * i.trace()) - i;
-        let mut pseudo = SMatrix::<f64, 4, 4>::zeros();
-        pseudo.fixed_view_mut::<3, 3>(0, 0).copy_from(&density);
+    /// Linear in the ten parameters, and positive semidefinite exactly when some distribution of
+    /// non-negative mass has them (Wensing, Kim, Slotine 2018, eq. 6-11).
+    pub fn pseudo_inertia(&self) -> Matrix4<f64> {
+        let mut pseudo = Matrix4::zeros();
+        pseudo.fixed_view_mut::<3, 3>(0, 0).copy_from(&second_moment(&self.inertia_origin_kgm2));
         pseudo.fixed_view_mut::<3, 1>(0, 3).copy_from(&self.first_moment_kgm);
         pseudo.fixed_view_mut::<1, 3>(3, 0).copy_from(&self.first_moment_kgm.transpose());
         pseudo[(3, 3)] = self.mass_kg;
-        pseudo.symmetric_eigenvalues().min()
+        pseudo
+    }
+
+    /// Inverse of [`Self::pseudo_inertia`]; of a matrix that is not symmetric its symmetric part.
+    pub fn from_pseudo_inertia(pseudo: &Matrix4<f64>) -> Self {
+        let pseudo = (pseudo + pseudo.transpose()) * 0.5;
+        Self {
+            mass_kg: pseudo[(3, 3)],
+            first_moment_kgm: pseudo.fixed_view::<3, 1>(0, 3).into(),
+            inertia_origin_kgm2: inertia_of(&pseudo.fixed_view::<3, 3>(0, 0).into()),
+        }
+    }
+
+    /// Smallest eigenvalue of the pseudo-inertia: a body made of non-negative mass has none below
+    /// zero.
+    pub fn smallest_pseudo_inertia_eigenvalue(&self) -> f64 {
+        self.pseudo_inertia().symmetric_eigenvalues().min()
     }
 
     /// Whether some distribution of non-negative mass has these parameters (to round-off).
@@ -119,6 +134,33 @@ impl InertialParameters {
         let scale = self.inertia_origin_kgm2.amax().max(self.mass_kg.abs());
         self.smallest_pseudo_inertia_eigenvalue() >= -1e-9 * scale
     }
+
+    /// The real body nearest to these parameters; a real body itself.
+    ///
+    /// Mass and centre of mass are kept, and the second moment about the centre of mass is replaced
+    /// by the nearest positive semidefinite one in the Frobenius norm, which does not depend on the
+    /// frame: its negative principal values become zero. A negative mass becomes zero, and with it
+    /// the first moment.
+    #[must_use]
+    pub fn nearest_physical(&self) -> Self {
+        let (mass, com) =
+            if self.mass_kg > 0.0 { (self.mass_kg, self.com_m()) } else { (0.0, Vector3::zeros()) };
+        let inertia = if mass > 0.0 { self.inertia_com_kgm2() } else { self.inertia_origin_kgm2 };
+        let eigen = second_moment(&inertia).symmetric_eigen();
+        let raised = Matrix3::from_diagonal(&eigen.eigenvalues.map(|x| x.max(0.0)));
+        let moment = eigen.eigenvectors * raised * eigen.eigenvectors.transpose();
+        Self::from_com(mass, com, inertia_of(&moment))
+    }
+}
+
+/// `tr(I)/2 1 - I`: second moment `∫ r rᵀ dm` of a body with inertia `I`.
+fn second_moment(inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::identity() * (0.5 * inertia.trace()) - inertia
+}
+
+/// `tr(S) 1 - S`, the inverse of [`second_moment`].
+fn inertia_of(moment: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::identity() * moment.trace() - moment
 }
 
 /// `Σ(a) = (a·a) 1 - a aᵀ`, the inertia of a unit point mass at `a` about the origin.
@@ -182,5 +224,40 @@ mod tests {
             Matrix3::from_diagonal(&Vector3::new(0.276, 0.255, 0.71)),
         );
         assert!(!printed.is_physical());
+        // mass, centre of mass and the 0.71 that the motion depends on stay
+        let real = printed.nearest_physical();
+        assert!(real.is_physical() && real.mass_kg == printed.mass_kg);
+        assert_eq!(real.first_moment_kgm, printed.first_moment_kgm);
+        let inertia = real.inertia_com_kgm2();
+        for (k, expected) in [0.3655, 0.3445, 0.71].into_iter().enumerate() {
+            assert!((inertia[(k, k)] - expected).abs() < 1e-12, "{inertia}");
+        }
+    }
+
+    #[test]
+    fn the_projection_does_not_depend_on_the_frame_and_projects_once() {
+        let flat = InertialParameters::from_com(
+            2.0,
+            Vector3::new(0.1, -0.3, 0.2),
+            Matrix3::new(0.02, 0.01, 0.0, 0.01, 0.09, -0.02, 0.0, -0.02, 0.01),
+        );
+        let pose = Isometry3::from_parts(
+            Vector3::new(0.4, 0.5, -0.6).into(),
+            UnitQuaternion::from_euler_angles(0.3, -1.1, 2.0),
+        );
+        let one = flat.nearest_physical().expressed_in(&pose);
+        let other = flat.expressed_in(&pose).nearest_physical();
+        let twice = other.nearest_physical();
+        for ((a, b), c) in one.to_array().iter().zip(other.to_array()).zip(twice.to_array()) {
+            assert!((a - b).abs() < 1e-12 && (b - c).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_pseudo_inertia_and_back() {
+        let back = InertialParameters::from_pseudo_inertia(&body().pseudo_inertia());
+        for (a, b) in back.to_array().iter().zip(body().to_array()) {
+            assert!((a - b).abs() < 1e-15);
+        }
     }
 }

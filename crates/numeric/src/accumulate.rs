@@ -135,6 +135,12 @@ impl AccumulatedQr {
         (0..p).map(|j| (0..=j).map(|i| self.triangle[(i, j)] * residual[i]).sum()).collect()
     }
 
+    /// `w R` with `RᵀR = AᵀA`, p x p.
+    pub fn root(&self, w: f64) -> Mat<f64> {
+        let p = self.unknowns;
+        Mat::from_fn(p, p, |i, j| w * self.triangle[(i, j)])
+    }
+
     /// Norms of the columns of `A`.
     pub fn column_norms(&self) -> Vec<f64> {
         column_norms(&self.triangle, self.unknowns)

@@ -1,6 +1,7 @@
 //! Least squares from a triangle, with rank, condition number and covariance.
 
-use faer::Mat;
+use faer::linalg::solvers::{Qr, SolveLstsq};
+use faer::{Mat, Side};
 
 /// Why a decomposition has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -37,6 +38,8 @@ pub struct LeastSquares {
 
 /// Columns whose norm is at most this times the largest are zero: never scaled up.
 pub(crate) const ZERO_COLUMN: f64 = 1e-10;
+/// Eigenvalues of a correlation matrix below this share of the largest are round-off.
+const NOT_MEASURED: f64 = 1e-13;
 
 /// `A⁺` of a tall matrix by singular values of its unit-norm columns.
 #[derive(Debug, Clone)]
@@ -128,6 +131,115 @@ pub(crate) fn solve_triangle(
     })
 }
 
+/// `min |A x - b|² + |x - c|²` for several `b, c`, by orthogonal transformations of `[A; 1]`.
+///
+/// Always has one answer, of whatever rank and however heavy `A` (m x p) is: heavy rows stand first,
+/// so none of the light ones is lost in them. Cost `2 (m + p) p²`, and `4 (m + p) p` per answer.
+#[derive(Debug, Clone)]
+pub struct DampedLeastSquares {
+    a: Mat<f64>,
+    factors: Qr<f64>,
+}
+
+impl DampedLeastSquares {
+    /// Decomposes `[A; 1]`.
+    pub fn new(a: Mat<f64>) -> Self {
+        let (m, p) = (a.nrows(), a.ncols());
+        let stacked = Mat::from_fn(m + p, p, |i, j| match i < m {
+            true => a[(i, j)],
+            false => f64::from(u8::from(i - m == j)),
+        });
+        Self { factors: stacked.qr(), a }
+    }
+
+    /// The answer for one pair of right-hand sides.
+    ///
+    /// # Errors
+    /// [`NumericError::NotFinite`] when a number is not finite.
+    ///
+    /// # Panics
+    /// When `b` does not have m entries or `c` not p.
+    pub fn solve(&self, b: &[f64], c: &[f64]) -> Result<Vec<f64>, NumericError> {
+        let (m, p) = (self.a.nrows(), self.a.ncols());
+        assert!(b.len() == m && c.len() == p, "one right-hand side per row");
+        // in the unknown x - c, which is small near a solution
+        let rhs = Mat::from_fn(m + p, 1, |i, _| match i < m {
+            true => b[i] - (0..p).map(|j| self.a[(i, j)] * c[j]).sum::<f64>(),
+            false => 0.0,
+        });
+        let moved = self.factors.solve_lstsq(&rhs);
+        let x: Vec<f64> = (0..p).map(|j| c[j] + moved[(j, 0)]).collect();
+        if x.iter().any(|x| !x.is_finite()) {
+            return Err(NumericError::NotFinite);
+        }
+        Ok(x)
+    }
+}
+
+/// A root `R` of the information matrix of a covariance `C`: `RᵀR = C⁺`, p x p.
+///
+/// Directions without variance (of the correlation matrix, below 1e-13 of the largest) are taken as
+/// not measured, which is what a pseudo-inverse solution means by them.
+///
+/// # Errors
+/// [`NumericError`] when a number is not finite.
+pub fn information_root(covariance: &Mat<f64>) -> Result<Mat<f64>, NumericError> {
+    let p = covariance.nrows();
+    let over_error: Vec<f64> = (0..p)
+        .map(|i| if covariance[(i, i)] > 0.0 { covariance[(i, i)].sqrt().recip() } else { 0.0 })
+        .collect();
+    let correlation = Mat::from_fn(p, p, |i, j| {
+        0.5 * (covariance[(i, j)] + covariance[(j, i)]) * over_error[i] * over_error[j]
+    });
+    if (0..p).any(|j| correlation.col_as_slice(j).iter().any(|x| !x.is_finite())) {
+        return Err(NumericError::NotFinite);
+    }
+    let eigen =
+        correlation.self_adjoint_eigen(Side::Lower).map_err(|_| NumericError::NoConvergence)?;
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+    let top = (0..p).fold(0.0, |top: f64, k| top.max(values[k]));
+    Ok(Mat::from_fn(p, p, |k, i| {
+        let measured = values[k] > NOT_MEASURED * top && values[k] > 0.0;
+        if measured { vectors[(i, k)] * over_error[i] / values[k].sqrt() } else { 0.0 }
+    }))
+}
+
 pub(crate) fn column_norms(a: &Mat<f64>, columns: usize) -> Vec<f64> {
     (0..columns).map(|j| (0..a.nrows()).map(|i| a[(i, j)].powi(2)).sum::<f64>().sqrt()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `x + 2 y = 5` with weight 1e16 beside `x ≈ 1, y ≈ 1`: (1.4, 1.8), the nearest point of the line.
+    #[test]
+    fn heavy_rows_are_met_and_the_rest_stays_near() {
+        let a = Mat::from_fn(1, 2, |_, j| 1e8 * (1.0 + j as f64));
+        let damped = DampedLeastSquares::new(a);
+        let x = damped.solve(&[5e8], &[1.0, 1.0]).unwrap();
+        assert!((x[0] - 1.4).abs() < 1e-12 && (x[1] - 1.8).abs() < 1e-12, "{x:?}");
+        let nan = damped.solve(&[f64::NAN], &[1.0, 1.0]);
+        assert_eq!(nan.unwrap_err(), NumericError::NotFinite);
+    }
+
+    #[test]
+    fn a_root_of_the_information_has_it_for_its_product() {
+        let covariance = Mat::from_fn(3, 3, |i, j| match (i, j) {
+            (0, 0) => 4e-6,
+            (1, 1) => 9.0,
+            (0, 1) | (1, 0) => 3e-3,
+            // the third unknown is not measured
+            _ => 0.0,
+        });
+        let root = information_root(&covariance).unwrap();
+        let information = root.transpose() * &root;
+        let product = &information * &covariance;
+        for i in 0..3 {
+            for j in 0..3 {
+                let expected = f64::from(u8::from(i == j && i < 2));
+                assert!((product[(i, j)] - expected).abs() < 1e-9, "{product:?}");
+            }
+        }
+    }
 }

@@ -8,6 +8,8 @@
 //! | `min |A x - y|`, rows in blocks, states merged | [`AccumulatedQr`] |
 //! | the same with unknowns that must not be negative | [`AccumulatedQr::solve_non_negative`] |
 //! | `A⁺` for several right-hand sides | [`PseudoInverse`] |
+//! | `min |A x - b|² + |x - c|²` | [`DampedLeastSquares`] |
+//! | `R` with `RᵀR` the inverse of a covariance | [`information_root`] |
 //! | rank with its gap | [`rank_of_columns`] |
 //! | which columns depend on which, in a stated order | [`eliminate_in_order`] |
 //! | products of columns with each other; many small symmetric systems | [`gram_of_columns`], [`Cholesky`] |
@@ -32,6 +34,8 @@ mod rank;
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
 pub use gram::{Cholesky, gram_of_columns, symmetric_eigen};
-pub use least_squares::{LeastSquares, NumericError, PseudoInverse};
+pub use least_squares::{
+    DampedLeastSquares, LeastSquares, NumericError, PseudoInverse, information_root,
+};
 pub use non_negative::NonNegative;
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};

@@ -13,7 +13,7 @@ use crate::raw::{RawColumn, RawColumns};
 use crate::recording::Recording;
 
 /// Bytes looked at to tell other formats.
-const START_BYTES: u64 = 4096;
+pub(crate) const START_BYTES: u64 = 4096;
 
 /// Reads a CSV file. `source` of the recording is the path.
 ///
@@ -36,7 +36,7 @@ pub fn read_csv_mapped(
     read_csv_mapped_from(file, &source, mapping)
 }
 
-fn open(path: &Path) -> Result<(File, String), RecordingError> {
+pub(crate) fn open(path: &Path) -> Result<(File, String), RecordingError> {
     let source = path.display().to_string();
     if path.is_dir() {
         return Err(RecordingError::new(Fault::IsDirectory, &source));
@@ -231,8 +231,8 @@ fn wrong_separator(columns: &[String]) -> Option<&'static str> {
 }
 
 /// Formats that are told apart by their first bytes.
-fn other_format(start: &[u8]) -> Option<&'static str> {
-    const FORMATS: [(&[u8], &str); 9] = [
+pub(crate) fn other_format(start: &[u8]) -> Option<&'static str> {
+    const FORMATS: [(&[u8], &str); 11] = [
         (b"\xff\xfe", "UTF-16 text"),
         (b"\xfe\xff", "UTF-16 text"),
         (b"\x89MCAP", "an MCAP file"),
@@ -240,6 +240,8 @@ fn other_format(start: &[u8]) -> Option<&'static str> {
         (b"SQLite format 3", "an SQLite file (a ROS 2 bag?)"),
         (b"PAR1", "a Parquet file"),
         (b"\x1f\x8b", "a gzip archive"),
+        (b"MATLAB 5.0 MAT-file", "a MATLAB file"),
+        (b"\x93NUMPY", "a NumPy file"),
         (b"PK\x03\x04", "a ZIP archive or a spreadsheet"),
         (b"\x89HDF", "an HDF5 file"),
     ];

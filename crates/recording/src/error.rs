@@ -31,7 +31,8 @@ impl RecordingError {
 
     /// The same fault with the line it was found on, counted from 1.
     pub(crate) fn on_line(mut self, line: u64) -> Self {
-        self.0.line = Some(line);
+        // formats without lines count from 0
+        self.0.line = (line > 0).then_some(line);
         self
     }
 
@@ -93,6 +94,54 @@ pub enum Fault {
     NotCsv {
         /// The format with its article.
         format: &'static str,
+    },
+    /// A file of a known format that breaks its rules.
+    #[error("this is no whole {format} file: {what}")]
+    Broken {
+        /// The format.
+        format: &'static str,
+        /// What its reader says.
+        what: String,
+    },
+    /// A format that this build does not read.
+    #[error("this is {format}, which this build does not read")]
+    NotBuilt {
+        /// The format with its article.
+        format: &'static str,
+        /// The feature that reads it.
+        feature: &'static str,
+    },
+    /// Joint states are in several topics, none of them the usual one.
+    #[error("several topics have joint states: {}", .topics.join(", "))]
+    SeveralJointStates {
+        /// The topics.
+        topics: Vec<String>,
+    },
+    /// No topic has joint states.
+    #[error("no topic has messages sensor_msgs/JointState")]
+    NoJointStates {
+        /// The topics with their messages.
+        topics: Vec<String>,
+    },
+    /// The topic asked for has no joint states.
+    #[error("the topic `{topic}` has no messages sensor_msgs/JointState")]
+    UnknownTopic {
+        /// The topic asked for.
+        topic: String,
+        /// Topics that have.
+        found: Vec<String>,
+    },
+    /// A message that is not what its schema says.
+    #[error("message {number} of the topic `{topic}` cannot be read: at byte {offset}, {what}")]
+    BadMessage {
+        /// The topic.
+        topic: String,
+        /// Number of the message in it, from 1.
+        number: usize,
+        /// Byte in the message, from 0.
+        offset: usize,
+        /// What is wrong there.
+        what: String,
     },
     /// The header is not UTF-8.
     #[error("the header is not UTF-8 text")]
@@ -319,10 +368,30 @@ impl Fault {
                 "choose one by a mapping file: `column = \"{}/{{joint}}/{{quantity}}\"`",
                 topics.first().map_or("/joint_states", String::as_str)
             ),
+            Self::SeveralJointStates { topics } => {
+                let first = topics.first().map_or("/joint_states", String::as_str);
+                format!("choose one, for example by --topic {first}")
+            }
+            Self::Broken { .. } => "was the file copied whole? `mcap recover` may help".to_owned(),
+            Self::NotBuilt { feature, .. } => {
+                format!("build armident with `--features {feature}`, or export CSV")
+            }
+            Self::NoJointStates { topics } => {
+                format!("record /joint_states too; the topics are {}", listed(topics))
+            }
+            Self::UnknownTopic { found, .. } => {
+                format!("topics with joint states are {}", listed(found))
+            }
+            Self::BadMessage { .. } => {
+                "was the file written by another version of the message, or damaged?".to_owned()
+            }
             Self::Mapping { advice, .. } => advice.clone(),
             Self::Refused(finding) => return finding.advice.clone(),
             Self::NotFound | Self::NoJointsRequested | Self::Io { .. } => return None,
             Self::IsDirectory => "name one CSV file in it".to_owned(),
+            Self::NotCsv { format } if converter(format).is_some() => {
+                converter(format).unwrap_or_default().to_owned()
+            }
             Self::NotCsv { .. } => "export it as comma-separated UTF-8 text: a column `t` in \
                                     seconds, then `<joint>/position` and so on"
                 .to_owned(),
@@ -423,6 +492,26 @@ impl Fault {
         };
         Some(hint)
     }
+}
+
+/// What turns a format into one that is read.
+fn converter(format: &str) -> Option<&'static str> {
+    Some(match format {
+        "a ROS 1 bag" => "convert it by `mcap convert in.bag out.mcap` (mcap.dev/guides/cli)",
+        "an SQLite file (a ROS 2 bag?)" => {
+            "convert it by `mcap convert in.db3 out.mcap` (mcap.dev/guides/cli), or by `ros2 bag \
+             convert`"
+        }
+        "a MATLAB file" | "an HDF5 file" => {
+            "in MATLAB: `writematrix([t q dq tau], 'log.csv')`, with a first line `t, \
+             <joint>/position, ...`; in Python scipy.io.loadmat (h5py for version 7.3) reads it"
+        }
+        "a NumPy file" => {
+            "in Python: `numpy.savetxt(\"log.csv\", columns, delimiter=\",\", \
+             header=\"t,<joint>/position,...\", comments=\"\")`"
+        }
+        _ => return None,
+    })
 }
 
 /// Names in backquotes, the first twelve of them.

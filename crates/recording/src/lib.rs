@@ -35,6 +35,9 @@
 //! | `<joint>/motor_position` | encoder of the motor, divided by the gear ratio: rad or m |
 //! | `<joint>/temperature` | °C |
 //!
+//! [`read_recording`] also reads MCAP, the recordings of ROS 2 (feature `mcap`: `sensor_msgs/JointState`
+//! of one topic), and Parquet (feature `parquet`: the same columns as above); [`encode`] writes them.
+//!
 //! Joint names may contain slashes. Other columns are ignored, with a note. Without a column `t`
 //! the names of PlotJuggler are understood: `__time` or `time`, then
 //! `/joint_states/<joint>/position` and so on. Anything else needs a [`Mapping`].
@@ -59,7 +62,7 @@
 //!
 //! # Not handled
 //!
-//! Other formats (ROS bags, MCAP, Parquet, MATLAB); stamps that differ between channels; delays
+//! Other formats (ROS 1 bags, SQLite bags, MATLAB, NumPy: it is said what converts them); stamps that differ between channels; delays
 //! between position and effort; the end effects of the filter, which reach two to three periods of
 //! the cutoff into the motion: drop these samples.
 //!
@@ -95,9 +98,14 @@ mod error;
 mod finding;
 mod header;
 mod mapping;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod motion;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod quality;
 mod raw;
+mod read;
 mod recording;
 mod resample;
 mod runs;
@@ -105,6 +113,7 @@ mod timing;
 mod units;
 mod unwrap;
 mod velocity_check;
+mod write;
 
 pub use butterworth::{
     CUTOFF_SHARE_BOUND, DEFAULT_ORDER, HIGHEST_ORDER, LOWEST_CUTOFF_SHARE, ZeroPhaseLowPass,
@@ -120,9 +129,15 @@ pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
 pub use error::{Fault, RecordingError};
 pub use finding::{Action, Finding, FindingKind, Span};
 pub use mapping::Mapping;
+#[cfg(feature = "mcap")]
+pub use mcap::write_mcap_to;
 pub use motion::{DerivativeSource, Motion, MotionSettings};
+#[cfg(feature = "parquet")]
+pub use parquet::write_parquet_to;
 pub use quality::{ChannelQuality, QualityReport, differences, quality};
 pub use raw::{RawColumn, RawColumns};
+pub use read::{ReadSettings, read_recording};
 pub use recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
 pub use resample::{BRIDGED_STEPS, EvenGrid, Interpolation};
 pub use timing::{GAP_STEPS, Gap, Timing};
+pub use write::{Encoded, FileFormat, encode};

@@ -217,6 +217,7 @@ impl Mapping {
                 .map(|name| crate::raw::RawColumn { name: name.clone(), values: None })
                 .collect(),
             lines: raw.lines.clone(),
+            notes: Vec::new(),
             first_not_finite: raw.first_not_finite.clone(),
         };
         let mut draft = Draft::new(header, plan.time, time_s);

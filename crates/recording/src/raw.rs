@@ -19,6 +19,8 @@ pub struct RawColumns {
     pub columns: Vec<RawColumn>,
     /// Line of each row in a text file; empty for sources without lines.
     pub lines: Vec<u64>,
+    /// One sentence for each thing the user should know of the reading.
+    pub notes: Vec<String>,
     /// Row, column and text of the first value that is NaN or infinite.
     pub(crate) first_not_finite: Option<(usize, usize, String)>,
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::consistency::ConsistencyReport;
 use crate::numbers::{significant, uncertain};
 use crate::table::aligned;
 
@@ -32,6 +33,8 @@ pub struct IdentifyReport {
     /// Standard deviation of the links' numbers before the recordings, relative to their size; absent
     /// when nothing was believed.
     pub link_prior: Option<f64>,
+    /// The real links of the model; absent when the estimate was kept as it is.
+    pub consistency: Option<ConsistencyReport>,
     /// Constants of the minimal set.
     pub constants: Vec<ConstantRow>,
     /// Parameters of effects on joints.
@@ -77,6 +80,8 @@ pub struct ConstantRow {
     pub interval_95: Option<[f64; 2]>,
     /// Value of the URDF.
     pub urdf: f64,
+    /// Value of the model's real links; absent when the estimate was kept as it is.
+    pub consistent: Option<f64>,
     /// Share of what is known of it that is the prior's and not the recordings', 0 to 1.
     pub from_prior: f64,
     /// Share of the constant the recordings leave open, 0 to 1.
@@ -191,6 +196,9 @@ impl IdentifyReport {
                 "prior: every number of a link known to {} % of its size (--prior none: nothing)\n",
                 significant(100.0 * relative, 3, 0.0)
             );
+        }
+        if let Some(consistency) = &self.consistency {
+            text += &consistency.text();
         }
         text += "\nInertia constants\n";
         text += &self.constants_text();

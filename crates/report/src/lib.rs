@@ -3,6 +3,7 @@
 //! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
 //! The fields are described in `docs/json.md`.
 
+mod consistency;
 mod diagnose;
 mod identify;
 mod numbers;
@@ -11,6 +12,7 @@ mod plan;
 mod table;
 mod validate;
 
+pub use consistency::ConsistencyReport;
 pub use diagnose::DiagnoseReport;
 pub use identify::{
     ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,

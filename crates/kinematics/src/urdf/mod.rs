@@ -18,6 +18,7 @@ mod xml;
 mod tests;
 
 pub(crate) use hint::hint;
+pub use pose::roll_pitch_yaw;
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Origins and directions: what `<origin>` and `<axis>` hold, in the versions of the format.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use roxmltree::Node;
 
 use super::check::numbers;
@@ -63,17 +63,23 @@ pub(super) fn read_pose(
 }
 
 /// Roll, pitch, yaw \[rad\] of a quaternion x, y, z, w; `None` if it is zero.
-///
-/// urdf-rs sets the pitch to 90 degrees within 0.26 degrees of it; here every angle is exact.
 fn rpy_from_quat(xyzw: [f64; 4]) -> Option<[f64; 3]> {
     let (xyzw, _) = unit_vector(xyzw)?;
-    let r = UnitQuaternion::from_quaternion(Quaternion::from(xyzw)).to_rotation_matrix();
+    let rotation = UnitQuaternion::from_quaternion(Quaternion::from(xyzw)).to_rotation_matrix();
+    Some(roll_pitch_yaw(&rotation))
+}
+
+/// Roll, pitch, yaw \[rad\] of a rotation `Rz(yaw) Ry(pitch) Rx(roll)`, as URDF writes it.
+///
+/// urdf-rs sets the pitch to 90 degrees within 0.26 degrees of it; here every angle is exact.
+pub fn roll_pitch_yaw(rotation: &Rotation3<f64>) -> [f64; 3] {
+    let r = rotation.matrix();
     let yaw = r[(1, 0)].atan2(r[(0, 0)]);
     let pitch = (-r[(2, 0)]).atan2(r[(0, 0)].hypot(r[(1, 0)]));
     // roll after yaw is undone, so that both agree where pitch is 90 degrees
     let (sin, cos) = yaw.sin_cos();
     let roll = (sin * r[(0, 2)] - cos * r[(1, 2)]).atan2(cos * r[(1, 1)] - sin * r[(0, 1)]);
-    Some([roll, pitch, yaw])
+    [roll, pitch, yaw]
 }
 
 /// The unit vector along a vector, and its length; `None` below 1e-9, where a direction printed
@@ -92,7 +98,6 @@ pub(super) fn unit_vector<const N: usize>(vector: [f64; N]) -> Option<([f64; N],
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Rotation3;
 
     #[test]
     fn rpy_of_a_quaternion_rebuilds_its_rotation() {

@@ -1,0 +1,42 @@
+//! Writes a model as URDF or MJCF and says what these formats cannot hold.
+//!
+//! Both files have the links and joints of the chain by their names, in the frames of the robot
+//! description: every link frame lies on the axis of the joint that moves it. What was lumped into a
+//! link (links behind fixed and locked joints, grippers) is part of its inertia.
+//!
+//! | | URDF | MJCF |
+//! | --- | --- | --- |
+//! | links, limits | yes | yes, and a motor per joint |
+//! | viscous friction | `<dynamics damping>` | `damping` |
+//! | Coulomb friction | `<dynamics friction>` | `frictionloss` |
+//! | rotor inertia | lost | `armature` |
+//! | torque offset | lost | lost |
+//! | gravity | lost unless (0, 0, -9.81) | `<option gravity>` |
+//!
+//! What holds an effect is written once, in its law ([`armident_effects::Export`]).
+//!
+//! Not handled: visual and collision shapes, meshes, transmissions and sensors of the robot
+//! description.
+
+mod chain;
+mod effects;
+mod mjcf;
+mod urdf;
+mod xml;
+
+pub use effects::{Held, Lost};
+pub use mjcf::mjcf;
+pub use urdf::urdf;
+
+/// A model in another format.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The file.
+    pub text: String,
+    /// Effects that the format holds.
+    pub held: Vec<Held>,
+    /// Effects that it cannot hold.
+    pub lost: Vec<Lost>,
+    /// What else was left out or made up, a sentence each.
+    pub notes: Vec<String>,
+}

@@ -1,0 +1,104 @@
+//! The consistent links and effects nearest to what was estimated.
+
+use armident_dynamics::RigidArm;
+use armident_effects::{Admissible, EffectOnJoint, LIBRARY};
+use armident_numeric::{Mat, information_root};
+
+use crate::algorithm2::Algorithm2Estimate;
+use crate::batch::{BatchEstimate, BatchProblem, Term};
+use crate::consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
+use crate::minimal_set::MinimalSet;
+
+impl BatchProblem<'_> {
+    /// Real links, and effects of the admissible sign, nearest to an estimate in its own information.
+    ///
+    /// [`Consistent::estimated`] is in the order of [`Self::terms`], [`Consistent::effects`] that of
+    /// the effects among the terms and then of [`Self::merged`].
+    ///
+    /// # Errors
+    /// [`ConsistencyError`] when a number is not finite.
+    pub fn nearest_consistent(
+        &self,
+        estimate: &BatchEstimate,
+    ) -> Result<Consistent, ConsistencyError> {
+        // the constants of a minimal set are independent, so they are the first terms
+        let own = self.terms.iter().enumerate().filter_map(|(k, term)| {
+            let non_negative = non_negative(term)?;
+            Some(EffectUnknown {
+                adds_to: vec![(k, 1.0)],
+                non_negative,
+                merged: false,
+                prior: None,
+            })
+        });
+        let merged = self.merged.iter().filter_map(|merged| {
+            let non_negative = non_negative(&merged.term)?;
+            Some(EffectUnknown {
+                adds_to: merged.into.clone(),
+                non_negative,
+                merged: true,
+                prior: None,
+            })
+        });
+        let effects: Vec<EffectUnknown> = own.chain(merged).collect();
+        ConsistencyProblem::new(self.arm, self.set, &effects)
+            .nearest(&estimate.values, &estimate.information_root)
+    }
+
+    /// The effects of a consistent set; what is merged into constants is among them where the links
+    /// alone cannot have these.
+    pub fn consistent_effects(
+        &self,
+        consistent: &Consistent,
+        joint_names: &[&str],
+    ) -> Vec<EffectOnJoint> {
+        let mut list = self.effects(&consistent.estimated, joint_names);
+        let own = self.terms.iter().filter(|t| non_negative(t).is_some()).count();
+        let merged = self.merged.iter().filter(|m| non_negative(&m.term).is_some());
+        for (merged, &value) in merged.zip(&consistent.effects[own..]) {
+            let Term::Effect { joint, effect, parameter } = merged.term else { continue };
+            if value == 0.0 {
+                continue;
+            }
+            let law = LIBRARY[effect].law();
+            let mut parameters = vec![0.0; law.parameters.len()];
+            parameters[parameter] = value;
+            list.push(EffectOnJoint::new(law.slug, joint_names[joint], parameters));
+        }
+        list
+    }
+}
+
+/// Whether the parameter of an effect must not be negative; none for a constant.
+fn non_negative(term: &Term) -> Option<bool> {
+    match *term {
+        Term::Constant(_) => None,
+        Term::Effect { effect, parameter, .. } => {
+            let law = LIBRARY[effect].law();
+            Some(law.parameters[parameter].admissible == Admissible::NonNegative)
+        }
+    }
+}
+
+impl Algorithm2Estimate {
+    /// Real links nearest to the constants found; those that no step sought are the description's.
+    ///
+    /// # Errors
+    /// [`ConsistencyError`] when a number is not finite.
+    pub fn nearest_consistent(
+        &self,
+        arm: &RigidArm,
+        set: &MinimalSet,
+    ) -> Result<Consistent, ConsistencyError> {
+        let known = |k: usize| self.values[k].is_finite();
+        let of_arm = set.values(&arm.constants());
+        let values: Vec<f64> = (self.values.iter().zip(&of_arm))
+            .map(|(found, of_arm)| if found.is_finite() { *found } else { *of_arm })
+            .collect();
+        let covariance = Mat::from_fn(values.len(), values.len(), |i, j| {
+            if known(i) && known(j) { self.covariance[(i, j)] } else { 0.0 }
+        });
+        let root = information_root(&covariance)?;
+        ConsistencyProblem::new(arm, set, &[]).nearest(&values, &root)
+    }
+}

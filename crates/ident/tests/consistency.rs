@@ -1,0 +1,492 @@
+//! Physical consistency: exact where the estimate is consistent, nearest where it is not.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::path::{Path, PathBuf};
+
+use armident_dynamics::RigidArm;
+use armident_ident::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown, MinimalSet};
+use armident_kinematics::{
+    ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
+};
+use armident_numeric::Mat;
+use nalgebra::{Matrix3, Vector3};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use serde_json::{Value, json};
+
+const ARMS: [&str; 15] = [
+    "planar_2r",
+    "planar_3r",
+    "scara",
+    "gantry",
+    "cylindrical",
+    "stanford",
+    "puma560",
+    "irb140",
+    "ur5",
+    "ur10",
+    "tx40",
+    "kinova_gen3",
+    "panda",
+    "iiwa14",
+    "xarm7",
+];
+
+fn arm(name: &str) -> RigidArm {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../urdf/{name}.urdf"));
+    let robot = load_urdf(&path).unwrap();
+    let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+    RigidArm::from_chain(&DrivingAxisChain::from_chain(&chain))
+}
+
+/// Viscous and Coulomb friction and torque offset of every joint with entries of their own after
+/// the constants, and rotor inertia of joint 1 in the first constant; their true values.
+fn effects(arm: &RigidArm, set: &MinimalSet) -> (Vec<EffectUnknown>, Vec<f64>) {
+    let mut list = Vec::new();
+    let mut values = Vec::new();
+    let mut row = set.len();
+    for joint in 0..arm.dof() {
+        let size = 2.0 / (1.0 + joint as f64);
+        for (non_negative, value) in [(true, 0.5 * size), (true, size), (false, -0.1 * size)] {
+            let prior = non_negative.then_some(value);
+            list.push(EffectUnknown {
+                adds_to: vec![(row, 1.0)],
+                non_negative,
+                merged: false,
+                prior,
+            });
+            values.push(value);
+            row += 1;
+        }
+    }
+    list.push(EffectUnknown {
+        adds_to: vec![(0, 1.0)],
+        non_negative: true,
+        merged: false,
+        prior: Some(0.01),
+    });
+    values.push(0.01);
+    (list, values)
+}
+
+/// An estimate with its information: truth of the URDF and noise of a share of every value.
+struct Estimated {
+    problem: ConsistencyProblem,
+    values: Vec<f64>,
+    root: Mat<f64>,
+    standard_errors: Vec<f64>,
+}
+
+/// Root of an information matrix with correlated neighbours.
+fn bidiagonal(standard_errors: &[f64]) -> Mat<f64> {
+    let k = standard_errors.len();
+    Mat::from_fn(k, k, |i, j| match j {
+        _ if i == j => 1.0 / standard_errors[j],
+        _ if i + 1 == j => 0.5 / standard_errors[j],
+        _ => 0.0,
+    })
+}
+
+fn estimated(name: &str, with_effects: bool, noise: f64, seed: u64) -> Estimated {
+    let arm = arm(name);
+    let set = MinimalSet::of(&arm).unwrap();
+    let (list, values) = if with_effects { effects(&arm, &set) } else { (Vec::new(), Vec::new()) };
+    let problem = ConsistencyProblem::new(&arm, &set, &list);
+    let theta: Vec<f64> =
+        arm.links.iter().flat_map(InertialParameters::to_array).chain(values).collect();
+    let truth = times(problem.map(), &theta);
+    let size = truth.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    let standard_errors: Vec<f64> =
+        truth.iter().map(|x| noise * x.abs().max(0.01 * size)).collect();
+    let mut random = Pcg64::seed_from_u64(seed);
+    let values = truth
+        .iter()
+        .zip(&standard_errors)
+        .map(|(x, e)| x + e * random.random_range(-1.7..1.7))
+        .collect();
+    Estimated { problem, values, root: bidiagonal(&standard_errors), standard_errors }
+}
+
+fn times(a: &Mat<f64>, x: &[f64]) -> Vec<f64> {
+    (0..a.nrows()).map(|i| (0..a.ncols()).map(|j| a[(i, j)] * x[j]).sum()).collect()
+}
+
+fn distance(case: &Estimated, values: &[f64]) -> f64 {
+    let left: Vec<f64> = values.iter().zip(&case.values).map(|(a, b)| a - b).collect();
+    times(&case.root, &left).iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// What holds of every answer, whatever was asked.
+fn assert_consistent(found: &Consistent, effects: &[EffectUnknown]) {
+    for (joint, link) in found.links.iter().enumerate() {
+        assert!(link.is_physical(), "link {}: {link:?}", joint + 1);
+        assert!(link.mass_kg > 0.0);
+    }
+    for (effect, value) in effects.iter().zip(&found.effects) {
+        assert!(value.is_finite() && (!effect.non_negative || *value >= 0.0));
+    }
+    assert!(found.duality_gap >= 0.0 && found.duality_gap.is_finite());
+    assert!(found.distance_at_least <= found.distance_in_standard_errors);
+    assert!(found.steps <= 200);
+}
+
+/// Every arm's own constants are consistent, also those with links that no real body has: the
+/// minimal constants of the Stanford arm of the paper are those of other, real links.
+#[test]
+fn true_constants_are_returned_as_they_are() {
+    for name in ARMS {
+        let arm = arm(name);
+        let set = MinimalSet::of(&arm).unwrap();
+        let values = set.values(&arm.constants());
+        let size = values.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        let errors: Vec<f64> = values.iter().map(|x| 1e-3 * x.abs().max(0.01 * size)).collect();
+        let found = ConsistencyProblem::new(&arm, &set, &[])
+            .nearest(&values, &bidiagonal(&errors))
+            .unwrap();
+        assert_consistent(&found, &[]);
+        assert!(found.exact && found.converged, "{name}: {found:?}");
+        assert!(found.distance_in_standard_errors < 1e-9, "{name}");
+        let again = set.values(&arm.with_links(found.links.clone()).constants());
+        for (a, b) in again.iter().zip(&values) {
+            assert!((a - b).abs() <= 1e-9 * b.abs().max(1e-3 * size), "{name}: {a} {b}");
+        }
+        // where the links are real they are the nearest to themselves
+        let projected: &[usize] = match name {
+            "stanford" => &[0],
+            "puma560" => &[2],
+            _ => &[],
+        };
+        assert_eq!(found.prior_projected, projected, "{name}");
+        if found.prior_projected.is_empty() && found.prior_thickened.is_empty() {
+            assert!(found.divergence.abs() < 1e-9, "{name}: {}", found.divergence);
+        }
+    }
+}
+
+/// `g + λ d` of other consistent links is never smaller, and their distance is never below the
+/// certified bound: mixtures with random bodies and with the URDF, near and far.
+#[test]
+fn no_other_consistent_set_is_nearer() {
+    let mut random = Pcg64::seed_from_u64(5);
+    for (name, noise) in [("scara", 0.4), ("ur5", 0.1), ("irb140", 0.05), ("xarm7", 0.1)] {
+        let case = estimated(name, true, noise, 11);
+        let arm = arm(name);
+        let (list, true_effects) = effects(&arm, &MinimalSet::of(&arm).unwrap());
+        let found = case.problem.nearest(&case.values, &case.root).unwrap();
+        assert_consistent(&found, &list);
+        assert!(!found.exact && found.converged, "{name}: {found:?}");
+        let theta: Vec<f64> = (found.links.iter().flat_map(InertialParameters::to_array))
+            .chain(found.effects.clone())
+            .collect();
+        let best = 0.5 * found.distance_in_standard_errors.powi(2);
+        for trial in 0..300 {
+            let shares: Vec<f64> =
+                true_effects.iter().map(|p| p * random.random_range(0.5..1.5)).collect();
+            let other: Vec<f64> = (arm.links.iter())
+                .flat_map(|link| {
+                    let half: [f64; 9] = std::array::from_fn(|_| random.random_range(-0.3..0.3));
+                    let half = Matrix3::from_row_slice(&half);
+                    let moment = half * half.transpose() * (0.1 * link.mass_kg);
+                    let body = InertialParameters::from_com(
+                        link.mass_kg * random.random_range(0.2..3.0),
+                        Vector3::from_fn(|_, _| random.random_range(-0.3..0.3)),
+                        Matrix3::identity() * moment.trace() - moment,
+                    );
+                    if trial % 3 == 0 { link.to_array() } else { body.to_array() }
+                })
+                .chain(shares)
+                .collect();
+            for share in [1e-4, 1e-2, 0.3, 1.0] {
+                let mixed: Vec<f64> =
+                    theta.iter().zip(&other).map(|(a, b)| a + share * (b - a)).collect();
+                let there = distance(&case, &times(case.problem.map(), &mixed));
+                assert!(there >= found.distance_at_least, "{name}");
+                // convexity: the divergence of the mixture is at most the share of the other's
+                assert!(0.5 * there * there >= best - 1e-6 * share * 1e4, "{name}");
+            }
+        }
+    }
+}
+
+/// The weight changes what is reported by less than anyone can measure.
+#[test]
+fn the_weight_is_far_below_the_data() {
+    for (name, noise) in [("ur5", 0.1), ("irb140", 0.03), ("iiwa14", 0.1), ("panda", 0.1)] {
+        let case = estimated(name, false, noise, 2);
+        let found = case.problem.nearest(&case.values, &case.root).unwrap();
+        assert!(!found.exact, "{name}");
+        let slack = found.distance_in_standard_errors - found.distance_at_least;
+        println!(
+            "{name}: {:.6} standard errors, certified to {slack:.1e}, {} steps",
+            found.distance_in_standard_errors, found.steps
+        );
+        assert!(slack < 0.2, "{name}: {slack:e}");
+    }
+}
+
+#[test]
+fn absent_and_negative_effects() {
+    let arm = arm("planar_2r");
+    let set = MinimalSet::of(&arm).unwrap();
+    let rows = set.len();
+    let friction = |row| EffectUnknown {
+        adds_to: vec![(row, 1.0)],
+        non_negative: true,
+        merged: false,
+        prior: None,
+    };
+    let list = [friction(rows), friction(rows + 1)];
+    let problem = ConsistencyProblem::new(&arm, &set, &list);
+    let mut values = set.values(&arm.constants());
+    values.extend([0.0, 0.3]);
+    let root = bidiagonal(&vec![0.01; rows + 2]);
+    // found to be absent: exactly so
+    let found = problem.nearest(&values, &root).unwrap();
+    assert!(found.exact && found.effects == [0.0, found.effects[1]]);
+    assert!((found.effects[1] - 0.3).abs() < 1e-12);
+    // the same when the zero is a bound of the estimator and not measured
+    let mut blind = root.clone();
+    for row in 0..blind.nrows() {
+        blind[(row, rows)] = 0.0;
+    }
+    let found = problem.nearest(&values, &blind).unwrap();
+    assert!(found.exact && found.effects[0] == 0.0);
+    // two standard errors below zero: the other entries move with it as far as they are correlated
+    values[rows] = -0.02;
+    let found = problem.nearest(&values, &root).unwrap();
+    assert!(!found.exact && found.effects[0] >= 0.0 && found.effects[0] < 1e-6);
+    let expected = nearest_with_fixed(&root, rows, 0.02);
+    assert!(
+        (found.distance_in_standard_errors - expected).abs() < 1e-5,
+        "{} {expected}",
+        found.distance_in_standard_errors
+    );
+}
+
+/// Distance when one entry has to move by `shift` and the others may follow: Schur complement.
+fn nearest_with_fixed(root: &Mat<f64>, entry: usize, shift: f64) -> f64 {
+    // the covariance of a single entry is the inverse of its Schur complement
+    let k = root.ncols();
+    let mut solution = vec![0.0; k];
+    // Rᵀ z = e, then |z|² is the variance
+    for i in 0..k {
+        let known: f64 = (0..i).map(|j| root[(j, i)] * solution[j]).sum();
+        solution[i] = (f64::from(u8::from(i == entry)) - known) / root[(i, i)];
+    }
+    shift / solution.iter().map(|z| z * z).sum::<f64>().sqrt()
+}
+
+#[test]
+fn massless_links_of_the_urdf_are_allowed() {
+    for massless in 0..7 {
+        let arm = arm("panda");
+        let mut links = arm.links.clone();
+        links[massless] = InertialParameters::zero();
+        let arm = arm.with_links(links);
+        let set = MinimalSet::of(&arm).unwrap();
+        let values = set.values(&arm.constants());
+        let found = ConsistencyProblem::new(&arm, &set, &[])
+            .nearest(&values, &bidiagonal(&vec![1e-3; values.len()]))
+            .unwrap();
+        assert_consistent(&found, &[]);
+        assert!(found.prior_thickened.contains(&massless));
+        println!(
+            "link {}: {:.1e} standard errors",
+            massless + 1,
+            found.distance_in_standard_errors
+        );
+        // a last link without any inertia is on the boundary: nearly met
+        assert!(found.exact || found.distance_in_standard_errors < 0.02);
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let case = estimated("planar_2r", false, 0.1, 1);
+    let short = case.problem.nearest(&case.values[1..], &case.root);
+    assert!(matches!(short, Err(ConsistencyError::Size { found: 5, expected: 6, .. })));
+    let mut values = case.values.clone();
+    values[2] = f64::NAN;
+    let error = case.problem.nearest(&values, &case.root).unwrap_err();
+    assert!(matches!(error, ConsistencyError::Numeric(_)), "{error}");
+    let mut links = arm("planar_2r").links;
+    links[1].mass_kg = f64::INFINITY;
+    let broken = arm("planar_2r").with_links(links);
+    let set = MinimalSet::of(&arm("planar_2r")).unwrap();
+    let error =
+        ConsistencyProblem::new(&broken, &set, &[]).nearest(&case.values, &case.root).unwrap_err();
+    assert_eq!(error.to_string(), "the link of joint or effect 2 (from 1) is not finite");
+}
+
+/// Rotor inertia that only adds to a constant of the links is left out where the links alone have the
+/// constant, and is there where they cannot.
+#[test]
+fn merged_rotor_inertia_is_used_only_where_it_must_be() {
+    let arm = arm("planar_2r");
+    let set = MinimalSet::of(&arm).unwrap();
+    let rotor =
+        EffectUnknown { adds_to: vec![(0, 1.0)], non_negative: true, merged: true, prior: None };
+    let problem = ConsistencyProblem::new(&arm, &set, &[rotor]);
+    let root = bidiagonal(&vec![1e-3; set.len()]);
+    let values = set.values(&arm.constants());
+    let found = problem.nearest(&values, &root).unwrap();
+    assert!(found.exact && found.effects == [0.0]);
+
+    // both joints' inertia far beyond what the first moments and the URDF ask for: still links
+    let mut heavy = values;
+    heavy[0] += 50.0;
+    let found = problem.nearest(&heavy, &root).unwrap();
+    assert!(found.exact && found.effects == [0.0] && found.links.iter().all(|l| l.is_physical()));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    /// Any priors, any estimate, any information: an answer, real links, a finite certificate.
+    #[test]
+    fn always_ends_with_real_links(
+        name in prop::sample::select(vec!["planar_2r", "scara", "cylindrical", "stanford", "panda"]),
+        seed in any::<u64>(),
+        log_error in -4.0..1.0_f64,
+        kinds in prop::collection::vec(0..5_u8, 7),
+        unmeasured in 0.0..0.5_f64,
+    ) {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut draw = |range: f64| random.random_range(-range..range);
+        let arm = arm(name);
+        let links = arm.links.iter().zip(&kinds).map(|(link, kind)| match kind {
+            0 => InertialParameters::zero(),
+            1 => InertialParameters::from_array(&std::array::from_fn(|_| draw(1.0))),
+            2 => InertialParameters::from_com(
+                link.mass_kg, link.com_m(), Matrix3::zeros()),
+            3 => InertialParameters::from_com(1e6 * link.mass_kg, link.com_m(), Matrix3::identity()),
+            _ => *link,
+        }).collect();
+        let arm = arm.with_links(links);
+        let set = MinimalSet::of(&arm).unwrap();
+        let (list, _) = effects(&arm, &set);
+        let problem = ConsistencyProblem::new(&arm, &set, &list);
+        let rows = problem.map().nrows();
+        let values: Vec<f64> = (0..rows).map(|_| draw(1.0)).collect();
+        let mix = Mat::from_fn(rows, rows, |i, j| {
+            10_f64.powf(-log_error) * (draw(0.3) + f64::from(u8::from(i == j)))
+        });
+        let kept: Vec<bool> = (0..rows).map(|_| draw(0.5) + 0.5 > unmeasured).collect();
+        let root = Mat::from_fn(rows, rows, |i, j| if kept[i] { mix[(i, j)] } else { 0.0 });
+        let found = problem.nearest(&values, &root).unwrap();
+        for link in &found.links {
+            prop_assert!(link.is_physical(), "{link:?}");
+        }
+        for (effect, value) in list.iter().zip(&found.effects) {
+            prop_assert!(value.is_finite() && (!effect.non_negative || *value >= 0.0));
+        }
+        // with links a thousand times those of the URDF the numbers may be exhausted, and it says so
+        prop_assert!(found.converged || found.divergence > 1e3, "{found:?}");
+        prop_assert!(found.distance_at_least <= found.distance_in_standard_errors);
+        // on the path the gap is the weight times the degree of the cones and the size it covers
+        let degree = (4 * found.links.len()) as f64;
+        let size = degree * found.gap_holds_to;
+        let limit = found.weight * (degree + list.len() as f64 + size);
+        prop_assert!(!found.converged || found.duality_gap <= 1.1 * limit + 1e-12, "{limit:e} {found:?}");
+    }
+}
+
+fn judges() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judges")
+}
+
+/// Arm, effects, noise, seed, weight of the second judge.
+const CASES: [(&str, bool, f64, u64, f64); 6] = [
+    ("planar_2r", true, 1.0, 1, 1e-2),
+    ("scara", true, 0.5, 3, 1e-2),
+    ("gantry", false, 0.1, 2, 1e-2),
+    ("irb140", true, 0.05, 4, 1e-2),
+    ("iiwa14", true, 0.05, 5, 1e-2),
+    ("xarm7", false, 0.004, 6, 1e-2),
+];
+
+#[test]
+#[ignore = "writes the input of tests/judges/consistency.py"]
+fn write_judge_inputs() {
+    let cases: Vec<Value> = CASES
+        .iter()
+        .map(|&(name, with_effects, noise, seed, weight)| {
+            let case = estimated(name, with_effects, noise, seed);
+            let arm = arm(name);
+            let map = case.problem.map();
+            let entries: Vec<(usize, usize, f64)> = (0..map.nrows())
+                .flat_map(|i| (0..map.ncols()).map(move |j| (i, j, map[(i, j)])))
+                .filter(|e| e.2 != 0.0)
+                .collect();
+            let list = if with_effects {
+                effects(&arm, &MinimalSet::of(&arm).unwrap()).0
+            } else {
+                Vec::new()
+            };
+            json!({
+                "arm": name, "effects": with_effects, "noise": noise, "seed": seed,
+                "weight": weight,
+                "links": arm.links.iter().map(|l| l.to_array()).collect::<Vec<_>>(),
+                // scale of a parameter that must not be negative, null for any other
+                "scales": list.iter().map(|e| e.prior).collect::<Vec<_>>(),
+                "map": entries,
+                "estimate": case.values,
+                "standard_errors": case.standard_errors,
+            })
+        })
+        .collect();
+    std::fs::write(judges().join("consistency_inputs.json"), json!(cases).to_string() + "\n")
+        .unwrap();
+}
+
+/// The same problems by CVXPY with Clarabel (tests/judges/consistency.py).
+#[test]
+fn an_independent_solver_finds_the_same() {
+    let answers: Value =
+        serde_json::from_str(&std::fs::read_to_string(judges().join("consistency.json")).unwrap())
+            .unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    let numbers =
+        |value: &Value| -> Vec<f64> { value.as_array().unwrap().iter().map(number).collect() };
+    let (mut exact, mut distant) = (0, 0);
+    for (k, &(name, with_effects, noise, seed, weight)) in CASES.iter().enumerate() {
+        let answer = &answers[k];
+        let case = estimated(name, with_effects, noise, seed);
+        let found = case.problem.nearest(&case.values, &case.root).unwrap();
+        let smallest = number(&answer["stage_1"]["distance"]);
+        assert!(found.converged, "{name}: {found:?}");
+        assert!(found.distance_at_least <= smallest + 1e-6, "{name}: {found:?} {smallest}");
+        assert!(found.distance_in_standard_errors >= smallest - 1e-6, "{name} {smallest}");
+        // the weight costs next to nothing
+        assert!(found.distance_in_standard_errors <= smallest + 0.01, "{name} {smallest}");
+        let theta = |found: &Consistent| -> Vec<f64> {
+            let links = found.links.iter().flat_map(InertialParameters::to_array);
+            links.chain(found.effects.clone()).collect()
+        };
+        let close = |found: &Consistent, judge: &Value, what: &str| {
+            let (found, judge) = (theta(found), numbers(&judge["theta"]));
+            let size = judge.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+            for (a, b) in found.iter().zip(&judge) {
+                assert!((a - b).abs() < 1e-4 * size, "{name}, {what}: {a} {b}");
+            }
+        };
+        assert_eq!(found.exact, !answer["nearest"].is_null(), "{name}");
+        if found.exact {
+            exact += 1;
+            let least = number(&answer["nearest"]["divergence"]);
+            assert!((found.divergence - least).abs() < 1e-5 * least, "{name} {found:?} {least}");
+            close(&found, &answer["nearest"], "nearest");
+        } else {
+            distant += 1;
+            let weighted = case.problem.clone().with_weight(weight);
+            let found = weighted.nearest(&case.values, &case.root).unwrap();
+            let objective =
+                0.5 * found.distance_in_standard_errors.powi(2) + weight * found.divergence;
+            let least = number(&answer["weighted"]["objective"]);
+            assert!((objective - least).abs() < 1e-6 * least, "{name}: {objective} {least}");
+            close(&found, &answer["weighted"], "weighted");
+        }
+    }
+    assert!(exact > 0 && distant > 0, "{exact} {distant}");
+}

@@ -1,0 +1,259 @@
+//! MCAP and Parquet: files of other writers are read, and round trips keep every sample.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+use std::path::{Path, PathBuf};
+
+use armident_recording::{
+    FileFormat, JointChannels, ReadSettings, Recording, encode, read_recording,
+};
+
+fn judge(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judges").join(name)
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("formats");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+fn read(path: &Path) -> Result<Recording, String> {
+    read_with(path, &ReadSettings::default())
+}
+
+fn read_with(path: &Path, settings: &ReadSettings<'_>) -> Result<Recording, String> {
+    read_recording(path, settings).map_err(|error| {
+        let hint = error.hint().unwrap_or_default();
+        format!("{error}\n{}\n{hint}", error.place().replace(&path.display().to_string(), "FILE"))
+    })
+}
+
+/// A recording with every kind of number in it.
+fn recording(start_s: f64) -> Recording {
+    let n = 500;
+    let time: Vec<f64> = (0..n).map(|k| start_s + 0.002 * f64::from(k)).collect();
+    let column = |f: &dyn Fn(f64) -> f64| Some(time.iter().map(|t| f(*t)).collect::<Vec<f64>>());
+    let joints = vec![
+        JointChannels {
+            position: column(&f64::sin),
+            velocity: column(&f64::cos),
+            effort: column(&|t| 1e-17 * t),
+            ..JointChannels::new("left/arm/elbow")
+        },
+        JointChannels {
+            position: column(&|t| -t),
+            effort: column(&|_| -0.0),
+            ..JointChannels::new("wrist 2")
+        },
+    ];
+    Recording::new("test", time, joints).unwrap()
+}
+
+/// Position and effort of shoulder and elbow, as `formats.py` makes them.
+#[cfg(any(feature = "mcap", feature = "parquet"))]
+fn sample(k: usize) -> ([f64; 2], [f64; 2]) {
+    let t = k as f64 * 0.005;
+    ([t.sin(), (2.0 * t).cos()], [3.0 * t, -0.5])
+}
+
+#[cfg(feature = "mcap")]
+mod mcap {
+    use super::*;
+    use armident_recording::Mapping;
+
+    #[test]
+    fn a_file_of_another_writer_is_read() {
+        let found = read(&judge("joint_states.mcap")).unwrap();
+        assert_eq!(found.joint_names(), ["shoulder", "elbow"]);
+        assert_eq!(found.len(), 120);
+        for k in 0..120 {
+            assert!((found.time_s[k] - 0.25 - 0.005 * k as f64).abs() < 1e-12);
+            let (position, effort) = sample(k);
+            for (j, name) in ["shoulder", "elbow"].into_iter().enumerate() {
+                let joint = found.joint(name).unwrap();
+                let near =
+                    |a: &Option<Vec<f64>>, b: f64| (a.as_ref().unwrap()[k] - b).abs() < 1e-15;
+                assert!(near(&joint.position, position[j]) && near(&joint.effort, effort[j]));
+                assert!(joint.velocity.is_some() && joint.acceleration.is_none());
+            }
+        }
+        let notes = found.notes.join("\n");
+        for said in [
+            "joint states of the topic /joint_states",
+            "messages with other joints are not read: 12 with finger",
+            "time is counted from 1700000000 s of the clock",
+            "topics not read: /chatter (std_msgs/msg/String)",
+        ] {
+            assert!(notes.contains(said), "{said}\n{notes}");
+        }
+    }
+
+    #[test]
+    fn round_trips_keep_every_sample() {
+        for start_s in [0.0, 12.5, -3.25] {
+            let before = recording(start_s);
+            let encoded = encode(&before, FileFormat::Mcap).unwrap();
+            assert!(encoded.lost.is_empty());
+            let path = scratch("round_trip.mcap");
+            std::fs::write(&path, &encoded.bytes).unwrap();
+            let after = read(&path).unwrap();
+            assert_eq!(after.joint_names(), before.joint_names());
+            let shift = if start_s < 0.0 { 4.0 } else { 0.0 };
+            for (a, b) in after.time_s.iter().zip(&before.time_s) {
+                // ROS counts nanoseconds
+                assert!((a - b - shift).abs() <= 0.5e-9 + 1e-15, "{a} {b}");
+            }
+            for (a, b) in after.joints.iter().zip(&before.joints) {
+                assert_eq!(a.position, b.position);
+                assert_eq!(a.velocity, b.velocity);
+                assert_eq!(a.effort, b.effort);
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_place_is_said() {
+        let mut recording = recording(0.0);
+        recording.joints[1].acceleration = Some(vec![0.0; recording.len()]);
+        let encoded = encode(&recording, FileFormat::Mcap).unwrap();
+        assert_eq!(encoded.lost, ["wrist 2/acceleration"]);
+    }
+
+    #[test]
+    fn a_mapping_sees_the_topic() {
+        let text = "[time]\ncolumn = \"__time\"\n[[channel]]\ncolumn = \
+                    \"/joint_states/{joint}/position\"\nquantity = \"position\"\nunit = \
+                    \"deg\"\n[[channel]]\ncolumn = \"/joint_states/{joint}/effort\"\nquantity = \
+                    \"effort\"\n";
+        let mapping = Mapping::parse(text, "test.toml").unwrap();
+        let settings = ReadSettings { mapping: Some(&mapping), topic: None };
+        let found = read_with(&judge("joint_states.mcap"), &settings).unwrap();
+        let position = found.joint("elbow").unwrap().position.as_ref().unwrap();
+        assert!((position[0] - 1.0_f64.to_radians()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn topics_that_are_not_there_are_refused_with_those_that_are() {
+        let settings = ReadSettings { mapping: None, topic: Some("/left/joint_states") };
+        let said = read_with(&judge("joint_states.mcap"), &settings).unwrap_err();
+        assert_eq!(
+            said,
+            "the topic `/left/joint_states` has no messages sensor_msgs/JointState\nFILE\ntopics with \
+             joint states are `/joint_states`"
+        );
+    }
+
+    /// What a killed recorder leaves is read up to its end; damage never makes the reader panic.
+    #[test]
+    fn broken_files() {
+        let whole = {
+            // many chunks, so that some are whole
+            let long = recording(0.0);
+            encode(&long, FileFormat::Mcap).unwrap().bytes
+        };
+        let path = scratch("broken.mcap");
+        std::fs::write(&path, &whole[..whole.len() - 40]).unwrap();
+        let found = read(&path).unwrap();
+        assert_eq!(found.len(), 500);
+        let note = found.notes.iter().find(|n| n.contains("the file is not complete"));
+        assert!(note.is_some(), "{:?}", found.notes);
+        std::fs::write(&path, &whole[..60]).unwrap();
+        let said = read(&path).unwrap_err();
+        assert!(said.starts_with("this is no whole MCAP file: "), "{said}");
+
+        let judge = std::fs::read(judge("joint_states.mcap")).unwrap();
+        for at in (8..judge.len()).step_by(7) {
+            let mut damaged = judge.clone();
+            damaged[at] ^= 0x55;
+            std::fs::write(&path, &damaged).unwrap();
+            // refused or read, but in words
+            if let Err(said) = read(&path) {
+                assert!(!said.is_empty());
+            }
+        }
+    }
+}
+
+#[cfg(feature = "parquet")]
+mod parquet {
+    use super::*;
+
+    #[test]
+    fn a_file_of_another_writer_is_read() {
+        let found = read(&judge("joint_states.parquet")).unwrap();
+        assert_eq!(found.joint_names(), ["shoulder", "elbow"]);
+        assert_eq!(found.ignored_columns, ["remark"]);
+        for k in 0..120 {
+            assert!((found.time_s[k] - 0.25 - 0.005 * k as f64).abs() < 3e-7);
+            let (position, effort) = sample(k);
+            let [shoulder, elbow] = ["shoulder", "elbow"].map(|name| found.joint(name).unwrap());
+            assert!((shoulder.position.as_ref().unwrap()[k] - position[0]).abs() < 1e-15);
+            assert!((elbow.position.as_ref().unwrap()[k] - position[1]).abs() < 1e-7);
+            // the empty value is interpolated
+            let tolerance = if k == 7 { 1e-6 } else { 1e-15 };
+            assert!((shoulder.effort.as_ref().unwrap()[k] - effort[0]).abs() < tolerance);
+        }
+        assert_eq!(found.findings.len(), 1, "{:?}", found.findings);
+    }
+
+    #[test]
+    fn round_trips_keep_every_bit() {
+        for start_s in [0.0, -3.25] {
+            let before = recording(start_s);
+            let path = scratch("round_trip.parquet");
+            std::fs::write(&path, encode(&before, FileFormat::Parquet).unwrap().bytes).unwrap();
+            let after = read(&path).unwrap();
+            assert_eq!(after.time_s, before.time_s);
+            assert_eq!(after.joints, before.joints);
+        }
+    }
+
+    #[test]
+    fn broken_files() {
+        let whole = encode(&recording(0.0), FileFormat::Parquet).unwrap().bytes;
+        let path = scratch("broken.parquet");
+        std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+        let said = read(&path).unwrap_err();
+        assert!(said.starts_with("this is no whole Parquet file: "), "{said}");
+    }
+}
+
+/// Formats that another program converts are refused with its name.
+#[test]
+fn converters_are_named() {
+    let mut said = String::new();
+    for (name, start) in [
+        ("log.bag", &b"#ROSBAG V2.0\n"[..]),
+        ("log.db3", b"SQLite format 3\0"),
+        ("log.mat", b"MATLAB 5.0 MAT-file, Platform: GLNXA64"),
+        ("log73.mat", b"\x89HDF\r\n\x1a\n"),
+        ("log.npy", b"\x93NUMPY\x01\0"),
+        ("log.npz", b"PK\x03\x04"),
+        ("log.xlsx", b"PK\x03\x04"),
+    ] {
+        let path = scratch(name);
+        std::fs::write(&path, start).unwrap();
+        said += &format!("{}\n\n", read(&path).unwrap_err().replace("FILE", name));
+    }
+    insta::assert_snapshot!(said);
+}
+
+#[cfg(not(feature = "mcap"))]
+#[test]
+fn formats_that_are_not_built_in_are_named() {
+    let said = read(&judge("joint_states.mcap")).unwrap_err();
+    assert!(said.contains("--features mcap"), "{said}");
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn parquet_that_is_not_built_in_is_named() {
+    let said = read(&judge("joint_states.parquet")).unwrap_err();
+    assert_eq!(
+        said,
+        "this is a Parquet file, which this build does not read\nFILE\nbuild armident with \
+         `--features parquet`, or export CSV"
+    );
+    assert!(encode(&recording(0.0), FileFormat::Parquet).is_err());
+}

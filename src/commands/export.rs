@@ -1,0 +1,107 @@
+//! `armident export`.
+
+use std::path::Path;
+
+use armident_export::{Exported, Held, Lost, mjcf, urdf};
+use armident_report::significant;
+use serde::Serialize;
+
+use crate::args::{ExportArgs, FormatArg};
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+/// What was written and what the format could not hold.
+#[derive(Serialize)]
+struct ExportReport {
+    schema: &'static str,
+    robot: String,
+    model: String,
+    format: &'static str,
+    file: String,
+    joints: Vec<String>,
+    held: Vec<Held>,
+    lost: Vec<Lost>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+}
+
+pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
+    output::protect([args.robot.as_path()], [Some(&args.output_file), args.output.json.as_ref()])?;
+    let to_stdout = output::is_stdout(&args.output_file);
+    if to_stdout && args.output.json.as_deref().is_some_and(output::is_stdout) {
+        return Err(Failure::new(
+            "the file and the JSON cannot both go to stdout",
+            "--output-file, --json",
+            Some("write one of them to a file"),
+        ));
+    }
+    let format = match args.format {
+        Some(format) => format,
+        None => format_of(&args.output_file)?,
+    };
+    let model = robot::load(&args.robot, &args.chain, None)?;
+    let (name, Exported { text, held, lost, mut notes }) = match format {
+        FormatArg::Urdf => ("URDF", urdf(&model)),
+        FormatArg::Mjcf => ("MJCF", mjcf(&model)),
+    };
+    notes.extend(lost_notes(name, &lost));
+    let report = ExportReport {
+        schema: "armident.export/1",
+        robot: model.chain.robot.clone(),
+        model: args.robot.display().to_string(),
+        format: name,
+        file: args.output_file.display().to_string(),
+        joints: model.chain.joints.iter().map(|j| j.name.clone()).collect(),
+        held,
+        lost,
+        notes,
+        warnings: model.chain.warnings.iter().map(ToString::to_string).collect(),
+    };
+    let said = if to_stdout {
+        output::write_stdout(text.as_bytes())?;
+        String::new()
+    } else {
+        output::write_file(&args.output_file, text.as_bytes())?;
+        format!(
+            "{}: {} joints as {name}, {} effects held and {} lost, written to {}\n",
+            report.robot,
+            report.joints.len(),
+            report.held.len(),
+            report.lost.len(),
+            report.file
+        )
+    };
+    output::say_all(&args.output, "note", &report.notes);
+    output::write_result(&args.output, &said, &report, &report.warnings)
+}
+
+/// A sentence per effect and reason.
+fn lost_notes(format: &str, lost: &[Lost]) -> Vec<String> {
+    let mut kinds: Vec<(&str, &str, Vec<String>)> = Vec::new();
+    for one in lost {
+        let values: Vec<String> = one.parameters.iter().map(|p| significant(*p, 3, 0.0)).collect();
+        let entry = format!("{} {}", one.joint, values.join(" "));
+        match kinds.iter_mut().find(|k| k.0 == one.effect && k.1 == one.reason) {
+            Some((_, _, entries)) => entries.push(entry),
+            None => kinds.push((&one.effect, one.reason, vec![entry])),
+        }
+    }
+    let sentence = |(effect, reason, entries): &(&str, &str, Vec<String>)| {
+        format!("{effect} is lost, {reason} ({format}): {}", entries.join(", "))
+    };
+    kinds.iter().map(sentence).collect()
+}
+
+/// The format by the end of the file's name.
+fn format_of(path: &Path) -> Result<FormatArg, Failure> {
+    let end = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match end.as_str() {
+        "urdf" => Ok(FormatArg::Urdf),
+        "xml" | "mjcf" => Ok(FormatArg::Mjcf),
+        _ => Err(Failure::new(
+            "the name of the file does not tell the format",
+            path.display(),
+            Some("end it in .urdf, or in .xml for MuJoCo, or give --format"),
+        )),
+    }
+}

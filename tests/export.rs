@@ -1,0 +1,75 @@
+//! A model that was identified, written as URDF and MJCF, and read again.
+
+use crate::shared::project;
+use crate::tool::{list, number, read_json, run, run_in, scratch, string, text};
+
+#[test]
+fn an_identified_model_as_urdf_is_the_same_arm() {
+    let folder = scratch("export");
+    let examples = project("examples/ur5");
+    let (urdf, train) = (project("urdf/ur5.urdf"), examples.join("train.csv"));
+    let model = folder.join("ur5.json");
+    let identified =
+        run(&["identify", text(&urdf), text(&train), "--save-model", text(&model), "--json", "-"])
+            .fine()
+            .json();
+    // the model's links are real, and so are those of the file
+    assert!(number(&identified["consistency"]["distance_in_standard_errors"]) < 1.0);
+    let again = folder.join("ur5.urdf");
+    let report = run(&["export", text(&model), "-o", text(&again), "--json", "-"]).fine().json();
+    assert_eq!(report["schema"], "armident.export/1");
+    assert_eq!(report["format"], "URDF");
+    let lost = |report: &serde_json::Value, effect: &str| {
+        list(&report["lost"]).iter().filter(|l| l["effect"] == effect).count()
+    };
+    assert_eq!((lost(&report, "torque_offset"), lost(&report, "rotor_inertia")), (6, 4));
+
+    // `params` gives the same minimal set for the file as for the model
+    let (one, other) = (
+        run(&["params", text(&model), "--json", "-"]).fine().json(),
+        run(&["params", text(&again), "--json", "-"]).fine().json(),
+    );
+    for (a, b) in list(&one["minimal"]).iter().zip(list(&other["minimal"])) {
+        assert_eq!(a["label"], b["label"]);
+        assert!((number(&a["value"]) - number(&b["value"])).abs() < 1e-6, "{a} {b}");
+    }
+    let unphysical = list(&other["warnings"]).iter().any(|w| string(w).contains("unphysical"));
+    assert!(!unphysical, "{}", other["warnings"]);
+
+    let mjcf = folder.join("ur5.xml");
+    run(&["export", text(&model), "-o", text(&mjcf), "--json", text(&folder.join("m.json"))])
+        .fine();
+    let report = read_json(&folder.join("m.json"));
+    assert_eq!((lost(&report, "torque_offset"), lost(&report, "rotor_inertia")), (6, 0));
+    // what goes to stdout is the file
+    let printed = run(&["export", text(&model), "-o", "-", "--format", "mjcf", "-q"]).fine();
+    assert_eq!(printed.stdout, std::fs::read_to_string(&mjcf).unwrap());
+}
+
+#[test]
+fn a_format_that_is_not_told_is_asked_for() {
+    let folder = scratch("export_format");
+    let urdf = project("urdf/scara.urdf");
+    let ran = run_in(&folder, &["export", text(&urdf), "-o", "scara.sdf"]);
+    assert_eq!(ran.code, 1);
+    assert_eq!(
+        ran.stderr,
+        "error: the name of the file does not tell the format\n   in: scara.sdf\n hint: end it in \
+         .urdf, or in .xml for MuJoCo, or give --format\n"
+    );
+    assert!(!folder.join("scara.sdf").exists());
+}
+
+/// Estimates that no real links have are kept with --raw-estimate, and said at the export.
+#[test]
+fn raw_estimates_are_kept_on_request() {
+    let folder = scratch("raw_estimate");
+    let (urdf, train) = (project("urdf/ur5.urdf"), project("examples/ur5/train.csv"));
+    let model = folder.join("raw.json");
+    let args = ["identify", text(&urdf), text(&train), "--raw-estimate", "--json", "-"];
+    let found = run(&[&args[..], &["--save-model", text(&model)]].concat()).fine().json();
+    assert!(found["consistency"].is_null());
+    assert!(list(&found["constants"]).iter().all(|c| c["consistent"].is_null()));
+    let ran = run(&["export", text(&model), "-o", text(&folder.join("raw.urdf"))]).fine();
+    assert!(ran.stderr.contains("an inertia no body can have"), "{}", ran.stderr);
+}
