@@ -54,11 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ("torque_offset", offset),
             ("rotor_inertia", rotor),
         ] {
-            effects.push(EffectOnJoint {
-                effect: effect.to_owned(),
-                joint: name.clone(),
-                parameters: vec![value],
-            });
+            effects.push(EffectOnJoint::new(effect, name, [value]));
         }
     }
     let arm = SimulatedArm::new(model.rigid_arm(), &names, &effects)?;

@@ -518,11 +518,7 @@ fn parse_effect(text: &str) -> Result<armident_effects::EffectOnJoint, String> {
     let form = "expected EFFECT:JOINT=P1[,P2..], for example coulomb_friction:joint_2=4.5";
     let (effect, rest) = text.split_once(':').ok_or(form)?;
     let (joint, numbers) = rest.rsplit_once('=').ok_or(form)?;
-    let on_joint = armident_effects::EffectOnJoint {
-        effect: effect.to_owned(),
-        joint: joint.to_owned(),
-        parameters: parse_numbers(numbers)?,
-    };
+    let on_joint = armident_effects::EffectOnJoint::new(effect, joint, parse_numbers(numbers)?);
     on_joint.resolve().map_err(|e| e.to_string())?;
     Ok(on_joint)
 }

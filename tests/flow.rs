@@ -20,7 +20,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
     ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
-    ("challenge", &["report"]),
+    ("challenge", &["dynamics", "effects", "kinematics", "recording", "simulation"]),
     ("export", &["effects", "ident", "kinematics"]),
     (
         "",

@@ -38,11 +38,8 @@ fn model(name: &str, folder: &Path) -> PathBuf {
         for (effect, value) in
             [("viscous_friction", 0.5), ("coulomb_friction", 1.5), ("rotor_inertia", 0.02)]
         {
-            model.effects.push(armident_effects::EffectOnJoint {
-                effect: effect.to_owned(),
-                joint: joint.name.clone(),
-                parameters: vec![value / (1.0 + j as f64)],
-            });
+            let value = value / (1.0 + j as f64);
+            model.effects.push(armident_effects::EffectOnJoint::new(effect, &joint.name, [value]));
         }
     }
     let path = folder.join(format!("{name}.json"));

@@ -54,7 +54,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
     let joints: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let mut effects = model.effects.clone();
     effects.extend(args.effect.iter().cloned());
-    let arm = SimulatedArm::new(model.rigid_arm(), &joints, &effects)?;
+    let arm = SimulatedArm::on_chain(&model.chain, &effects)?;
 
     let one_file = files.len() == 1 && plan.is_none() && !args.output_path.is_dir();
     if !one_file {

@@ -32,6 +32,32 @@ pub enum ChallengeError {
         /// What is wrong.
         reason: String,
     },
+    /// The robot of a case cannot be used.
+    #[error("{reason}")]
+    Robot {
+        /// What is wrong.
+        reason: String,
+    },
+    /// An effect that the generator does not have.
+    #[error("there is no effect `{effect}` to conceal in a case of this kind")]
+    UnknownEffect {
+        /// The slug.
+        effect: String,
+    },
+    /// Effects that this arm does not show.
+    #[error("no joint and size of {effects} shows on {robot}")]
+    Invisible {
+        /// The slugs.
+        effects: String,
+        /// The robot.
+        robot: String,
+    },
+    /// A motion that cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] armident_simulation::SimulationError),
+    /// A recording that is inconsistent or cannot be written.
+    #[error(transparent)]
+    Recording(#[from] armident_recording::RecordingError),
     /// A folder without cases.
     #[error("there is no case in this folder")]
     NoCases {
@@ -48,6 +74,10 @@ impl ChallengeError {
             | Self::Json { path, .. }
             | Self::Table { path, .. }
             | Self::NoCases { path } => path.display().to_string(),
+            Self::Robot { .. } => "robot.urdf".to_owned(),
+            Self::UnknownEffect { .. } | Self::Invisible { .. } => "effects of the case".to_owned(),
+            Self::Simulation(error) => error.place(),
+            Self::Recording(error) => error.place(),
         }
     }
 
@@ -57,6 +87,14 @@ impl ChallengeError {
             Self::NoCases { .. } => {
                 Some("give a folder whose folders hold a `truth.json` each".to_owned())
             }
+            Self::UnknownEffect { .. } => Some(
+                "give a slug of the effect library or `unlisted`; field cases have viscous and \
+                 Coulomb friction anyway"
+                    .to_owned(),
+            ),
+            Self::Invisible { .. } => Some("take another robot or another seed".to_owned()),
+            Self::Simulation(error) => error.hint(),
+            Self::Recording(error) => error.hint(),
             _ => None,
         }
     }

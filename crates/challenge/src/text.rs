@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use armident_report::aligned;
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, presets};
 
 use crate::scoreboard::{GroupScore, Rate, Scoreboard, Spread};
 
@@ -19,6 +19,28 @@ impl Scoreboard {
         }
         text
     }
+}
+
+/// A table without rules; the first `left` columns are left-aligned.
+fn aligned(header: &[&str], rows: &[Vec<String>], left: usize) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(header.iter().map(ToString::to_string).collect::<Vec<_>>());
+    for row in rows {
+        table.add_row(row.clone());
+    }
+    for (k, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((if k == 0 { 0 } else { 1 }, 1));
+        column.set_constraint(ColumnConstraint::ContentWidth);
+        column.set_cell_alignment(if k < left {
+            CellAlignment::Left
+        } else {
+            CellAlignment::Right
+        });
+    }
+    let text = table.to_string();
+    text.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
 fn rate(rate: Rate) -> String {

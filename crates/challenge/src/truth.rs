@@ -51,6 +51,9 @@ pub struct Truth {
     /// Largest observability of the effects.
     #[serde(default)]
     pub observability: f64,
+    /// How far the simulation is from its own laws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checks: Option<serde_json::Value>,
 }
 
 impl Truth {

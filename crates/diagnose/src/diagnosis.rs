@@ -420,11 +420,8 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
             continue;
         }
         let Some(law) = effect(group.slug()) else { continue };
-        let on_joint = |parameters: Vec<f64>| EffectOnJoint {
-            effect: group.slug().to_owned(),
-            joint: evidence.names[group.site.joints[0]].clone(),
-            parameters,
-        };
+        let joint = &evidence.names[group.site.joints[0]];
+        let on_joint = |parameters: Vec<f64>| EffectOnJoint::new(group.slug(), joint, parameters);
         match law.law().scope {
             Scope::Joint if group.slug() != "torque_scale" => {
                 found.arm.effects.push(on_joint(law_parameters(group, &coefficients, &gain)));

@@ -46,4 +46,8 @@ impl Effect for AsymmetricCoulombFriction {
         let [positive, negative] = [parameters[0], parameters[1]];
         (Vec::new(), vec![0.5 * (positive + negative), 0.5 * (positive - negative)])
     }
+
+    fn dry_friction(&self, parameters: &[f64], _state: &crate::JointState) -> crate::DryFriction {
+        crate::DryFriction { forward: parameters[0], backward: parameters[1] }
+    }
 }

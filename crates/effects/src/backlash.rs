@@ -35,4 +35,15 @@ impl Effect for Backlash {
     fn law(&self) -> &'static Law {
         &LAW
     }
+
+    fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {
+        let [gap, stiffness, damping] = [parameters[0], parameters[1], parameters[2]];
+        let motor_inertia = parameters[3];
+        crate::Mechanism::Transmission(crate::Transmission {
+            gap,
+            stiffness,
+            damping,
+            motor_inertia,
+        })
+    }
 }

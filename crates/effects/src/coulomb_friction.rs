@@ -39,7 +39,7 @@ impl Effect for CoulombFriction {
         vec![motion.direction.to_vec()]
     }
 
-    fn dry_friction(&self, parameters: &[f64]) -> f64 {
-        parameters[0]
+    fn dry_friction(&self, parameters: &[f64], _state: &crate::JointState) -> crate::DryFriction {
+        crate::DryFriction::both(parameters[0])
     }
 }

@@ -1,6 +1,6 @@
 //! A wrong zero of a joint encoder.
 
-use armident_dynamics::inverse_dynamics_of_motion;
+use armident_dynamics::{JointGeometry, RigidArm, inverse_dynamics_of_motion};
 
 use crate::arm_motion::{STEP, derivative};
 use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
@@ -41,5 +41,26 @@ impl Effect for EncoderOffset {
             position[joint].iter_mut().for_each(|q| *q -= step);
             inverse_dynamics_of_motion(motion.arm, &position, motion.velocity, motion.acceleration)
         })]
+    }
+
+    fn mechanism(&self, _parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::Arm
+    }
+
+    /// In recorded positions the joint has another zero.
+    fn change_arm(
+        &self,
+        parameters: &[f64],
+        joint: usize,
+        _frames: &crate::ArmFrames,
+        arm: &mut RigidArm,
+    ) {
+        let JointGeometry { kind, mut frame, .. } = arm.joints[joint];
+        if kind.is_rotational() {
+            frame.theta_rad -= parameters[0];
+        } else {
+            frame.d_m -= parameters[0];
+        }
+        arm.joints[joint] = JointGeometry::new(kind, frame);
     }
 }

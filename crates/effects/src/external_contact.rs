@@ -1,9 +1,9 @@
 //! The surroundings push the tip for a while.
 
-use armident_kinematics::JointKind;
-use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::mechanism::tip_jacobian;
 
 /// `f = -Jᵀ F`.
 pub struct ExternalContact;
@@ -45,7 +45,9 @@ impl Effect for ExternalContact {
             for j in 0..n {
                 position[j] = motion.position[j][t];
             }
-            for (j, torque) in tip_jacobian(motion, &position).iter().enumerate() {
+            let jacobian =
+                tip_jacobian(motion.arm, &motion.base_from_e0, &motion.tip_in_last_m, &position);
+            for (j, torque) in jacobian.iter().enumerate() {
                 for axis in 0..3 {
                     columns[axis][j][t] = -torque[axis];
                 }
@@ -62,28 +64,8 @@ impl Effect for ExternalContact {
     fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
         (Vec::new(), parameters[1..].to_vec())
     }
-}
 
-/// Column j of the translational Jacobian of the tip, in the axes of the base link.
-fn tip_jacobian(motion: &ArmMotion<'_>, position: &[f64]) -> Vec<Vector3<f64>> {
-    let mut pose = motion.base_from_e0;
-    let axes: Vec<(Vector3<f64>, Vector3<f64>)> = motion
-        .arm
-        .poses(position)
-        .iter()
-        .map(|joint| {
-            pose *= Isometry3::from_parts(
-                joint.s.into(),
-                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(
-                    joint.rotation(),
-                )),
-            );
-            (pose.rotation * Vector3::z(), pose.translation.vector)
-        })
-        .collect();
-    let tip = pose * Point3::from(motion.tip_in_last_m);
-    let one = |(kind, (axis, origin)): (JointKind, &(Vector3<f64>, Vector3<f64>))| {
-        if kind.is_rotational() { axis.cross(&(tip.coords - origin)) } else { *axis }
-    };
-    motion.arm.joints.iter().map(|joint| joint.kind).zip(&axes).map(one).collect()
+    fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::TipForce(Vector3::from_column_slice(&parameters[1..4]))
+    }
 }

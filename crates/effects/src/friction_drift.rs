@@ -52,6 +52,11 @@ impl Effect for FrictionDrift {
     fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
         (vec![parameters[2]], vec![parameters[1], parameters[0] - parameters[1]])
     }
+
+    fn smooth_effort(&self, parameters: &[f64], state: &crate::JointState) -> f64 {
+        let [cold, warm, time_constant] = [parameters[0], parameters[1], parameters[2]];
+        (warm + (cold - warm) * (-state.time_s / time_constant).exp()) * state.velocity
+    }
 }
 
 /// Time constants to try, as shares of the longest recording.

@@ -1,6 +1,6 @@
 //! A tilted base.
 
-use armident_dynamics::inverse_dynamics_of_motion;
+use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use nalgebra::{Isometry3, Rotation3, Vector3};
 
 use crate::arm_motion::{STEP, derivative};
@@ -61,6 +61,21 @@ impl Effect for GravityDirection {
 
     fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
         (Vec::new(), parameters[1..].to_vec())
+    }
+
+    fn mechanism(&self, _parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::Arm
+    }
+
+    fn change_arm(
+        &self,
+        parameters: &[f64],
+        _joint: usize,
+        frames: &crate::ArmFrames,
+        arm: &mut RigidArm,
+    ) {
+        let tilt = Vector3::new(parameters[1], parameters[2], 0.0);
+        arm.gravity_e0 = tilted(&frames.base_from_e0, &arm.gravity_e0, &tilt);
     }
 }
 

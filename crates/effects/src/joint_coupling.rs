@@ -63,6 +63,11 @@ impl Effect for JointCoupling {
     fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
         (vec![parameters[0]], vec![parameters[1], parameters[2]])
     }
+
+    fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {
+        let [ratio, viscous, coulomb] = [parameters[0], parameters[1], parameters[2]];
+        crate::Mechanism::Pair { ratio, viscous, coulomb }
+    }
 }
 
 /// Ratios to try; the fit refines them.

@@ -63,4 +63,15 @@ impl Effect for JointElasticity {
             )
         })]
     }
+
+    fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {
+        let [stiffness, damping, motor_inertia] = [parameters[0], parameters[1], parameters[2]];
+        let gap = 0.0;
+        crate::Mechanism::Transmission(crate::Transmission {
+            gap,
+            stiffness,
+            damping,
+            motor_inertia,
+        })
+    }
 }

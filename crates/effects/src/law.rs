@@ -220,10 +220,54 @@ pub struct ArmMotion<'a> {
 /// State of one joint at an instant of a simulation.
 #[derive(Debug, Clone, Copy)]
 pub struct JointState {
+    /// Rotation or translation.
+    pub kind: JointKind,
+    /// Time since the start of the recording \[s\].
+    pub time_s: f64,
     /// Position \[rad or m\].
     pub position: f64,
     /// Velocity \[rad/s or m/s\].
     pub velocity: f64,
+    /// Effort that the gear carries, that of the rigid body at this joint \[N m or N\].
+    pub load: f64,
+}
+
+/// Levels of dry friction; at rest the effort is anything between `-backward` and `forward`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DryFriction {
+    /// Effort it takes to move forward \[N m or N\].
+    pub forward: f64,
+    /// Effort it takes to move backward \[N m or N\], positive.
+    pub backward: f64,
+}
+
+impl DryFriction {
+    /// The same level in both directions.
+    pub fn both(level: f64) -> Self {
+        Self { forward: level, backward: level }
+    }
+
+    /// One beside the other.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self { forward: self.forward + other.forward, backward: self.backward + other.backward }
+    }
+
+    /// The effort while moving at this velocity; zero at rest.
+    pub fn effort(self, velocity: f64) -> f64 {
+        if velocity > 0.0 {
+            self.forward
+        } else if velocity < 0.0 {
+            -self.backward
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_none(self) -> bool {
+        self.forward == 0.0 && self.backward == 0.0
+    }
 }
 
 /// Columns of the whole arm: `[column][joint][sample]`.
@@ -292,14 +336,45 @@ pub trait Effect: Sync {
         effort
     }
 
-    /// Simulator: the part of `f` that is a smooth function of position and velocity.
+    /// Simulator: where the effect acts.
+    fn mechanism(&self, _parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::Joint
+    }
+
+    /// Simulator: the part of `f` that is a smooth function of time, position and velocity.
     fn smooth_effort(&self, _parameters: &[f64], _state: &JointState) -> f64 {
         0.0
     }
 
-    /// Simulator: dry friction level \[N m or N\]; at rest the effort is anything within it.
-    fn dry_friction(&self, _parameters: &[f64]) -> f64 {
+    /// Simulator: dry friction at the speed and load of a state.
+    fn dry_friction(&self, _parameters: &[f64], _state: &JointState) -> DryFriction {
+        DryFriction::default()
+    }
+
+    /// Simulator: whether the effect remembers the travel as a deflection.
+    fn has_deflection(&self) -> bool {
+        false
+    }
+
+    /// Simulator: the deflection after a one-way travel of the joint \[rad or m\].
+    fn deflection_after(&self, _parameters: &[f64], deflection: f64, _travel: f64) -> f64 {
+        deflection
+    }
+
+    /// Simulator: the part of `f` that the deflection makes.
+    fn deflection_effort(&self, _parameters: &[f64], _deflection: f64, _velocity: f64) -> f64 {
         0.0
+    }
+
+    /// Simulator, [`Mechanism::Arm`](crate::Mechanism::Arm): makes the believed arm the true one;
+    /// `joint` is the joint or the link it moves.
+    fn change_arm(
+        &self,
+        _parameters: &[f64],
+        _joint: usize,
+        _frames: &crate::ArmFrames,
+        _arm: &mut RigidArm,
+    ) {
     }
 
     /// Simulator: inertia added to the diagonal of `H` \[kg m2 or kg\].

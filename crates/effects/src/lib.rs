@@ -4,15 +4,17 @@
 //! effort_j = rigid_j(q, q̇, q̈) + Σ f(joint motion; parameters)
 //! ```
 //!
-//! An effect is written once and used three times: the simulator asks for its effort, dry friction
-//! and added inertia; the estimator for its columns; reports for its law, units, admissible signs and
-//! look-alikes. Adding one is a new file that implements [`Effect`], and its line in [`LIBRARY`].
+//! An effect is written once and used three times: the simulator asks where it acts
+//! ([`Mechanism`]) and for its effort, dry friction, added inertia and memory; the estimator for its
+//! columns; reports for its law, units, admissible signs and look-alikes. Adding one is a new file that implements [`Effect`], and its line in [`LIBRARY`].
 //!
 //! ```
 //! use armident_effects::{JointState, effect};
+//! use armident_kinematics::JointKind;
 //!
 //! let viscous = effect("viscous_friction").expect("in the library");
-//! let state = JointState { position: 0.0, velocity: 2.0 };
+//! let kind = JointKind::Rotational;
+//! let state = JointState { kind, time_s: 0.0, position: 0.0, velocity: 2.0, load: 0.0 };
 //! assert_eq!(viscous.smooth_effort(&[0.5], &state), 1.0);
 //! ```
 
@@ -31,6 +33,7 @@ mod joint_spring;
 mod law;
 mod link_inertia_error;
 mod load_dependent_friction;
+mod mechanism;
 mod payload;
 mod presliding_hysteresis;
 mod quadratic_drag;
@@ -54,11 +57,12 @@ pub use joint_coupling::JointCoupling;
 pub use joint_elasticity::JointElasticity;
 pub use joint_spring::JointSpring;
 pub use law::{
-    Admissible, ArmColumns, ArmMotion, Effect, Export, JointMotion, JointState, Law, LookAlike,
-    MotionScale, Parameter, Place, Scope,
+    Admissible, ArmColumns, ArmMotion, DryFriction, Effect, Export, JointMotion, JointState, Law,
+    LookAlike, MotionScale, Parameter, Place, Scope,
 };
 pub use link_inertia_error::LinkInertiaError;
 pub use load_dependent_friction::LoadDependentFriction;
+pub use mechanism::{ArmFrames, Mechanism, Transmission, tip_jacobian};
 pub use payload::Payload;
 pub use presliding_hysteresis::PreslidingHysteresis;
 pub use quadratic_drag::QuadraticDrag;
@@ -107,18 +111,40 @@ pub fn effect(slug: &str) -> Option<&'static dyn Effect> {
     LIBRARY.iter().copied().find(|e| e.law().slug == slug)
 }
 
-/// An effect with numbers, on a joint: what a simulation is told and a model file holds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// An effect with numbers and its place: what a simulation is told and a model file holds.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct EffectOnJoint {
     /// Slug of the effect.
     pub effect: String,
-    /// Joint name.
+    /// Joint name; of a link, the joint that moves it; of two neighbours, the first. Effects of the
+    /// whole arm need none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub joint: String,
+    /// The second of two neighbours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other_joint: Option<String>,
+    /// Start and end of a contact in the time of its recording \[s\]; nothing: all the time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window_s: Option<[f64; 2]>,
     /// Parameters in the order of the law.
     pub parameters: Vec<f64>,
 }
 
 impl EffectOnJoint {
+    /// An effect on one joint.
+    pub fn new(
+        effect: impl Into<String>,
+        joint: impl Into<String>,
+        parameters: impl Into<Vec<f64>>,
+    ) -> Self {
+        Self {
+            effect: effect.into(),
+            joint: joint.into(),
+            parameters: parameters.into(),
+            ..Self::default()
+        }
+    }
+
     /// The library's entry.
     ///
     /// # Errors
@@ -207,9 +233,15 @@ mod tests {
                 (0..effect.law().parameters.len()).map(|k| 0.7 + k as f64).collect();
             let effort = effect.effort(&parameters, &motion);
             for t in 0..time.len() {
-                let state = JointState { position: position[t], velocity: velocity[t] };
+                let state = JointState {
+                    kind: JointKind::Rotational,
+                    time_s: time[t],
+                    position: position[t],
+                    velocity: velocity[t],
+                    load: 0.0,
+                };
                 let by_law = effect.smooth_effort(&parameters, &state)
-                    + effect.dry_friction(&parameters) * velocity[t].signum()
+                    + effect.dry_friction(&parameters, &state).effort(velocity[t])
                     + effect.added_inertia(&parameters) * acceleration[t];
                 assert!((effort[t] - by_law).abs() < 1e-12, "{}", effect.law().slug);
             }

@@ -1,6 +1,7 @@
 //! A link whose mass, centre of mass or inertia are not those of the model.
 
-use armident_dynamics::ParameterColumns;
+use armident_dynamics::{ParameterColumns, RigidArm};
+use armident_kinematics::InertialParameters;
 
 use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
@@ -49,5 +50,29 @@ impl Effect for LinkInertiaError {
             })
             .collect();
         (0..10).map(|k| by_joint.iter().map(|joint| joint[k].clone()).collect()).collect()
+    }
+
+    fn mechanism(&self, _parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::Arm
+    }
+
+    /// Mass and first moment in the URDF frame of the link; the inertia changes as if the mass were in
+    /// one point.
+    fn change_arm(
+        &self,
+        parameters: &[f64],
+        joint: usize,
+        frames: &crate::ArmFrames,
+        arm: &mut RigidArm,
+    ) {
+        let [mass, x, y, z] = [parameters[0], parameters[1], parameters[2], parameters[3]];
+        let mut change = [0.0; 10];
+        change[..4].copy_from_slice(&[mass, x, y, z]);
+        if mass != 0.0 {
+            let inertia = [y * y + z * z, -x * y, -x * z, x * x + z * z, -y * z, x * x + y * y];
+            change[4..].iter_mut().zip(inertia).for_each(|(c, i)| *c = i / mass);
+        }
+        let change = InertialParameters::from_array(&change);
+        arm.links[joint] = arm.links[joint].plus(&change.expressed_in(&frames.link_in_e[joint]));
     }
 }

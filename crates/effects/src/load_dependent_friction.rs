@@ -39,4 +39,8 @@ impl Effect for LoadDependentFriction {
             column(motion.velocity.len(), |t| motion.direction[t] * motion.rigid_effort[t].abs());
         vec![motion.direction.to_vec(), load]
     }
+
+    fn dry_friction(&self, parameters: &[f64], state: &crate::JointState) -> crate::DryFriction {
+        crate::DryFriction::both(parameters[0] + parameters[1] * state.load.abs())
+    }
 }

@@ -1,5 +1,9 @@
 //! A load on the last link.
 
+use armident_dynamics::RigidArm;
+use armident_kinematics::InertialParameters;
+use nalgebra::{Matrix3, Vector3};
+
 use crate::LinkInertiaError;
 use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
 
@@ -40,5 +44,23 @@ impl Effect for Payload {
     /// The ten columns of the last link's standard parameters.
     fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
         LinkInertiaError.arm_columns(motion.arm.dof() - 1, motion)
+    }
+
+    fn mechanism(&self, _parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::Arm
+    }
+
+    /// A point mass at its centre, in the URDF frame of the link that the last joint moves.
+    fn change_arm(
+        &self,
+        parameters: &[f64],
+        _joint: usize,
+        frames: &crate::ArmFrames,
+        arm: &mut RigidArm,
+    ) {
+        let last = arm.dof() - 1;
+        let centre_m = Vector3::from_column_slice(&parameters[1..4]);
+        let load = InertialParameters::from_com(parameters[0], centre_m, Matrix3::zeros());
+        arm.links[last] = arm.links[last].plus(&load.expressed_in(&frames.link_in_e[last]));
     }
 }

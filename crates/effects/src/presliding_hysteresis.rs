@@ -42,14 +42,15 @@ impl Effect for PreslidingHysteresis {
         SHARES_OF_TRAVEL.iter().map(|share| vec![share * scale.position_deviation]).collect()
     }
 
-    /// The bristle deflection over its saturation, by the implicit rule, which never overshoots.
+    /// The bristle deflection over its saturation: exact while the joint does not turn back between two
+    /// samples.
     fn columns(&self, shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
         let mut z = 0.0;
         let mut before = motion.position.first().copied().unwrap_or_default();
         let deflection = motion.position.iter().map(|&q| {
             let travel = (q - before) / shape[0];
             before = q;
-            z = (z + travel) / (1.0 + travel.abs());
+            z = deflected(z, travel);
             z
         });
         vec![deflection.collect()]
@@ -62,6 +63,30 @@ impl Effect for PreslidingHysteresis {
     fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
         (vec![parameters[0] / parameters[1]], vec![parameters[0]])
     }
+
+    fn has_deflection(&self) -> bool {
+        true
+    }
+
+    /// The deflection over its saturation, so that it goes from -1 to 1.
+    fn deflection_after(&self, parameters: &[f64], deflection: f64, travel: f64) -> f64 {
+        deflected(deflection, travel * parameters[1] / parameters[0])
+    }
+
+    fn deflection_effort(&self, parameters: &[f64], deflection: f64, velocity: f64) -> f64 {
+        let [level, _, damping] = [parameters[0], parameters[1], parameters[2]];
+        level * deflection + damping * (velocity - velocity.abs() * deflection)
+    }
+}
+
+/// Solution of `dz/dx = 1 - z sign(dx)` after a one-way travel `x`, both over the saturation
+/// deflection `Fc / s0`: the speed drops out of the law, so this is exact for any speed.
+fn deflected(deflection: f64, travel: f64) -> f64 {
+    if travel == 0.0 {
+        return deflection;
+    }
+    let side = travel.signum();
+    side + (deflection - side) * (-travel.abs()).exp()
 }
 
 /// Travels `Fc / s0` to try, as shares of the standard deviation of the position.

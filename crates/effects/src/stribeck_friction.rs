@@ -64,6 +64,12 @@ impl Effect for StribeckFriction {
     fn admits(&self, parameters: &[f64]) -> bool {
         parameters[1] >= 0.0 && parameters[0] > (1.0 + LEAST_FALL) * parameters[1]
     }
+
+    fn dry_friction(&self, parameters: &[f64], state: &crate::JointState) -> crate::DryFriction {
+        let [resting, sliding, speed] = [parameters[0], parameters[1], parameters[2]];
+        let share = (-(state.velocity / speed).powi(2)).exp();
+        crate::DryFriction::both(sliding + (resting - sliding) * share)
+    }
 }
 
 /// Stribeck velocities to try, as shares of the root mean square speed: below, the motion has too few

@@ -38,4 +38,8 @@ impl Effect for TimeDelay {
             |effort: &Vec<f64>| rate(effort, motion.rate_hz).iter().map(|rate| -rate).collect();
         vec![motion.rigid_effort.iter().map(against).collect()]
     }
+
+    fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::EffortDelay(parameters[0])
+    }
 }

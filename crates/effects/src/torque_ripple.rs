@@ -75,4 +75,11 @@ impl Effect for TorqueRipple {
         let second = wave(parameters[3], parameters[4]);
         (vec![parameters[1], 2.0], [first, second].concat())
     }
+
+    fn smooth_effort(&self, parameters: &[f64], state: &crate::JointState) -> f64 {
+        let turn = if state.kind.is_rotational() { 1.0 } else { std::f64::consts::TAU };
+        let angle = turn * parameters[1] * state.position;
+        parameters[0] * (angle + parameters[2]).sin()
+            + parameters[3] * (2.0 * angle + parameters[4]).sin()
+    }
 }

@@ -47,4 +47,8 @@ impl Effect for TorqueScale {
     fn admits(&self, parameters: &[f64]) -> bool {
         (0.4..2.5).contains(&parameters[0])
     }
+
+    fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {
+        crate::Mechanism::EffortGain(parameters[0])
+    }
 }

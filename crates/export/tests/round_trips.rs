@@ -81,11 +81,7 @@ fn an_exported_urdf_is_the_same_arm() {
 fn with_effects() -> ArmModel {
     let (_, mut model) = arms().into_iter().find(|(name, _)| name == "ur5").unwrap();
     let joint = model.chain.joints[1].name.clone();
-    let on = |effect: &str, value: f64| EffectOnJoint {
-        effect: effect.to_owned(),
-        joint: joint.clone(),
-        parameters: vec![value],
-    };
+    let on = |effect: &str, value: f64| EffectOnJoint::new(effect, &joint, [value]);
     model.effects = vec![
         on("viscous_friction", 1.5),
         on("coulomb_friction", 2.5),

@@ -538,11 +538,8 @@ impl<'a> BatchProblem<'a> {
             let index = match list.iter().position(|e| e.effect == law.slug && e.joint == name) {
                 Some(index) => index,
                 None => {
-                    list.push(EffectOnJoint {
-                        effect: law.slug.to_owned(),
-                        joint: name.to_owned(),
-                        parameters: vec![0.0; law.parameters.len()],
-                    });
+                    let zeros = vec![0.0; law.parameters.len()];
+                    list.push(EffectOnJoint::new(law.slug, name, zeros));
                     list.len() - 1
                 }
             };

@@ -63,11 +63,7 @@ impl BatchProblem<'_> {
             let law = EVERYDAY[effect].law();
             let mut parameters = vec![0.0; law.parameters.len()];
             parameters[parameter] = value;
-            list.push(EffectOnJoint {
-                effect: law.slug.to_owned(),
-                joint: joint_names[joint].to_owned(),
-                parameters,
-            });
+            list.push(EffectOnJoint::new(law.slug, joint_names[joint], parameters));
         }
         list
     }

@@ -165,7 +165,7 @@ fn whiteness(series: &[Vec<f64>]) -> (f64, f64) {
 /// inertia matrix that is not positive definite at the start of every window).
 pub fn replay(model: &ArmModel, motions: &[Motion]) -> Result<Replay, SimulationError> {
     let names: Vec<&str> = model.chain.joint_names();
-    let arm = SimulatedArm::new(model.rigid_arm(), &names, &model.effects)?;
+    let arm = SimulatedArm::on_chain(&model.chain, &model.effects)?;
     let n = names.len();
     let mut squares = vec![(0.0, 0.0); n];
     let (mut count, mut windows, mut diverged) = (0.0, 0, 0);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use armident_dynamics::RigidArm;
+use armident_effects::EffectOnJoint;
 use armident_kinematics::InertialParameters;
 use armident_recording::{JointChannels, Recording};
 
@@ -34,6 +35,20 @@ fn faults() -> Vec<(&'static str, SimulationError)> {
     faults.push(("two parameters", with(two)));
     faults.push(("negative friction", with(effect("coulomb_friction", "joint_2", -1.5))));
     faults.push(("offset not a number", with(effect("torque_offset", "joint_2", f64::NAN))));
+
+    let refused =
+        |slug: &str, parameters: &[f64]| with(EffectOnJoint::new(slug, "joint_1", parameters));
+    faults.push(("Stribeck velocity zero", refused("stribeck_friction", &[2.0, 1.0, 0.0])));
+    faults.push(("motor without inertia", refused("joint_elasticity", &[500.0, 1.0, 0.0])));
+    faults.push(("coupling of one joint", refused("joint_coupling", &[1.0, 1.0, 1.0])));
+    faults.push(("gain zero", refused("torque_scale", &[0.0])));
+    faults.push(("load without frames", refused("payload", &[1.0, 0.0, 0.0, 0.1])));
+    let mut timed = effect("viscous_friction", "joint_1", 1.0);
+    timed.window_s = Some([1.0, 2.0]);
+    faults.push(("friction in a window", with(timed)));
+    let mut paired = effect("viscous_friction", "joint_1", 1.0);
+    paired.other_joint = Some("joint_2".to_owned());
+    faults.push(("friction of two joints", with(paired)));
 
     let arm = planar(&[]);
     let trajectory = harmonic(arm.joints(), 20, 0.01);

@@ -3,6 +3,8 @@
 use armident_effects::UnknownEffect;
 use armident_recording::RecordingError;
 
+use crate::simulated_arm::NEEDS_FRAMES;
+
 /// A simulation that cannot be set up or carried out: what is wrong (`Display`), the
 /// [`place`](Self::place), and a [`hint`](Self::hint).
 #[derive(Debug, thiserror::Error)]
@@ -47,6 +49,16 @@ pub enum SimulationError {
         value: f64,
         /// Its unit.
         unit: &'static str,
+    },
+    /// An effect that no simulation can take into account as it is given.
+    #[error("effect `{effect}` on joint `{joint}` cannot be simulated: {reason}")]
+    NotSimulated {
+        /// Slug of the effect.
+        effect: &'static str,
+        /// The joint.
+        joint: String,
+        /// Why not.
+        reason: &'static str,
     },
     /// A channel that the simulation needs is not recorded.
     #[error("the {quantity} of joint `{joint}` is not given")]
@@ -143,7 +155,7 @@ impl SimulationError {
             Self::JointNames { .. } => "joint names".to_owned(),
             Self::UnknownJoint { effect, .. } => format!("effect `{effect}`"),
             Self::UnknownEffect { joint, .. } => format!("effects on joint `{joint}`"),
-            Self::Parameter { effect, joint, .. } => {
+            Self::Parameter { effect, joint, .. } | Self::NotSimulated { effect, joint, .. } => {
                 format!("effect `{effect}` on joint `{joint}`")
             }
             Self::MissingChannel { source_name, .. } => source_name.clone(),
@@ -169,6 +181,10 @@ impl SimulationError {
                 Some("give zero or a positive number".to_owned())
             }
             Self::Parameter { .. } => Some("give a finite number".to_owned()),
+            Self::NotSimulated { reason, .. } if *reason == NEEDS_FRAMES => Some(
+                "simulate a model or a URDF: `SimulatedArm::on_chain` knows the frames".to_owned(),
+            ),
+            Self::NotSimulated { .. } => None,
             Self::MissingChannel { joint, quantity, given, .. } => {
                 let instead = match *quantity {
                     "position" => ", or hold the joint at a constant position",

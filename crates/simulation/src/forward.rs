@@ -30,7 +30,8 @@ impl Default for ForwardSettings {
     }
 }
 
-/// The motion that recorded efforts cause, from a state at the first stamp on.
+/// The motion that recorded efforts cause, from a state at the first stamp on: efforts in and out are
+/// what the channels show, positions those of the motors where there is a transmission.
 ///
 /// Efforts between two samples lie on a line, so that samples at distance `Δ` of smooth efforts give
 /// their motion back up to an error of order `Δ²`, however small the step is. Accelerations are those
@@ -50,10 +51,11 @@ pub fn forward(
     efforts.check()?;
     let columns = arm.joints().iter().map(|name| {
         let column = efforts.joint(name).and_then(|joint| joint.channel(Quantity::Effort));
-        column.ok_or_else(|| missing(efforts, name, Quantity::Effort))
+        column.map(<[f64]>::to_vec).ok_or_else(|| missing(efforts, name, Quantity::Effort))
     });
-    let samples =
-        EffortSamples { time_s: &efforts.time_s, columns: columns.collect::<Result<_, _>>()? };
+    let mut columns = columns.collect::<Result<Vec<_>, _>>()?;
+    arm.to_true(&efforts.time_s, &mut columns);
+    let samples = EffortSamples { time_s: &efforts.time_s, columns };
     let stamps_s = samples.time_s;
     check_step(settings.step_s, stamps_s[stamps_s.len() - 1] - stamps_s[0])?;
     let output_s = match settings.rate_hz {
@@ -72,7 +74,7 @@ pub fn forward(
     }
     let mut notes = efforts.notes.clone();
     notes.push(scheme_note(arm, settings.step_s));
-    log.into_recording(format!("simulated from {}", efforts.source), arm.joints(), notes)
+    log.into_recording(format!("simulated from {}", efforts.source), arm, notes)
 }
 
 /// A step that is positive and does not take forever.
@@ -89,8 +91,10 @@ pub(crate) fn check_step(step_s: f64, duration_s: f64) -> Result<(), SimulationE
 
 /// How the motion was integrated.
 pub(crate) fn scheme_note(arm: &SimulatedArm, step_s: f64) -> String {
-    let scheme = if (0..arm.dof()).any(|j| arm.dry_friction(j) > 0.0) {
+    let scheme = if arm.has_dry_friction() {
         "midpoint steps with implicit dry friction"
+    } else if arm.deflections().next().is_some() {
+        "midpoint steps"
     } else {
         "Runge-Kutta steps of fourth order"
     };
@@ -100,18 +104,13 @@ pub(crate) fn scheme_note(arm: &SimulatedArm, step_s: f64) -> String {
 /// Efforts with lines between the samples.
 struct EffortSamples<'a> {
     time_s: &'a [f64],
-    columns: Vec<&'a [f64]>,
+    columns: Vec<Vec<f64>>,
 }
 
 impl EffortSamples<'_> {
     /// Efforts at a time inside the recording.
     fn at(&self, time_s: f64) -> Vec<f64> {
-        let last = self.time_s.len() - 1;
-        let after = self.time_s.partition_point(|stamp| *stamp <= time_s).clamp(1, last);
-        let (from, to) = (self.time_s[after - 1], self.time_s[after]);
-        let share = ((time_s - from) / (to - from)).clamp(0.0, 1.0);
-        let line = |c: &&[f64]| c[after - 1] + share * (c[after] - c[after - 1]);
-        self.columns.iter().map(line).collect()
+        self.columns.iter().map(|column| crate::lines::at(self.time_s, column, time_s)).collect()
     }
 
     /// Moves the arm from one time to another. Steps end at the stamps in between, so that the
@@ -288,7 +287,7 @@ mod tests {
                 let difference = at(&found.effort) - at(&back.effort);
                 if at(&found.velocity) == 0.0 {
                     sticks += 1;
-                    assert!(difference.abs() <= arm.dry_friction(j) + 1e-9);
+                    assert!(difference.abs() <= arm.dry_friction(j, 0.0, 0.0).forward + 1e-9);
                 } else {
                     slips += 1;
                     assert!(difference.abs() < 1e-9, "{difference}");

@@ -1,20 +1,24 @@
 //! Motion in, efforts out.
 
 use armident_dynamics::inverse_dynamics_of_motion;
+use armident_effects::DryFriction;
 use armident_recording::Recording;
 
 use crate::error::SimulationError;
 use crate::simulated_arm::SimulatedArm;
 use crate::trajectory::Trajectory;
+use crate::transmission::link_motion;
 
-/// The efforts of a motion: `M(q) q̈ + b(q, q̇) + Fc sign(q̇)`, exact in every sample.
+/// The efforts of a motion, as their channels show them: `M(q) q̈ + b(t, q, q̇, z) + F sign(q̇)`, exact in
+/// every sample. Deflections follow the travel from sample to sample; links behind a transmission are
+/// integrated from rest under the motion of their motors.
 ///
-/// At rest, where `q̇` is exactly zero, the dry friction is whatever holds the joint within `±Fc`
+/// At rest, where `q̇` is exactly zero, the dry friction is whatever holds the joint within `±F`
 /// and no function of the motion; zero is written there, with a note.
 ///
 /// # Errors
 /// A trajectory of other joints than the arm's, or one that is inconsistent; efforts beyond the
-/// range of floating-point numbers.
+/// range of floating-point numbers; links that cannot be integrated.
 pub fn inverse(arm: &SimulatedArm, trajectory: &Trajectory) -> Result<Recording, SimulationError> {
     let mut recording = trajectory.recording()?;
     if trajectory.joints != arm.joints() {
@@ -24,20 +28,18 @@ pub fn inverse(arm: &SimulatedArm, trajectory: &Trajectory) -> Result<Recording,
             known: arm.joints().to_vec(),
         });
     }
-    let Trajectory { position, velocity, acceleration, .. } = trajectory;
-    let mut effort = inverse_dynamics_of_motion(arm.rigid(), position, velocity, acceleration);
+    let links = link_motion(arm, trajectory)?;
+    let (q, v, a) = (&links.position, &links.velocity, &links.acceleration);
+    let rigid = inverse_dynamics_of_motion(arm.rigid(), q, v, a);
+    let mut effort = rigid.clone();
+    add_contacts(arm, &links, &mut effort);
+    // what the gear carries is the rigid body, behind a transmission with the contacts
+    let loads =
+        |j: usize| if arm.transmission(j).is_some() { effort[j].clone() } else { rigid[j].clone() };
+    let loads: Vec<Vec<f64>> = (0..arm.dof()).map(loads).collect();
     for (j, effort) in effort.iter_mut().enumerate() {
-        let (friction, inertia) = (arm.dry_friction(j), arm.added_inertia(j));
-        let mut resting = 0;
-        for (t, effort) in effort.iter_mut().enumerate() {
-            let v = velocity[j][t];
-            let direction = if v == 0.0 { 0.0 } else { v.signum() };
-            resting += usize::from(v == 0.0);
-            *effort += arm.smooth_effort(j, position[j][t], v)
-                + inertia * acceleration[j][t]
-                + friction * direction;
-        }
-        if friction > 0.0 && resting > 0 {
+        let resting = add_joint_effects(arm, j, trajectory, &loads[j], effort);
+        if resting > 0 {
             recording.notes.push(format!(
                 "{} rests in {resting} of {} samples: its dry friction is written as zero there",
                 arm.joints()[j],
@@ -45,6 +47,16 @@ pub fn inverse(arm: &SimulatedArm, trajectory: &Trajectory) -> Result<Recording,
             ));
         }
     }
+    for pair in arm.pairs() {
+        for t in 0..trajectory.len() {
+            let speed =
+                trajectory.velocity[pair.b][t] + pair.ratio * trajectory.velocity[pair.a][t];
+            let common = pair.viscous * speed + DryFriction::both(pair.coulomb).effort(speed);
+            effort[pair.b][t] += common;
+            effort[pair.a][t] += pair.ratio * common;
+        }
+    }
+    arm.to_recorded(&trajectory.time_s, &mut effort);
     for (joint, effort) in recording.joints.iter_mut().zip(effort) {
         if let Some(t) = effort.iter().position(|value| !value.is_finite()) {
             let (joint, time_s) = (joint.name.clone(), recording.time_s[t]);
@@ -53,6 +65,48 @@ pub fn inverse(arm: &SimulatedArm, trajectory: &Trajectory) -> Result<Recording,
         joint.effort = Some(effort);
     }
     Ok(recording)
+}
+
+fn add_contacts(arm: &SimulatedArm, links: &Trajectory, effort: &mut [Vec<f64>]) {
+    let mut position = vec![0.0; arm.dof()];
+    for (t, &time_s) in links.time_s.iter().enumerate() {
+        for (position, column) in position.iter_mut().zip(&links.position) {
+            *position = column[t];
+        }
+        if let Some(contact) = arm.contact_effort(time_s, &position) {
+            effort.iter_mut().zip(contact).for_each(|(effort, contact)| effort[t] += contact);
+        }
+    }
+}
+
+/// Adds what the effects on one joint take; gives the number of samples in which it may stick.
+fn add_joint_effects(
+    arm: &SimulatedArm,
+    j: usize,
+    trajectory: &Trajectory,
+    load: &[f64],
+    effort: &mut [f64],
+) -> usize {
+    let motor = arm.transmission(j).map_or(0.0, |transmission| transmission.motor_inertia);
+    let inertia = arm.added_inertia(j) + motor;
+    let (q, v) = (&trajectory.position[j], &trajectory.velocity[j]);
+    let mut resting = 0;
+    for (t, effort) in effort.iter_mut().enumerate() {
+        let friction = arm.dry_friction(j, v[t], load[t]);
+        resting += usize::from(v[t] == 0.0 && !friction.is_none());
+        *effort += arm.smooth_effort(j, trajectory.time_s[t], q[t], v[t])
+            + inertia * trajectory.acceleration[j][t]
+            + friction.effort(v[t]);
+    }
+    for (_, law) in arm.deflections().filter(|(joint, _)| *joint == j) {
+        let mut deflection = 0.0;
+        for (t, effort) in effort.iter_mut().enumerate() {
+            let travel = if t > 0 { q[t] - q[t - 1] } else { 0.0 };
+            deflection = law.effect.deflection_after(&law.parameters, deflection, travel);
+            *effort += law.effect.deflection_effort(&law.parameters, deflection, v[t]);
+        }
+    }
+    resting
 }
 
 #[cfg(test)]

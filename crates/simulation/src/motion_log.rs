@@ -3,6 +3,7 @@
 use armident_recording::{JointChannels, Recording};
 
 use crate::error::SimulationError;
+use crate::simulated_arm::SimulatedArm;
 use crate::stepper::ArmState;
 
 /// Samples of all joints, one after another.
@@ -35,14 +36,17 @@ impl MotionLog {
         }
     }
 
+    /// The recording, with the efforts as their channels show them.
     pub(crate) fn into_recording(
         self,
         source: String,
-        joints: &[String],
+        arm: &SimulatedArm,
         notes: Vec<String>,
     ) -> Result<Recording, SimulationError> {
-        let mut columns = self.columns.map(Vec::into_iter);
-        let joints = joints.iter().map(|name| {
+        let mut columns = self.columns;
+        arm.to_recorded(&self.time_s, &mut columns[3]);
+        let mut columns = columns.map(Vec::into_iter);
+        let joints = arm.joints().iter().map(|name| {
             let [position, velocity, acceleration, effort] = columns.each_mut().map(Iterator::next);
             JointChannels { position, velocity, acceleration, effort, ..JointChannels::new(name) }
         });

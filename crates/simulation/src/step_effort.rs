@@ -37,12 +37,12 @@ impl StepEffort {
 
     /// The two halves of the step.
     pub(crate) fn halves(&self) -> [Self; 2] {
-        let half = |start: &Vec<f64>, middle: f64, end: &Vec<f64>| Self {
-            start: start.clone(),
-            middle: self.at(middle),
-            end: end.clone(),
-        };
-        [half(&self.start, 0.25, &self.middle), half(&self.middle, 0.75, &self.end)]
+        [self.part(0.0, 0.5), self.part(0.5, 1.0)]
+    }
+
+    /// From one share of the step to another.
+    pub(crate) fn part(&self, from: f64, to: f64) -> Self {
+        Self { start: self.at(from), middle: self.at(0.5 * (from + to)), end: self.at(to) }
     }
 }
 

@@ -2,17 +2,28 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::dry_friction::solve_dry_friction;
+use crate::dry_friction::{RowLevels, solve_dry_friction};
+use crate::equations::{Equations, EquationsScratch, Rows, row_levels};
 use crate::error::SimulationError;
-use crate::simulated_arm::{EquationsScratch, SimulatedArm};
+use crate::simulated_arm::SimulatedArm;
 use crate::step_effort::StepEffort;
 
 /// Speed above which a motion counts as diverged \[rad/s or m/s\].
 pub const HIGHEST_SPEED: f64 = 1e4;
 /// Halvings of a step in which a joint with dry friction stops or reverses.
 const HALVINGS: u32 = 4;
+/// Longest part of a step, in radians of the fastest vibration of a transmission: twenty parts from
+/// one impact to the next.
+pub(crate) const LONGEST_VIBRATION: f64 = 0.15;
+/// The same, in decay times of its damper.
+pub(crate) const LONGEST_DECAY: f64 = 0.3;
+/// Rounds in which loads and the friction that depends on them agree; two or three are usual.
+const LOAD_ROUNDS: usize = 100;
+/// Agreement of friction levels between two rounds within a step, and in an instant.
+const STEP_AGREEMENT: f64 = 1e-6;
+const INSTANT_AGREEMENT: f64 = 1e-13;
 
-/// Position and velocity of all joints.
+/// Position and velocity of all joints: as recorded, of the motor where there is a transmission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmState {
     /// Position \[rad or m\].
@@ -34,14 +45,22 @@ impl ArmState {
 #[derive(Debug, Clone)]
 pub struct ForwardStepper<'a> {
     arm: &'a SimulatedArm,
+    rows: Rows,
+    /// Position of every row: links, then motors.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    deflections: Vec<f64>,
+    /// What each gear carries, from the last evaluation.
+    loads: Vec<f64>,
     state: ArmState,
     time_s: f64,
-    friction: Vec<f64>,
+    rubs: bool,
     scratch: EquationsScratch,
 }
 
 impl<'a> ForwardStepper<'a> {
-    /// The arm in a state at a time \[s\].
+    /// The arm in a state at a time \[s\]. Links behind a transmission start where their weight
+    /// twists it, memory starts empty.
     ///
     /// # Errors
     /// A state that is not one finite number per joint.
@@ -52,14 +71,37 @@ impl<'a> ForwardStepper<'a> {
     ) -> Result<Self, SimulationError> {
         check_numbers("the start position", arm.dof(), &start.position)?;
         check_numbers("the start velocity", arm.dof(), &start.velocity)?;
-        let friction = (0..arm.dof()).map(|j| arm.dry_friction(j)).collect();
-        let scratch = EquationsScratch::new(arm.dof());
-        Ok(Self { arm, state: start, time_s, friction, scratch })
+        let rows = Rows::of(arm);
+        let mut q = crate::transmission::resting_links(arm, &start.position);
+        let mut v = start.velocity.clone();
+        q.resize(rows.count, 0.0);
+        v.resize(rows.count, 0.0);
+        for (joint, &row) in rows.recorded.iter().enumerate() {
+            q[row] = start.position[joint];
+            v[row] = start.velocity[joint];
+        }
+        Ok(Self {
+            arm,
+            q,
+            v,
+            deflections: vec![0.0; arm.deflections().count()],
+            loads: vec![0.0; arm.dof()],
+            state: start,
+            time_s,
+            rubs: arm.has_dry_friction() || arm.deflections().next().is_some(),
+            scratch: EquationsScratch::new(arm.dof()),
+            rows,
+        })
     }
 
-    /// Where the arm is and how it moves.
+    /// Where the arm is and how it moves, as recorded.
     pub fn state(&self) -> &ArmState {
         &self.state
+    }
+
+    /// Positions of the links; behind a transmission they are not those of the motors.
+    pub fn link_positions(&self) -> &[f64] {
+        &self.q[..self.arm.dof()]
     }
 
     /// Time \[s\].
@@ -75,9 +117,9 @@ impl<'a> ForwardStepper<'a> {
     /// [`NotPositiveDefinite`](SimulationError::NotPositiveDefinite).
     pub fn acceleration(&mut self, effort: &[f64]) -> Result<Vec<f64>, SimulationError> {
         check_numbers("the effort", self.arm.dof(), effort)?;
-        let ArmState { position: q, velocity: v } = self.state.clone();
-        let acceleration = self.acceleration_at(&q, &v, effort, true)?;
-        Ok(acceleration.as_slice().to_vec())
+        let (q, v) = (self.q.clone(), self.v.clone());
+        let acceleration = self.instant(&q, &v, self.time_s, effort)?;
+        Ok(self.rows.recorded.iter().map(|&row| acceleration[row]).collect())
     }
 
     /// Moves on by `step_s` \[s\].
@@ -97,93 +139,202 @@ impl<'a> ForwardStepper<'a> {
         for values in [&effort.start, &effort.middle, &effort.end] {
             check_numbers("the effort", self.arm.dof(), values)?;
         }
-        if self.friction.iter().any(|level| *level > 0.0) {
-            self.friction_step(step_s, effort, HALVINGS)
+        let parts = self.parts(step_s)?;
+        if parts == 1 {
+            return self.one_step(step_s, effort);
+        }
+        let share = |k: usize| k as f64 / parts as f64;
+        for k in 0..parts {
+            self.one_step(step_s / parts as f64, &effort.part(share(k), share(k + 1)))?;
+        }
+        Ok(())
+    }
+
+    fn one_step(&mut self, h: f64, effort: &StepEffort) -> Result<(), SimulationError> {
+        if self.rubs {
+            self.friction_step(h, effort, HALVINGS)
         } else {
-            self.runge_kutta_step(step_s, effort)
+            self.smooth_step(h, effort)
         }
     }
 
+    /// Parts of a step that are short beside the vibrations of the transmissions.
+    fn parts(&mut self, step_s: f64) -> Result<usize, SimulationError> {
+        if !self.arm.has_transmissions() {
+            return Ok(1);
+        }
+        let (q, v) = (self.q.clone(), self.v.clone());
+        let inertia = self.equations(&q, &v, self.time_s, &self.deflections.clone()).inertia;
+        let factor = inertia.clone().cholesky().ok_or_else(|| self.singular(&q, &v, &inertia))?;
+        let mobility = factor.inverse();
+        let mut parts = 1.0_f64;
+        for (joint, &row) in self.rows.recorded.iter().enumerate() {
+            let Some(transmission) = self.arm.transmission(joint) else { continue };
+            let twist =
+                mobility[(joint, joint)] + mobility[(row, row)] - 2.0 * mobility[(joint, row)];
+            let vibration = (transmission.stiffness * twist).sqrt() / LONGEST_VIBRATION;
+            let decay = transmission.damping * twist / LONGEST_DECAY;
+            parts = parts.max(step_s * vibration).max(step_s * decay);
+        }
+        Ok(parts.ceil() as usize)
+    }
+
     /// Classical Runge-Kutta of fourth order.
-    fn runge_kutta_step(&mut self, h: f64, effort: &StepEffort) -> Result<(), SimulationError> {
-        let q = DVector::from_column_slice(&self.state.position);
-        let v = DVector::from_column_slice(&self.state.velocity);
-        let mut slope = |q: DVector<f64>, v: DVector<f64>, effort: &[f64]| {
-            self.acceleration_at(q.as_slice(), v.as_slice(), effort, false)
+    fn smooth_step(&mut self, h: f64, effort: &StepEffort) -> Result<(), SimulationError> {
+        let q = DVector::from_column_slice(&self.q);
+        let v = DVector::from_column_slice(&self.v);
+        let start_s = self.time_s;
+        let mut slope = |q: DVector<f64>, v: DVector<f64>, share: f64, effort: &[f64]| {
+            self.smooth_instant(q.as_slice(), v.as_slice(), start_s + share * h, effort)
         };
         let half = 0.5 * h;
-        let k1 = slope(q.clone(), v.clone(), &effort.start)?;
-        let k2 = slope(&q + &v * half, &v + &k1 * half, &effort.middle)?;
-        let k3 = slope(&q + &v * half + &k1 * (half * half), &v + &k2 * half, &effort.middle)?;
-        let k4 = slope(&q + &v * h + &k2 * (h * half), &v + &k3 * h, &effort.end)?;
+        let k1 = slope(q.clone(), v.clone(), 0.0, &effort.start)?;
+        let k2 = slope(&q + &v * half, &v + &k1 * half, 0.5, &effort.middle)?;
+        let mid_q = &q + &v * half + &k1 * (half * half);
+        let k3 = slope(mid_q, &v + &k2 * half, 0.5, &effort.middle)?;
+        let k4 = slope(&q + &v * h + &k2 * (h * half), &v + &k3 * h, 1.0, &effort.end)?;
         let next_q = q + v.clone() * h + (&k1 + &k2 + &k3) * (h * h / 6.0);
         let next_v = v + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
         self.move_to(h, &next_q, &next_v)
     }
 
-    /// Midpoint rule with implicit dry friction.
+    /// Midpoint rule with implicit dry friction; deflections follow the travel exactly.
     fn friction_step(
         &mut self,
         h: f64,
         effort: &StepEffort,
         halvings: u32,
     ) -> Result<(), SimulationError> {
-        let ArmState { position: q, velocity: v } = self.state.clone();
-        let half = 0.5 * h;
-        let mid_v = self.impulse(&q, &v, &v, half, &effort.start)?;
+        let (q, v, z) = (self.q.clone(), self.v.clone(), self.deflections.clone());
+        let (half, start_s) = (0.5 * h, self.time_s);
+        let (mid_v, _) = self.impulse(start_s, &q, &v, &z, &v, half, &effort.start)?;
         let mid_q: Vec<f64> = q.iter().zip(&v).map(|(q, v)| q + half * v).collect();
-        let next_v = self.impulse(&mid_q, mid_v.as_slice(), &v, h, &effort.middle)?;
-        let stops =
-            (0..v.len()).any(|j| self.friction[j] > 0.0 && v[j] != 0.0 && v[j] * next_v[j] <= 0.0);
-        if stops && halvings > 0 {
+        let mid_z = self.deflected(&z, &q, &mid_q);
+        let (next_v, levels) =
+            self.impulse(start_s + half, &mid_q, mid_v.as_slice(), &mid_z, &v, h, &effort.middle)?;
+        if halvings > 0 && levels.stops(&v, next_v.as_slice()) {
             let [first, second] = effort.halves();
             self.friction_step(half, &first, halvings - 1)?;
             return self.friction_step(half, &second, halvings - 1);
         }
         let next_q = q.iter().zip(&v).zip(&next_v).map(|((q, v), w)| q + half * (v + w));
         let next_q = DVector::from_iterator(q.len(), next_q);
+        self.deflections = self.deflected(&z, &q, next_q.as_slice());
         self.move_to(h, &next_q, &next_v)
     }
 
-    /// Velocity after `h` from `before`: `M (w - before) = h (τ - b - λ)`, `λ_j ∈ Fc_j Sign(w_j)`,
-    /// with `M` and `b` at `q`, `v`.
+    /// Deflections after a travel of all rows.
+    fn deflected(&self, deflections: &[f64], from: &[f64], to: &[f64]) -> Vec<f64> {
+        let laws = self.arm.deflections().zip(deflections);
+        laws.map(|((joint, law), &deflection)| {
+            let row = self.rows.recorded[joint];
+            law.effect.deflection_after(&law.parameters, deflection, to[row] - from[row])
+        })
+        .collect()
+    }
+
+    fn equations(&mut self, q: &[f64], v: &[f64], time_s: f64, z: &[f64]) -> Equations {
+        Equations::at(self.arm, &self.rows, time_s, q, v, z, &mut self.scratch)
+    }
+
+    /// Efforts on their rows.
+    fn on_rows(&self, effort: &[f64]) -> DVector<f64> {
+        let mut on_rows = DVector::zeros(self.rows.count);
+        self.rows.recorded.iter().zip(effort).for_each(|(&row, effort)| on_rows[row] = *effort);
+        on_rows
+    }
+
+    /// Velocity after `h` from `before`: `M (w - before) = h (τ - b - λ)`, `λ_j ∈ level_j Sign(w_j)`,
+    /// with `M`, `b` and the levels at `q`, `v`; and these levels.
     fn impulse(
         &mut self,
+        time_s: f64,
         q: &[f64],
         v: &[f64],
+        z: &[f64],
         before: &[f64],
         h: f64,
         effort: &[f64],
-    ) -> Result<DVector<f64>, SimulationError> {
-        let (m, bias) = self.arm.equations(q, v, &mut self.scratch);
-        let driving = (DVector::from_column_slice(effort) - bias) * h;
-        let level: Vec<f64> = self.friction.iter().map(|level| level * h).collect();
-        let r = &m * DVector::from_column_slice(before) + driving;
-        solve_dry_friction(&m, &r, &level, before).ok_or_else(|| self.singular(q, v, &m))
+    ) -> Result<(DVector<f64>, RowLevels), SimulationError> {
+        let equations = self.equations(q, v, time_s, z);
+        let m = &equations.inertia;
+        let before_v = DVector::from_column_slice(before);
+        let r = m * &before_v + (self.on_rows(effort) - &equations.bias) * h;
+        let mut secant = Secant::default();
+        for _ in 0..LOAD_ROUNDS {
+            let levels = row_levels(self.arm, &self.rows, v, &self.loads);
+            let w = solve_dry_friction(m, &r, &levels.times(h), before)
+                .ok_or_else(|| self.singular(q, v, m))?;
+            let acceleration = (&w - &before_v) / h;
+            let found = equations.loads(self.arm, acceleration.as_slice());
+            let next = row_levels(self.arm, &self.rows, v, &found);
+            if agree(&levels, &next, STEP_AGREEMENT) {
+                self.loads = found;
+                return Ok((w, levels));
+            }
+            self.loads = secant.next(&self.loads, &found);
+        }
+        Err(self.diverged(v))
     }
 
-    /// Accelerations at any state, with or without dry friction.
-    fn acceleration_at(
+    /// Accelerations at a state without dry friction.
+    fn smooth_instant(
         &mut self,
         q: &[f64],
         v: &[f64],
+        time_s: f64,
         effort: &[f64],
-        with_friction: bool,
     ) -> Result<DVector<f64>, SimulationError> {
-        let (m, bias) = self.arm.equations(q, v, &mut self.scratch);
-        let mut driving = DVector::from_column_slice(effort) - bias;
-        let mut level = vec![0.0; v.len()];
-        if with_friction {
-            for j in 0..v.len() {
-                if v[j] == 0.0 {
-                    level[j] = self.friction[j];
-                } else {
-                    driving[j] -= self.friction[j] * v[j].signum();
+        let equations = self.equations(q, v, time_s, &[]);
+        let driving = self.on_rows(effort) - &equations.bias;
+        let factor = equations.inertia.clone().cholesky();
+        let factor = factor.ok_or_else(|| self.singular(q, v, &equations.inertia))?;
+        Ok(factor.solve(&driving))
+    }
+
+    /// Accelerations at a state: rows in motion have their friction, rows at rest may stick.
+    fn instant(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        time_s: f64,
+        effort: &[f64],
+    ) -> Result<DVector<f64>, SimulationError> {
+        let equations = self.equations(q, v, time_s, &self.deflections.clone());
+        let m = &equations.inertia;
+        let free = self.on_rows(effort) - &equations.bias;
+        let rest = vec![0.0; v.len()];
+        let mut secant = Secant::default();
+        for _ in 0..LOAD_ROUNDS {
+            let levels = row_levels(self.arm, &self.rows, v, &self.loads);
+            let mut driving = free.clone();
+            let mut resting = RowLevels::none(v.len());
+            for (row, level) in levels.rows.iter().enumerate() {
+                driving[row] -= level.effort(v[row]);
+                if v[row] == 0.0 {
+                    resting.rows[row] = *level;
                 }
             }
+            for pair in &levels.pairs {
+                let speed = pair.speed(v);
+                if pair.rests(v) {
+                    resting.pairs.push(*pair);
+                } else {
+                    driving[pair.b] -= pair.level * speed.signum();
+                    driving[pair.a] -= pair.ratio * pair.level * speed.signum();
+                }
+            }
+            let acceleration = solve_dry_friction(m, &driving, &resting, &rest)
+                .ok_or_else(|| self.singular(q, v, m))?;
+            let found = equations.loads(self.arm, acceleration.as_slice());
+            let next = row_levels(self.arm, &self.rows, v, &found);
+            if agree(&levels, &next, INSTANT_AGREEMENT) {
+                self.loads = found;
+                return Ok(acceleration);
+            }
+            self.loads = secant.next(&self.loads, &found);
         }
-        let rest = vec![0.0; v.len()];
-        solve_dry_friction(&m, &driving, &level, &rest).ok_or_else(|| self.singular(q, v, &m))
+        Err(self.diverged(v))
     }
 
     fn move_to(
@@ -198,15 +349,20 @@ impl<'a> ForwardStepper<'a> {
         {
             return Err(self.diverged(v.as_slice()));
         }
-        self.state.position.copy_from_slice(q.as_slice());
-        self.state.velocity.copy_from_slice(v.as_slice());
+        self.q.copy_from_slice(q.as_slice());
+        self.v.copy_from_slice(v.as_slice());
+        for (joint, &row) in self.rows.recorded.iter().enumerate() {
+            self.state.position[joint] = self.q[row];
+            self.state.velocity[joint] = self.v[row];
+        }
         Ok(())
     }
 
     /// Why a matrix has no Cholesky factor.
     fn singular(&self, q: &[f64], v: &[f64], m: &DMatrix<f64>) -> SimulationError {
         if m.iter().all(|value| value.is_finite()) {
-            SimulationError::NotPositiveDefinite { time_s: self.time_s, q: q.to_vec() }
+            let q = q[..self.arm.dof()].to_vec();
+            SimulationError::NotPositiveDefinite { time_s: self.time_s, q }
         } else {
             self.diverged(v)
         }
@@ -214,15 +370,49 @@ impl<'a> ForwardStepper<'a> {
 
     fn diverged(&self, v: &[f64]) -> SimulationError {
         // a joint without a finite speed counts as the fastest
-        let speed = |v: f64| if v.is_nan() { f64::INFINITY } else { v.abs() };
-        let fastest = (0..v.len()).max_by(|&a, &b| speed(v[a]).total_cmp(&speed(v[b])));
+        let speed = |joint: usize| {
+            let v = v[self.rows.recorded[joint]];
+            if v.is_nan() { f64::INFINITY } else { v.abs() }
+        };
+        let fastest = (0..self.arm.dof()).max_by(|&a, &b| speed(a).total_cmp(&speed(b)));
         let fastest = fastest.unwrap_or(0);
         SimulationError::Diverged {
             joint: self.arm.joints()[fastest].clone(),
             time_s: self.time_s,
-            speed: v[fastest].abs(),
+            speed: v[self.rows.recorded[fastest]].abs(),
         }
     }
+}
+
+/// Loads that give themselves back: the secant of each joint. While directions hold, a load is linear
+/// in the friction that depends on it, so that for one such joint the second round is exact.
+#[derive(Default)]
+struct Secant {
+    before: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Secant {
+    fn next(&mut self, tried: &[f64], found: &[f64]) -> Vec<f64> {
+        let before = self.before.replace((tried.to_vec(), found.to_vec()));
+        let Some((tried_before, found_before)) = before else { return found.to_vec() };
+        let next = |j: usize| {
+            let slope = (found[j] - found_before[j]) / (tried[j] - tried_before[j]);
+            // a slope near 1 has no fixed point nearby
+            if slope.is_finite() && (1.0 - slope).abs() > 0.05 {
+                tried[j] + (found[j] - tried[j]) / (1.0 - slope)
+            } else {
+                found[j]
+            }
+        };
+        (0..tried.len()).map(next).collect()
+    }
+}
+
+/// Whether the levels of all rows are the same up to a relative difference.
+fn agree(a: &RowLevels, b: &RowLevels, tolerance: f64) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= tolerance * a.abs().max(b.abs());
+    let rows = a.rows.iter().zip(&b.rows);
+    rows.into_iter().all(|(a, b)| near(a.forward, b.forward) && near(a.backward, b.backward))
 }
 
 /// One finite number per joint.
@@ -254,7 +444,9 @@ mod tests {
             let [q, v, a] = states(arm.dof(), t);
             let rigid = inverse_dynamics(arm.rigid(), &q, &v, &a);
             (0..arm.dof())
-                .map(|j| rigid[j] + arm.smooth_effort(j, q[j], v[j]) + arm.added_inertia(j) * a[j])
+                .map(|j| {
+                    rigid[j] + arm.smooth_effort(j, t, q[j], v[j]) + arm.added_inertia(j) * a[j]
+                })
                 .collect::<Vec<f64>>()
         };
         let [position, velocity, _] = states(arm.dof(), 0.0);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use armident_dynamics::RigidArm;
 use armident_effects::EffectOnJoint;
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, RobotDescription, SerialChain, load_urdf, parse_urdf,
@@ -14,7 +13,7 @@ use crate::trajectory::Trajectory;
 fn simulated(robot: &RobotDescription, effects: &[EffectOnJoint]) -> SimulatedArm {
     let chain = SerialChain::from_description(robot, &ChainSelection::default()).unwrap();
     let chain = DrivingAxisChain::from_chain(&chain);
-    SimulatedArm::new(RigidArm::from_chain(&chain), &chain.joint_names(), effects).unwrap()
+    SimulatedArm::on_chain(&chain, effects).unwrap()
 }
 
 fn from_file(name: &str, effects: &[EffectOnJoint]) -> SimulatedArm {
@@ -44,7 +43,7 @@ pub(crate) fn slider(effects: &[EffectOnJoint]) -> SimulatedArm {
 
 /// An effect with one parameter.
 pub(crate) fn effect(slug: &str, joint: &str, value: f64) -> EffectOnJoint {
-    EffectOnJoint { effect: slug.to_owned(), joint: joint.to_owned(), parameters: vec![value] }
+    EffectOnJoint::new(slug, joint, [value])
 }
 
 /// Position, velocity and acceleration of joint `j` at a time \[s\]: one harmonic per joint.

@@ -37,8 +37,8 @@ impl TrackingGains {
 /// a controller of each joint.
 ///
 /// The effort is set at every stamp and held until the next one: the rate of the trajectory is that
-/// of the control cycle. Each sample of the result has the state at the stamp, the effort set there,
-/// and the acceleration just after it. The arm starts in the first sample of the trajectory.
+/// of the control cycle. Each sample of the result has the state at the stamp, the effort set there as
+/// its channel shows it, and the acceleration just after it. The arm starts in the first sample of the trajectory.
 ///
 /// # Errors
 /// A trajectory that is inconsistent or of other joints, gains that are not one finite number per
@@ -95,7 +95,7 @@ pub fn track(
     }
     let mut notes = trajectory.notes.clone();
     notes.push(scheme_note(arm, DEFAULT_STEP_S));
-    log.into_recording(format!("tracking of {}", trajectory.source), arm.joints(), notes)
+    log.into_recording(format!("tracking of {}", trajectory.source), arm, notes)
 }
 
 #[cfg(test)]

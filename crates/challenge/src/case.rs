@@ -1,0 +1,49 @@
+//! A case as it lies in its folder.
+
+use std::path::Path;
+
+use armident_recording::{Recording, write_csv};
+
+use crate::error::ChallengeError;
+use crate::truth::Truth;
+
+/// A robot, four recordings and the answer.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// The believed robot.
+    pub robot_urdf: String,
+    /// Recordings to fit.
+    pub train_1: Recording,
+    /// Recordings to fit.
+    pub train_2: Recording,
+    /// The recording to judge the fit by.
+    pub holdout: Recording,
+    /// The recording that no diagnosis gets.
+    pub exam: Recording,
+    /// The answer.
+    pub truth: Truth,
+}
+
+impl Case {
+    /// Writes `robot.urdf`, the recordings and `truth.json` into a folder, which is made.
+    ///
+    /// # Errors
+    /// A folder or file that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), ChallengeError> {
+        std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
+        let urdf = folder.join("robot.urdf");
+        std::fs::write(&urdf, &self.robot_urdf).map_err(ChallengeError::io("written", &urdf))?;
+        for (name, recording) in [
+            ("train_1", &self.train_1),
+            ("train_2", &self.train_2),
+            ("holdout", &self.holdout),
+            ("exam", &self.exam),
+        ] {
+            write_csv(folder.join(name).with_extension("csv"), recording)?;
+        }
+        let path = folder.join("truth.json");
+        let text = serde_json::to_string_pretty(&self.truth)
+            .map_err(|error| ChallengeError::Json { path: path.clone(), error })?;
+        std::fs::write(&path, text + "\n").map_err(ChallengeError::io("written", &path))
+    }
+}

@@ -1,0 +1,205 @@
+//! Sizes at which effects can be seen, and not only just.
+
+use armident_simulation::SimulatedArm;
+
+use crate::draft::Draft;
+use crate::error::ChallengeError;
+use crate::generate::{Scene, efforts_of};
+use crate::observe::{Observer, Plain, Projection};
+use crate::random::Draw;
+use crate::recorder::{Exact, rms};
+
+/// Naming margins that are drawn, and those that are kept.
+const DRAWN: [f64; 2] = [1.9, 11.0];
+pub(crate) const KEPT: [f64; 2] = [1.5, 16.0];
+/// Rounds of sizing, and how near the drawn margin is near enough.
+const ROUNDS: usize = 5;
+const NEAR: f64 = 1.15;
+/// Rounds where each is an integration.
+const TRANSMISSION_ROUNDS: usize = 3;
+
+/// Largest RMS torque of an effect over the believed range of the joint: what is larger would be seen
+/// without any tool.
+const MOST_TORQUE: f64 = 0.5;
+
+/// An effect with its size.
+pub(crate) struct Sized {
+    pub(crate) draft: Draft,
+    pub(crate) x: f64,
+    /// RMS of its torque on each joint \[N m or N\].
+    pub(crate) torque: Vec<f64>,
+}
+
+/// RMS of an effect's torque over noise on the most affected joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Visibility {
+    pub(crate) observability: f64,
+    pub(crate) naming_margin: f64,
+    pub(crate) raw_ratio: f64,
+}
+
+/// What sizes are judged on: the planned motions.
+pub(crate) struct Sizing {
+    observer: Observer,
+    bodies: Observer,
+}
+
+impl Sizing {
+    /// Against this noise.
+    pub(crate) fn new(scene: &Scene<'_>, sigma: &[f64]) -> Self {
+        let motions: Vec<&Exact> = scene.planned[..2].iter().collect();
+        let arm = armident_dynamics::RigidArm::from_chain(&scene.chain);
+        let body_sigma = with_background(scene, &motions, sigma);
+        Self {
+            observer: Observer::new(&arm, &motions, sigma),
+            bodies: Observer::new(&arm, &motions, &body_sigma),
+        }
+    }
+
+    fn observer(&self, draft: &Draft) -> &Observer {
+        if is_body(draft) { &self.bodies } else { &self.observer }
+    }
+}
+
+pub(crate) fn is_body(draft: &Draft) -> bool {
+    matches!(draft.slug, "payload" | "link_inertia_error")
+}
+
+/// Noise of a wrong body in a field case: the torque of all other inertial errors is some.
+pub(crate) fn with_background(scene: &Scene<'_>, motions: &[&Exact], sigma: &[f64]) -> Vec<f64> {
+    if scene.background == 0.0 {
+        return sigma.to_vec();
+    }
+    let efforts = |arm: &armident_dynamics::RigidArm, motion: &Exact| {
+        let Exact { position, velocity, acceleration, .. } = motion;
+        armident_dynamics::inverse_dynamics_of_motion(arm, position, velocity, acceleration)
+    };
+    let (believed, actual) =
+        (scene.robot.arm(), armident_dynamics::RigidArm::from_chain(&scene.chain));
+    let mut squares = vec![0.0; sigma.len()];
+    for motion in motions {
+        let (a, b) = (efforts(&believed, motion), efforts(&actual, motion));
+        for (j, square) in squares.iter_mut().enumerate() {
+            let difference: Vec<f64> = a[j].iter().zip(&b[j]).map(|(a, b)| a - b).collect();
+            *square += rms(&difference).powi(2) / motions.len() as f64;
+        }
+    }
+    sigma.iter().zip(squares).map(|(sigma, square)| (sigma * sigma + square).sqrt()).collect()
+}
+
+/// Scales an effect until its naming margin on the planned motions is near one drawn by chance;
+/// nothing if it cannot be.
+pub(crate) fn size(
+    draft: Draft,
+    scene: &Scene<'_>,
+    sizing: &Sizing,
+    random: &mut Draw,
+) -> Result<Option<Sized>, ChallengeError> {
+    let wanted = random.log_between(DRAWN[0], DRAWN[1]);
+    let motions: Vec<&Exact> = scene.planned[..2].iter().collect();
+    let mut sized = Sized { x: draft.start.min(draft.most), draft, torque: Vec::new() };
+    let rounds = if sized.draft.has_transmission() { TRANSMISSION_ROUNDS } else { ROUNDS };
+    for round in 0..rounds {
+        let one = std::slice::from_ref(&sized);
+        let torque = effect_torque(scene, one, 0, &motions)?;
+        let seen =
+            visibility(&sized.draft, scene, sizing.observer(&sized.draft), &motions, &torque);
+        let mean = |j: usize| rms(&torque.iter().flat_map(|m| m[j].clone()).collect::<Vec<_>>());
+        sized.torque = (0..scene.robot.dof()).map(mean).collect();
+        let factor = wanted / seen.naming_margin.max(1e-12);
+        let near = (1.0 / NEAR..NEAR).contains(&factor);
+        let stuck = factor > 1.0 && sized.x >= sized.draft.most;
+        if near || stuck || round + 1 == rounds {
+            let plausible = (0..sized.torque.len()).all(|j| {
+                sized.torque[j] < MOST_TORQUE * scene.range[j].max(scene.sensing.sigma[j])
+            });
+            let kept = plausible && (KEPT[0] * 1.1..KEPT[1]).contains(&seen.naming_margin);
+            return Ok(kept.then_some(sized));
+        }
+        sized.x = (sized.x * factor.clamp(0.02, 50.0)).min(sized.draft.most);
+    }
+    Ok(None)
+}
+
+/// What one of the effects adds to the efforts of the training recordings.
+pub(crate) fn effect_torque(
+    scene: &Scene<'_>,
+    drafts: &[Sized],
+    which: usize,
+    motions: &[&Exact],
+) -> Result<Vec<Vec<Vec<f64>>>, ChallengeError> {
+    let mut torque = Vec::new();
+    for (file, motion) in motions.iter().enumerate() {
+        let with = scene.arm(drafts, file, None)?;
+        let without = scene.arm(drafts, file, Some(which))?;
+        torque.push(difference(&with, &without, motion)?);
+    }
+    Ok(torque)
+}
+
+fn difference(
+    with: &SimulatedArm,
+    without: &SimulatedArm,
+    motion: &Exact,
+) -> Result<Vec<Vec<f64>>, ChallengeError> {
+    let (with, without) = (efforts_of(with, motion)?, efforts_of(without, motion)?);
+    let one = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
+    Ok(with.iter().zip(&without).map(one).collect())
+}
+
+/// How visible a torque is by the rules of the challenge.
+pub(crate) fn visibility(
+    draft: &Draft,
+    scene: &Scene<'_>,
+    observer: &Observer,
+    motions: &[&Exact],
+    torque: &[Vec<Vec<f64>>],
+) -> Visibility {
+    let rows = observer.rows_of(torque);
+    let active = draft.window_s.map(|window| {
+        let inside: Vec<Vec<f64>> = motions
+            .iter()
+            .enumerate()
+            .map(|(file, motion)| {
+                let now = |t: &f64| (window[0]..=window[1]).contains(t);
+                let counts = |t: &f64| f64::from(u8::from(draft.recording == Some(file) && now(t)));
+                motion.time_s.iter().map(counts).collect()
+            })
+            .collect();
+        observer.mask_of(&inside)
+    });
+    let active = active.as_deref();
+    let own = own_joints(draft);
+    let itself = match draft.slug {
+        "viscous_friction" => Some(Plain::Viscous),
+        "coulomb_friction" => Some(Plain::Coulomb),
+        "torque_offset" | "asymmetric_coulomb_friction" => Some(Plain::Offset),
+        _ => None,
+    };
+    let base = !is_body(draft);
+    let others = own.clone();
+    let strict = Projection {
+        base,
+        plain: Box::new(move |joint, which| !(own.contains(&joint) && itself == Some(which))),
+    };
+    let plain = Projection { base, plain: Box::new(move |joint, _| !others.contains(&joint)) };
+    let nothing = Projection { base: false, plain: Box::new(|_, _| false) };
+    let naming_margin = observer.visible(&rows, &strict, active);
+    Visibility {
+        observability: if scene.field {
+            naming_margin
+        } else {
+            observer.visible(&rows, &plain, active)
+        },
+        naming_margin,
+        raw_ratio: observer.visible(&rows, &nothing, active),
+    }
+}
+
+fn own_joints(draft: &Draft) -> Vec<usize> {
+    match draft.slug {
+        "gravity_direction" | "time_delay" | "external_contact" | "payload"
+        | "link_inertia_error" => Vec::new(),
+        _ => [Some(draft.joint), draft.other].into_iter().flatten().collect(),
+    }
+}

@@ -1,0 +1,155 @@
+//! Generated cases: what is promised about them, on one small arm.
+
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+use std::path::{Path, PathBuf};
+
+use armident_challenge::{
+    Case, CaseKind, CaseRequest, SampleRate, case_effects, generate, score_case,
+};
+use armident_recording::{JointChannels, Recording, read_csv, write_csv};
+use serde_json::json;
+
+fn request(kind: CaseKind, seed: u64, effects: &[&str]) -> CaseRequest {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../urdf/scara.urdf");
+    CaseRequest {
+        name: "case".to_owned(),
+        robot: "scara".to_owned(),
+        robot_urdf: std::fs::read_to_string(file).unwrap(),
+        seed,
+        kind,
+        effects: effects.iter().map(ToString::to_string).collect(),
+        background: None,
+        perturbed: false,
+    }
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    folder
+}
+
+fn law_residual(case: &Case) -> f64 {
+    case.truth.checks.as_ref().unwrap()["law_residual_over_noise"].as_f64().unwrap()
+}
+
+#[test]
+fn the_same_request_gives_the_same_case_and_another_seed_another() {
+    let make = |seed| generate(&request(CaseKind::Clean, seed, &["coulomb_friction"])).unwrap();
+    let (one, again, other) = (make(3), make(3), make(4));
+    assert_eq!(one.truth, again.truth);
+    assert_eq!(one.train_1, again.train_1);
+    assert_ne!(one.train_1, other.train_1);
+}
+
+#[test]
+fn a_clean_case_keeps_its_contract() {
+    let mut wanted = request(CaseKind::Clean, 7, &["viscous_friction"]);
+    wanted.background = Some(0.0);
+    let case = generate(&wanted).unwrap();
+    let truth = &case.truth;
+    assert!(case.robot_urdf.contains("tool0") && truth.tip_link == "tool0");
+    let effect = &truth.effects[0];
+    let margin = effect.naming_margin.unwrap();
+    assert!((1.5..16.0).contains(&margin), "{margin}");
+    assert!(effect.observability.unwrap() >= margin - 1e-9);
+    assert_eq!(truth.affected_joints, effect.joints);
+    assert!(law_residual(&case) < 0.02, "{}", law_residual(&case));
+    for (joint, sigma) in &truth.noise.effort_sigma {
+        let of = |floor: &std::collections::BTreeMap<String, f64>| floor[joint] / sigma;
+        // the noise, and little more for a careful user
+        assert!((0.93..1.07).contains(&of(&truth.holdout.oracle_rmse)), "{joint}");
+        assert!((0.93..1.3).contains(&of(&truth.holdout.attainable_rmse)), "{joint}");
+    }
+    // from rest, evenly sampled
+    let recording = &case.holdout;
+    let SampleRate::All(rate_hz) = truth.sample_rate else { panic!("one rate") };
+    assert!((recording.time_s[100] - 100.0 / rate_hz).abs() < 1e-9);
+    for joint in &recording.joints {
+        let position = joint.position.as_ref().unwrap();
+        assert!((position[5] - position[0]).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn a_field_case_is_dirty_and_rubs_everywhere() {
+    let case = generate(&request(CaseKind::Field, 11, &["quadratic_drag"])).unwrap();
+    let truth = &case.truth;
+    assert!(truth.is_field() && truth.background_inertial_error >= 0.02);
+    assert_eq!(truth.everyday.len(), 8);
+    assert!(truth.everyday.iter().filter(|term| term.counted).count() >= 3);
+    let dirt = truth.dirt.as_ref().unwrap();
+    let steps: Vec<f64> = case.train_1.time_s.windows(2).map(|w| w[1] - w[0]).collect();
+    let longest = steps.iter().copied().fold(0.0, f64::max);
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    assert!(longest > 1.7 * median, "no sample is lost");
+    let lost = steps.iter().filter(|step| **step > 1.6 * median).count() as f64;
+    assert!(lost / steps.len() as f64 <= 2.0 * dirt["lost_samples"].as_f64().unwrap() + 0.01);
+    let uneven = steps.iter().filter(|step| (*step / median - 1.0).abs() > 0.02).count();
+    assert!(uneven > steps.len() / 3);
+    assert!(dirt["effort_lag_over_noise"].as_f64().unwrap() < 0.5);
+}
+
+#[test]
+fn special_friction_takes_the_place_of_everyday_friction() {
+    let case = generate(&request(CaseKind::Field, 5, &["presliding_hysteresis"])).unwrap();
+    let effect = &case.truth.effects[0];
+    let covered: Vec<_> = case
+        .truth
+        .everyday
+        .iter()
+        .filter(|term| term.covered_by.is_some())
+        .map(|term| (term.effect.as_str(), term.joints.clone()))
+        .collect();
+    assert_eq!(covered, [("coulomb_friction", effect.joints.clone())]);
+    assert!(effect.parameters["level"] > 0.0);
+}
+
+#[test]
+fn effects_that_are_not_there_are_refused() {
+    let unknown = generate(&request(CaseKind::Clean, 1, &["magic"])).unwrap_err();
+    assert!(unknown.to_string().contains("no effect `magic`"));
+    let everyday = generate(&request(CaseKind::Field, 1, &["coulomb_friction"])).unwrap_err();
+    assert!(everyday.hint().unwrap().contains("anyway"));
+    let mut broken = request(CaseKind::Clean, 1, &[]);
+    broken.robot_urdf = "<robot".to_owned();
+    assert_eq!(generate(&broken).unwrap_err().place(), "robot.urdf");
+    assert!(case_effects(CaseKind::Field, 3).iter().all(|slug| slug != "coulomb_friction"));
+}
+
+/// Written, read, answered with the truth and the exam itself, scored: full marks.
+#[test]
+fn a_written_case_is_scored_by_the_same_rules() {
+    let case = generate(&request(CaseKind::Clean, 9, &["joint_spring"])).unwrap();
+    let folder = folder("generated");
+    case.write(&folder).unwrap();
+    for file in ["train_1.csv", "train_2.csv", "holdout.csv", "exam.csv"] {
+        assert!(read_csv(folder.join(file)).unwrap().len() > 1000);
+    }
+    let effort_only = |joint: &JointChannels| JointChannels {
+        effort: joint.effort.clone(),
+        ..JointChannels::new(&joint.name)
+    };
+    let efforts = case.exam.joints.iter().map(effort_only).collect();
+    let predicted = Recording::new("exam", case.exam.time_s.clone(), efforts).unwrap();
+    write_csv(folder.join("predicted.csv"), &predicted).unwrap();
+    let effect = &case.truth.effects[0];
+    let parameters: serde_json::Map<String, serde_json::Value> =
+        effect.parameters.iter().map(|(name, p)| (name.clone(), json!({ "value": p }))).collect();
+    let answer = json!({
+        "schema": "armident.diagnosis/1", "verdict": "mismatch",
+        "findings": [{ "effect": effect.effect, "joints": effect.joints, "link": null,
+            "parameters": parameters, "confidence": 0.9 }],
+        "fit": { "holdout": { "before": case.truth.holdout.urdf_rmse,
+            "after": case.truth.holdout.oracle_rmse } } });
+    std::fs::write(folder.join("out.json"), answer.to_string()).unwrap();
+    let score = score_case(&folder, &folder).unwrap();
+    assert_eq!((score.named.len(), score.missed.len(), score.false_names.len()), (1, 0, 0));
+    assert_eq!(score.parameter_errors, [("joint_spring".to_owned(), 0.0)]);
+    assert!(score.exam.unwrap().over_oracle.values().all(|ratio| *ratio == 0.0));
+    assert!(score.holdout.suspicious.is_empty(), "{:?}", score.holdout.suspicious);
+    let _ = std::fs::remove_dir_all(folder);
+}
