@@ -142,6 +142,8 @@ fn true_arm(believed: &ArmModel, names: &[String]) -> (ArmModel, Vec<EffectOnJoi
                 effect: (*effect).to_owned(),
                 joint: joint.clone(),
                 parameters: vec![value],
+                other_joint: None,
+                window_s: None,
             });
         }
     }
