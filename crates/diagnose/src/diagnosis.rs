@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{EffectOnJoint, Scope, effect};
+use armident_effects::{EffectOnJoint, Place, Scope, effect};
 use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
@@ -204,6 +204,12 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
             let names =
                 |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
             let is_link = group.transform.is_some();
+            let confidence = confidence(&size);
+            let confidence = if described_anyway(selection, group) {
+                confidence.min(IN_A_DESCRIPTION)
+            } else {
+                confidence
+            };
             Finding {
                 effect: group.slug().to_owned(),
                 joints: names(&group.site.joints),
@@ -212,7 +218,7 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
                 window: group.site.window.map(|w| w.1),
                 recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
                 parameters: parameters(evidence, selection, &metric, group, &point, &gain),
-                confidence: confidence(&size),
+                confidence,
                 evidence: FindingEvidence {
                     materiality: size.value,
                     least_materiality: size.least,
@@ -236,6 +242,21 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
     }
     found.sort_by(|a, b| b.evidence.materiality.total_cmp(&a.evidence.materiality));
     found
+}
+
+/// Confidence of a friction law beside a description of the same joint's speed: which of the two the
+/// friction belongs to cannot be told.
+const IN_A_DESCRIPTION: f64 = 0.45;
+
+fn described_anyway(selection: &Selection, group: &Group) -> bool {
+    let friction = [Place::Viscous, Place::Drag];
+    if !group.places.iter().any(|p| friction.contains(p)) {
+        return false;
+    }
+    selection.answer.set.iter().map(|g| &selection.problem.groups[*g]).any(|other| {
+        other.site == group.site
+            && matches!(&other.meaning, Meaning::Flexible(f) if !f.basis.factors.is_empty())
+    })
 }
 
 /// A link whose inertial errors stand out from those of all others.
@@ -420,8 +441,9 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
             continue;
         }
         let Some(law) = effect(group.slug()) else { continue };
-        let joint = &evidence.names[group.site.joints[0]];
-        let on_joint = |parameters: Vec<f64>| EffectOnJoint::new(group.slug(), joint, parameters);
+        let on_joint = |parameters: Vec<f64>| {
+            EffectOnJoint::new(group.slug(), &evidence.names[group.site.joints[0]], parameters)
+        };
         match law.law().scope {
             Scope::Joint if group.slug() != "torque_scale" => {
                 found.arm.effects.push(on_joint(law_parameters(group, &coefficients, &gain)));
