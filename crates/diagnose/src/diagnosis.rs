@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use armident_effects::{EffectOnJoint, Place, Scope, effect};
 use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::evidence::{Evidence, OperatingPoint, changed};
@@ -244,6 +245,14 @@ fn findings(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Finding> {
     found
 }
 
+/// Change of mass and first moment of a link, in the frame of its URDF link.
+fn in_link_frame(evidence: &Evidence<'_>, link: usize, change: &[f64]) -> [f64; 4] {
+    let pose = evidence.chain.joints[link].child_link_in_e;
+    let moment = Vector3::new(change[1], change[2], change[3]);
+    let moved = pose.rotation.inverse() * (moment - pose.translation.vector * change[0]);
+    [change[0], moved.x, moved.y, moved.z]
+}
+
 /// Confidence of a friction law beside a description of the same joint's speed: which of the two the
 /// friction belongs to cannot be told.
 const IN_A_DESCRIPTION: f64 = 0.45;
@@ -264,8 +273,9 @@ fn wrong_body(evidence: &Evidence<'_>, link: usize, change: &[f64], size: &Mater
     let joint = &evidence.chain.joints[link];
     let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
     let units = ["kg", "kg m", "kg m", "kg m"];
+    let in_link = in_link_frame(evidence, link, change);
     let parameters = (0..4)
-        .map(|p| (names[p], Value { value: change[p], stderr: None, unit: units[p] }))
+        .map(|p| (names[p], Value { value: in_link[p], stderr: None, unit: units[p] }))
         .collect();
     Finding {
         effect: "link_inertia_error".to_owned(),
@@ -349,11 +359,17 @@ fn parameters(
                 let of = of_shape("backlash", &group.shape, mean_inertia(&at, joint));
                 vec![of.gap, of.stiffness, of.damping, coefficients[1]]
             }
-            "link_inertia_error" => {
+            "link_inertia_error" | "payload" => {
                 let transform = group.transform.as_deref().unwrap_or_default();
-                (0..4)
+                let change: Vec<f64> = (0..10)
                     .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
-                    .collect()
+                    .collect();
+                let [mass, x, y, z] = in_link_frame(evidence, group.site.joints[0], &change);
+                if group.slug() == "payload" {
+                    vec![mass, x / mass, y / mass, z / mass]
+                } else {
+                    vec![mass, x, y, z]
+                }
             }
             _ => law_parameters(group, coefficients, gain),
         }

@@ -367,6 +367,22 @@ impl<'a> Evidence<'a> {
             let group = push_law(problem, law, site, &[], ids, 0);
             problem.groups[group].transform = Some(transform);
         }
+        // a load: mass and first moment of the last link; its own inertia is small beside them
+        if let Some(payload) = effect("payload") {
+            let last = self.joints() - 1;
+            let columns: Vec<usize> = (10 * last..10 * last + 4)
+                .filter(|&k| problem.product(k, k) > LEAST_SHOWN * LEAST_SHOWN * rows)
+                .collect();
+            if columns.first() == Some(&(10 * last)) {
+                let transform = columns
+                    .iter()
+                    .map(|k| (0..10).map(|p| f64::from(u8::from(10 * last + p == *k))).collect())
+                    .collect();
+                let site = Site { joints: vec![last], window: None };
+                let group = push_law(problem, payload, site, &[], columns, 0);
+                problem.groups[group].transform = Some(transform);
+            }
+        }
     }
 }
 

@@ -68,6 +68,11 @@ pub(crate) fn materiality(
     let without = reduced(metric, of, group, point);
     let least = if metric.scale > 0.0 { LEAST_BESIDE_INERTIA } else { LEAST };
     let mut worst = Materiality { value: 0.0, least, joint: 0 };
+    if metric.scale > 0.0 && problem.groups[group].transform.is_some() {
+        // uncertain inertias would take the place of a load: what counts is its own effort
+        let size = own_materiality(metric, of, group, &left);
+        return (size, without.map(|w| w.0));
+    }
     if let Some((_, rest)) = &without {
         for j in 0..with.len() {
             let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
@@ -163,6 +168,27 @@ pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoin
             _ => return of,
         }
     }
+}
+
+/// Effort of a group by itself, on the joint where it is largest.
+fn own_materiality(metric: &Whitened<'_>, of: &Answer, group: usize, left: &[f64]) -> Materiality {
+    let problem = metric.problem;
+    let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
+    for (j, left) in left.iter().enumerate() {
+        let mut effort = vec![0.0; problem.rows.len()];
+        for &column in &problem.groups[group].columns {
+            let coefficient = of.fit.coefficient(column);
+            for (e, x) in effort.iter_mut().zip(&problem.columns[column][j]) {
+                *e += coefficient * x;
+            }
+        }
+        let value = problem.rows.in_sample_noise(j, &effort);
+        let found = Materiality { value, least: LEAST.max(SHARE_OF_EXCESS * left), joint: j };
+        if found.ratio() > worst.ratio() {
+            worst = found;
+        }
+    }
+    worst
 }
 
 /// Effort of the inertial errors of one link, in standard deviations of one recorded sample, on the

@@ -32,6 +32,8 @@ fn admissible(group: &Group, fit: &Fit) -> bool {
         Scope::Joint | Scope::Neighbours => {
             law.admits(&law.parameters(&group.shape, &coefficients))
         }
+        // a load has mass
+        Scope::Link => group.slug() != "payload" || coefficients[0] > 0.0,
         // the simulated motion of the link, about as large as simulated, and the inertia of a motor
         Scope::ThroughJoint if !group.shape.is_empty() => {
             (0.3..1.7).contains(&coefficients[0]) && coefficients[1] >= 0.0

@@ -478,7 +478,7 @@ fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
         .filter(|&g| {
             let group = &problem.groups[g];
             (group.slug() == "torque_ripple" && memory.no_ripple.contains(&group.site.joints[0]))
-                || (scale > 0.0 && group.transform.is_some())
+                || (scale > 0.0 && group.slug() == "link_inertia_error")
         })
         .collect()
 }
