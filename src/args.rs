@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use armident_ident::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Minimal inertia sets, identification and diagnosis of serial robot arms.
@@ -12,6 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
     after_help = "\
 Start here:
   armident params   urdf/stanford.urdf                     what can be known about this arm
+  armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
@@ -29,6 +31,7 @@ pub(crate) enum Command {
     Params(ParamsArgs),
     Plan(PlanArgs),
     Simulate(SimulateArgs),
+    Check(CheckArgs),
     Identify(IdentifyArgs),
     Diagnose(DiagnoseArgs),
     Validate(ValidateArgs),
@@ -92,6 +95,29 @@ pub(crate) enum PriorArg {
     Urdf,
     /// nothing: the recordings alone
     None,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// least squares, every row alike
+    Ols,
+    /// joints weighted by their noise
+    Wls,
+    /// weighted, samples that are off count for less (Huber)
+    Irls,
+    /// weighted, with the simulated arm for instruments; tests least squares against it
+    Iv,
+}
+
+impl MethodArg {
+    pub(crate) fn method(self) -> Method {
+        match self {
+            Self::Ols => Method::Ols,
+            Self::Wls => Method::Wls,
+            Self::Irls => Method::Irls,
+            Self::Iv => Method::Iv,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -220,7 +246,7 @@ Examples:
   armident identify urdf/ur10.urdf day1.csv day2.csv --holdout day3.csv
   armident identify robot.urdf logs/ --cutoff-hz 8 --save-model model.json --json result.json
 
-A folder with plan.json selects Algorithm 2; anything else is fitted by batch least squares of the
+A folder with plan.json selects Algorithm 2; anything else is fitted by robust least squares of the
 minimal set, viscous and Coulomb friction, offset and rotor inertia of every joint. Velocity and
 acceleration come from the position, low-passed forward and backward (4th-order Butterworth), unless
 accelerations are recorded.")]
@@ -236,6 +262,12 @@ pub(crate) struct IdentifyArgs {
     /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
+    /// How ordinary motion is fitted; no matter with a plan
+    #[arg(long, value_name = "METHOD", default_value = "irls")]
+    pub(crate) method: MethodArg,
+    /// Leave each recording out once, and judge the fit to the others on it
+    #[arg(long)]
+    pub(crate) cross_validate: bool,
     /// What is believed of the links before the recordings; no matter with a plan
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
@@ -245,6 +277,34 @@ pub(crate) struct IdentifyArgs {
     /// Write the model found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Tell whether recordings are fit for purpose, and whether their bookkeeping agrees with the robot
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident check urdf/ur10.urdf day1.csv
+  armident check robot.urdf logs/ --json check.json --fail-on warning
+
+Sample rate against the motion, noise of every channel, what each effort column is (the joint's effort,
+its negative, another unit or the motor side of a gear, without gravity, another joint's), delay between
+effort and motion, and which constants the recordings determine. Each is ok, doubtful, wrong, or cannot
+be told; wrong ones are warnings. Currents and voltages are taken where there are no efforts.")]
+pub(crate) struct CheckArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Recordings (CSV) or folders of them
+    #[arg(required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
+    pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]

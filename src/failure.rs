@@ -109,6 +109,19 @@ impl From<armident_ident::ConsistencyError> for Failure {
     }
 }
 
+impl From<armident_ident::MethodError> for Failure {
+    fn from(error: armident_ident::MethodError) -> Self {
+        match error {
+            armident_ident::MethodError::Numeric(error) => error.into(),
+            other => Self::new(
+                other,
+                "--method iv",
+                Some("use --method wls, or --prior urdf: links without mass cannot be simulated"),
+            ),
+        }
+    }
+}
+
 impl From<armident_effects::UnknownEffect> for Failure {
     fn from(error: armident_effects::UnknownEffect) -> Self {
         Self::new(error, "the model", None::<String>)

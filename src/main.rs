@@ -20,6 +20,7 @@ fn main() -> ExitCode {
         Command::Params(args) => commands::params::run(args),
         Command::Plan(args) => commands::plan::run(args),
         Command::Simulate(args) => commands::simulate::run(args),
+        Command::Check(args) => commands::check::run(args),
         Command::Identify(args) => commands::identify::run(args),
         Command::Diagnose(args) => commands::diagnose::run(args),
         Command::Validate(args) => commands::validate::run(args),

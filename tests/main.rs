@@ -27,6 +27,8 @@ mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
 
+/// recordings as they are and spoiled: what `check` says of them
+mod check;
 /// models as URDF and MJCF, and what these formats cannot hold
 mod export;
 /// MCAP beside CSV

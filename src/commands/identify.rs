@@ -7,23 +7,19 @@ use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Consistent, JointFit, JointRows,
-    MinimalSet, Term, with_recorded_velocity,
+    ArmModel, BatchFit, BatchProblem, BatchSettings, Consistent, JointFit, MinimalSet, Recorded,
+    Term,
 };
 use armident_recording::{Motion, Recording};
 use armident_report::{
-    ConsistencyReport, ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow,
-    StepRow,
+    ConsistencyReport, ConstantRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
+    MergedRow, StepRow,
 };
 
 use super::recordings;
 use crate::args::{IdentifyArgs, PriorArg};
 use crate::failure::{Failure, Outcome};
 use crate::{output, robot};
-
-/// Recorded velocities are taken when they lower the joints' errors by more than this share (geometric
-/// mean): a lag would raise them, and less is not worth another source.
-const VELOCITY_GAIN: f64 = 0.01;
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     // a folder without recordings is refused below, where it is known whether it holds a plan
@@ -76,29 +72,32 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         },
         ..BatchSettings::default()
     };
-    let from_positions = Fit::of(&problem, &settings, &train_motions, &holdout_motions)?;
-    let with_recorded = |motions: &[Motion], recordings: &[Recording]| -> Option<Vec<Motion>> {
-        motions.iter().zip(recordings).map(|(m, r)| with_recorded_velocity(m, r)).collect()
+    let method = args.method.method();
+    let fitted = BatchFit::of(
+        &problem,
+        &model,
+        method,
+        &settings,
+        Recorded { recordings: &train, motions: &train_motions },
+        Recorded { recordings: &holdout, motions: &holdout_motions },
+    )?;
+    let cross_validation = if args.cross_validate {
+        fitted.cross_validation(&problem, &model, method, &settings)?
+    } else {
+        None
     };
-    let recorded_motions =
-        with_recorded(&train_motions, &train).zip(with_recorded(&holdout_motions, &holdout));
-    let from_recorded = recorded_motions
-        .map(|(train, holdout)| Fit::of(&problem, &settings, &train, &holdout))
-        .transpose()?
-        .filter(|fit| fit.mean_log_error() < from_positions.mean_log_error() - VELOCITY_GAIN);
     let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
-    let mut velocities = if cutoff_hz.is_some() { "position" } else { "recorded" };
-    let recorded_velocities = from_recorded.is_some();
-    if let Some(fit) = &from_recorded {
-        velocities = "recorded";
-        let gain = 1.0 - (fit.mean_log_error() - from_positions.mean_log_error()).exp();
+    let recorded_velocities = fitted.velocity_gain.is_some();
+    let velocities =
+        if recorded_velocities || cutoff_hz.is_none() { "recorded" } else { "position" };
+    if let Some(gain) = fitted.velocity_gain {
         notes.push(format!(
             "recorded velocities explain the efforts better than differentiated positions do \
              (error {:.1} % lower): they are used",
             100.0 * gain
         ));
     }
-    let Fit { rows, estimate, holdout_rows } = from_recorded.unwrap_or(from_positions);
+    let BatchFit { rows, estimate, holdout_rows, .. } = &fitted;
 
     let consistent =
         if args.raw_estimate { None } else { Some(problem.nearest_consistent(&estimate)?) };
@@ -114,9 +113,9 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         })
         .collect();
     let fit = FitReport {
-        train: fit_rows(&problem.fit(&rows, values), &joints),
+        train: fit_rows(&problem.fit(rows, values), &joints),
         holdout: holdout_rows.as_ref().map(|r| fit_rows(&problem.fit(r, values), &joints)),
-        urdf: fit_rows(&problem.fit(holdout_rows.as_ref().unwrap_or(&rows), &urdf_terms), &joints),
+        urdf: fit_rows(&problem.fit(holdout_rows.as_ref().unwrap_or(rows), &urdf_terms), &joints),
     };
     let mut constants = Vec::new();
     let mut effects = Vec::new();
@@ -181,6 +180,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let report = IdentifyReport {
         schema: "armident.identify/1",
         method: "batch",
+        estimator: Some(method.name()),
         robot: model.chain.robot.clone(),
         recordings: train.iter().map(|r| r.source.clone()).collect(),
         holdout_recordings: holdout.iter().map(|r| r.source.clone()).collect(),
@@ -199,6 +199,16 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         rows: estimate.rows,
         independent_share: estimate.independent_share,
         effort_noise: by_joint(&estimate.effort_noise, &joints),
+        not_essential: (0..problem.terms.len())
+            .filter(|&k| !estimate.is_essential(k))
+            .map(|k| problem.label(&problem.terms[k], &joints))
+            .collect(),
+        endogeneity: fitted.endogeneity.map(|found| EndogeneityRow {
+            term: problem.label(&problem.terms[found.term], &joints),
+            t: found.t,
+            p: found.p,
+        }),
+        cross_validation: cross_validation.as_ref().map(|fits| fit_rows(fits, &joints)),
         fit,
         warnings,
         notes,
@@ -220,33 +230,6 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     found.effort_noise = Some(estimate.effort_noise.clone());
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
     Ok((report, found))
-}
-
-/// A batch fit of one source of velocities.
-struct Fit {
-    rows: JointRows,
-    estimate: BatchEstimate,
-    holdout_rows: Option<JointRows>,
-}
-
-impl Fit {
-    fn of(
-        problem: &BatchProblem<'_>,
-        settings: &BatchSettings,
-        train: &[Motion],
-        holdout: &[Motion],
-    ) -> Result<Self, Failure> {
-        let of = |motions: &[Motion]| problem.accumulate(&motions.iter().collect::<Vec<_>>());
-        let rows = of(train);
-        let estimate = problem.estimate_with(&rows, settings)?;
-        Ok(Self { rows, estimate, holdout_rows: (!holdout.is_empty()).then(|| of(holdout)) })
-    }
-
-    /// Mean logarithm of the joints' training errors.
-    fn mean_log_error(&self) -> f64 {
-        let fits = &self.estimate.train;
-        fits.iter().map(|f| f.rmse.ln()).sum::<f64>() / fits.len() as f64
-    }
 }
 
 fn by_algorithm2(
@@ -329,6 +312,10 @@ fn by_algorithm2(
     let report = IdentifyReport {
         schema: "armident.identify/1",
         method: "algorithm2",
+        estimator: None,
+        not_essential: Vec::new(),
+        endogeneity: None,
+        cross_validation: None,
         robot: found.chain.robot.clone(),
         recordings: recordings.iter().map(|r| r.source.clone()).collect(),
         holdout_recordings: Vec::new(),

@@ -69,15 +69,7 @@ pub(crate) fn read_all(
     reading: &ReadingArgs,
     output: &OutputArgs,
 ) -> Result<Vec<Recording>, Failure> {
-    let mapping = reading.mapping.as_deref().map(Mapping::load).transpose()?;
-    let recordings: Vec<Recording> = files
-        .iter()
-        .map(|file| {
-            let settings =
-                ReadSettings { mapping: mapping.as_ref(), topic: reading.topic.as_deref() };
-            Ok(read_recording(file, &settings)?)
-        })
-        .collect::<Result<_, Failure>>()?;
+    let recordings = read_quietly(files, reading)?;
     // what was repaired is in the recordings' notes; what was left as it is, is said here
     let mut doubts = Vec::new();
     for recording in &recordings {
@@ -95,6 +87,22 @@ pub(crate) fn read_all(
     }
     output::say_all(output, "note", &doubts);
     Ok(recordings)
+}
+
+/// The same without a word on what is doubtful.
+pub(crate) fn read_quietly(
+    files: &[PathBuf],
+    reading: &ReadingArgs,
+) -> Result<Vec<Recording>, Failure> {
+    let mapping = reading.mapping.as_deref().map(Mapping::load).transpose()?;
+    files
+        .iter()
+        .map(|file| {
+            let settings =
+                ReadSettings { mapping: mapping.as_ref(), topic: reading.topic.as_deref() };
+            Ok(read_recording(file, &settings)?)
+        })
+        .collect()
 }
 
 /// Joints with a position in every one of the recordings, in the order of the first.

@@ -167,11 +167,6 @@ impl Problem {
         if a >= b { self.gram[a][b] } else { self.gram[b][a] }
     }
 
-    /// Weighted rows counted as independent samples.
-    pub(crate) fn samples(&self) -> f64 {
-        self.rows.effective() * self.rows.share
-    }
-
     /// The problem with an effort added that some of its columns explain.
     pub(crate) fn with_added(&self, added: &[(usize, f64)]) -> Self {
         let mut problem = self.clone();
@@ -334,16 +329,6 @@ impl Whitened<'_> {
             .map(|(x, &k)| x / self.norm[k])
             .collect();
         Some(Fit { columns, coefficients, sum_of_squares, cholesky, reduced })
-    }
-
-    /// Standard errors of the coefficients, for noise of the weights.
-    pub(crate) fn standard_errors(&self, fit: &Fit) -> Vec<f64> {
-        fit.cholesky
-            .inverse_diagonal()
-            .iter()
-            .zip(&fit.columns)
-            .map(|(v, &k)| (v / self.problem.rows.share).sqrt() / self.norm[k])
-            .collect()
     }
 
     /// What the sum of squares would lose if these columns were added to a fit.

@@ -70,6 +70,7 @@ struct Memory {
 }
 
 /// What one search gives.
+#[derive(Debug, Clone)]
 struct Best {
     scale: f64,
     wide: Vec<usize>,
@@ -94,14 +95,17 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .iter()
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
-        let Best { scale, wide, answer: found } =
+        let (mut best, starts) =
             best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
-        // at the right operating point nothing is left to add: what it holds is in the answer all the same
-        let held = (0..problem.groups.len())
-            .filter(|g| !held(&problem.groups[*g], &point).is_empty())
-            .filter(|g| !found.set.contains(g));
-        let with_held: Vec<usize> = found.set.iter().copied().chain(held).collect();
-        let found = answer(&problem.whitened(scale, &wide), with_held).unwrap_or(found);
+        best.answer = with_held(&problem, &best, &point);
+        // what is dear to try waits until the configuration is right
+        let metric = problem.whitened(best.scale, &best.wide);
+        let pruned = prune(&metric, best.answer.clone(), &point);
+        if is_still(&moves(&problem, &pruned, &point), &point) || pass + 1 == PASSES {
+            best = with_hidden_motion(evidence, &at, &mut problem, starts, &memory, best);
+            best.answer = with_held(&problem, &best, &point);
+        }
+        let Best { scale, wide, answer: found } = best;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
@@ -116,10 +120,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             });
         }
         let target = moves(&problem, &found, &point);
-        let still = (target.tilt[0] - point.tilt[0]).hypot(target.tilt[1] - point.tilt[1])
-            < STILL.0
-            && target.offset.iter().zip(&point.offset).all(|(a, b)| (a - b).abs() < STILL.1)
-            && (target.delay_s - point.delay_s).abs() < STILL.2;
+        let still = is_still(&target, &point);
         let misfit = misfits(&problem.whitened(scale, &wide), &found);
         let reweighted = misfit
             .iter()
@@ -219,6 +220,23 @@ fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
         .collect()
 }
 
+/// The answer with what the operating point holds: at the right one nothing is left to add.
+fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
+    let held = (0..problem.groups.len())
+        .filter(|g| !held(&problem.groups[*g], point).is_empty())
+        .filter(|g| !best.answer.set.contains(g));
+    let set: Vec<usize> = best.answer.set.iter().copied().chain(held).collect();
+    let metric = problem.whitened(best.scale, &best.wide);
+    answer(&metric, set).unwrap_or_else(|| best.answer.clone())
+}
+
+/// Whether a move of the operating point no longer matters.
+fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
+    (to.tilt[0] - from.tilt[0]).hypot(to.tilt[1] - from.tilt[1]) < STILL.0
+        && to.offset.iter().zip(&from.offset).all(|(a, b)| (a - b).abs() < STILL.1)
+        && (to.delay_s - from.delay_s).abs() < STILL.2
+}
+
 /// The operating point with what a fit adds to it.
 pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) -> OperatingPoint {
     let mut point = OperatingPoint::of(from.offset.len());
@@ -249,86 +267,153 @@ fn best_of_scales(
     problem: &mut Problem,
     start: Vec<usize>,
     memory: &Memory,
-) -> Option<Best> {
+) -> Option<(Best, Vec<Vec<usize>>)> {
     let everyday: Vec<usize> = (0..problem.groups.len())
         .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
         .collect();
     let mut starts = vec![start, everyday];
-    let mut best: Option<Best> = None;
-    let mut memory_of_drives: Vec<usize> = Vec::new();
     // widely spaced scales first, then the neighbours of the best; later passes stay near it
-    let mut tried: Vec<usize> = Vec::new();
-    let mut wanted: Vec<usize> = match memory.scale {
+    let mut best = None;
+    let first = match memory.scale {
         Some(before) => [vec![0], neighbours(before)].concat(),
         None => (0..SCALES.len()).step_by(2).collect(),
     };
-    loop {
-        wanted.retain(|k| !tried.contains(k));
-        if wanted.is_empty() && memory.scale.is_none() {
-            wanted = best.as_ref().map(|b| neighbours(b.scale)).unwrap_or_default();
-            wanted.retain(|k| !tried.contains(k));
-        }
-        let Some(&next) = wanted.first() else { break };
-        tried.push(next);
-        let scale = SCALES[next];
-        let mut found: Option<Best> = None;
-        let (mut driven, mut flexible) = (false, false);
-        let mut library: Option<Answer> = None;
-        for round in 0..ROUNDS {
-            let banned = banned(problem, memory, scale);
-            let metric = problem.whitened(scale, &[]);
-            let Some(now) = search(&metric, &starts, &banned) else { break };
-            let now = with_wrong_bodies(problem, scale, now, &starts, &banned);
-            let metric = problem.whitened(scale, &now.wide);
-            let mut residuals = vec![metric.residual(&now.answer.fit)];
-            if round == 0 {
-                residuals.extend(answer(&metric, Vec::new()).map(|a| metric.residual(&a.fit)));
-            }
-            let mut offered = Vec::new();
-            for residual in &residuals {
-                offered.extend(ripple.offer(evidence, at, problem, residual));
-                offered.extend(contact.offer(evidence, problem, residual));
-            }
-            starts.push(now.answer.set.clone());
-            let residual = residuals.swap_remove(0);
-            found = Some(now);
-            if offered.is_empty() && !driven {
-                driven = true;
-                let suspects = suspects(problem, found.as_ref(), &residual, scale);
-                for &j in suspects.iter().filter(|j| !memory_of_drives.contains(j)) {
-                    offered.extend(transmission::offer(evidence, at, problem, j));
-                }
-                memory_of_drives.extend(suspects);
-            }
-            if offered.is_empty() {
-                // only what everything cheaper has failed to explain is described without a name
-                if flexible {
-                    break;
-                }
-                flexible = true;
-                let left = excess(problem, &residual);
-                let mut worst: Vec<usize> =
-                    (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
-                worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
-                for &j in worst.iter().take(DESCRIBED_JOINTS) {
-                    offered.extend(flexible::offer(evidence, at, problem, j, &residual[j]));
-                }
-                library = found.as_ref().map(|f| f.answer.clone());
-                if offered.is_empty() {
-                    break;
-                }
-            }
-            starts.extend(offered.iter().map(|g| vec![*g]));
-        }
-        if let (Some(found), Some(library)) = (&mut found, library) {
-            contest(problem, scale, found, library);
-        }
-        let Some(found) = found else { continue };
-        if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
-            best = Some(found);
+    let mut tried = Vec::new();
+    for k in first {
+        if !tried.contains(&k) {
+            tried.push(k);
+            let found =
+                laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
+            keep_better(&mut best, found);
         }
     }
-    best
+    if memory.scale.is_none() {
+        for k in best.as_ref().map(|b: &Best| neighbours(b.scale)).unwrap_or_default() {
+            if !tried.contains(&k) {
+                let found =
+                    laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
+                keep_better(&mut best, found);
+            }
+        }
+    }
+    Some((best?, starts))
+}
+
+fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
+    if let Some(found) = found {
+        if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
+            *best = Some(found);
+        }
+    }
+}
+
+/// The best answer at one scale, with ripples and contacts scanned on what is left until nothing new
+/// comes.
+fn laws_at(
+    scale: f64,
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    ripple: &RippleColumns,
+    contact: &ContactColumns,
+    problem: &mut Problem,
+    starts: &mut Vec<Vec<usize>>,
+    memory: &Memory,
+) -> Option<Best> {
+    let mut found = None;
+    for round in 0..ROUNDS {
+        let now = search_at(scale, problem, starts, memory)?;
+        let metric = problem.whitened(scale, &now.wide);
+        let mut residuals = vec![metric.residual(&now.answer.fit)];
+        if round == 0 {
+            residuals.extend(answer(&metric, Vec::new()).map(|a| metric.residual(&a.fit)));
+        }
+        let mut offered = Vec::new();
+        for residual in &residuals {
+            offered.extend(ripple.offer(evidence, at, problem, residual));
+            offered.extend(contact.offer(evidence, problem, residual));
+        }
+        starts.push(now.answer.set.clone());
+        found = Some(now);
+        if offered.is_empty() {
+            break;
+        }
+        starts.extend(offered.iter().map(|g| vec![*g]));
+    }
+    found
+}
+
+fn search_at(
+    scale: f64,
+    problem: &Problem,
+    starts: &[Vec<usize>],
+    memory: &Memory,
+) -> Option<Best> {
+    let banned = banned(problem, memory, scale);
+    let found = search(&problem.whitened(scale, &[]), starts, &banned)?;
+    Some(with_wrong_bodies(problem, scale, found, starts, &banned))
+}
+
+/// Transmissions with a hidden link where something is left over or moves by itself, and descriptions
+/// without a name where even that explains nothing: at the scale found, and at none, where a wish for
+/// uncertain inertias was a wrong law in disguise.
+fn with_hidden_motion(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    mut starts: Vec<Vec<usize>>,
+    memory: &Memory,
+    found: Best,
+) -> Best {
+    let mut scales = vec![found.scale];
+    if found.scale > 0.0 {
+        scales.push(0.0);
+    }
+    starts.push(found.answer.set.clone());
+    let fallback = found.clone();
+    let mut offered = Vec::new();
+    let mut driven: Vec<usize> = Vec::new();
+    for &scale in &scales {
+        let Some(now) = search_at(scale, problem, &starts, memory) else { continue };
+        let residual = problem.whitened(scale, &now.wide).residual(&now.answer.fit);
+        for j in suspects(problem, &now, &residual) {
+            if !driven.contains(&j) {
+                driven.push(j);
+                offered.extend(transmission::offer(evidence, at, problem, j));
+            }
+        }
+    }
+    starts.extend(offered.iter().map(|g| vec![*g]));
+    let mut best = Some(found);
+    let mut described: Vec<usize> = Vec::new();
+    for &scale in &scales {
+        let library = if driven.is_empty() && best.as_ref().is_some_and(|b| b.scale == scale) {
+            best.take()
+        } else {
+            search_at(scale, problem, &starts, memory)
+        };
+        let Some(library) = library else { continue };
+        let residual = problem.whitened(scale, &library.wide).residual(&library.answer.fit);
+        let left = excess(problem, &residual);
+        let mut worst: Vec<usize> =
+            (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+        worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+        for &j in worst.iter().take(DESCRIBED_JOINTS) {
+            if !described.contains(&j) {
+                described.push(j);
+                let offered = flexible::offer(evidence, at, problem, j, &residual[j]);
+                starts.extend(offered.iter().map(|g| vec![*g]));
+            }
+        }
+        starts.push(library.answer.set.clone());
+        let mut with_all =
+            if described.is_empty() { None } else { search_at(scale, problem, &starts, memory) };
+        if let Some(with_all) = &mut with_all {
+            contest(problem, scale, with_all, library.answer.clone());
+        }
+        keep_better(&mut best, Some(library));
+        keep_better(&mut best, with_all);
+    }
+    best.unwrap_or(fallback)
 }
 
 /// Places of a scale and of those beside it.
@@ -339,15 +424,11 @@ fn neighbours(scale: f64) -> Vec<usize> {
 
 /// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
 /// those with something left over.
-fn suspects(
-    problem: &Problem,
-    found: Option<&Best>,
-    residual: &[Vec<f64>],
-    _scale: f64,
-) -> Vec<usize> {
+fn suspects(problem: &Problem, found: &Best, residual: &[Vec<f64>]) -> Vec<usize> {
     let mut joints: Vec<usize> = found
+        .answer
+        .set
         .iter()
-        .flat_map(|f| &f.answer.set)
         .map(|g| &problem.groups[*g])
         .filter(|g| g.places == [Place::Inertia])
         .map(|g| g.site.joints[0])

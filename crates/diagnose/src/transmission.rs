@@ -23,7 +23,7 @@ const MOTOR_HZ: f64 = 80.0;
 const STEP_S: f64 = 2.5e-4;
 /// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
 const RESONANCES_HZ: [f64; 9] = [3.5, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
-const DAMPINGS: [f64; 2] = [0.03, 0.1];
+const DAMPINGS: [f64; 1] = [0.06];
 /// Gaps tried on rotational joints \[rad\] and translational ones \[m\].
 const GAPS: [f64; 13] =
     [3e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3, 4e-3, 5.6e-3, 8e-3, 1.1e-2, 1.6e-2, 3e-2];
@@ -78,15 +78,27 @@ impl Transmission {
         at: &At<'_>,
         joint: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let rigid = Load::of(at, joint, &at.position, &at.signals.velocity);
+        self.difference_from(at, joint, &rigid, 2)
+    }
+
+    /// The same from the loads on a link that follows its motor, in one or more turns.
+    fn difference_from(
+        &self,
+        at: &At<'_>,
+        joint: usize,
+        rigid: &Load,
+        turns: usize,
+    ) -> Result<Vec<Vec<f64>>, RecordingError> {
         let motor =
             Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
         let mut position = at.position.clone();
         let mut velocity = at.signals.velocity.clone();
         let mut acceleration = at.signals.acceleration.clone();
-        // the loads on the link are those of its own motion: found in two turns
-        for _ in 0..2 {
-            let load = Load::of(at, joint, &position, &velocity);
-            let (q, v, a) = self.link(&motor, &load, at.signals.rate_hz);
+        // the loads on the link are those of its own motion: found in turns
+        for turn in 0..turns {
+            let own = (turn > 0).then(|| Load::of(at, joint, &position, &velocity));
+            let (q, v, a) = self.link(&motor, own.as_ref().unwrap_or(rigid), at.signals.rate_hz);
             (position[joint], velocity[joint], acceleration[joint]) = (q, v, a);
         }
         let mut effort = inverse_dynamics_of_motion(&at.arm, &position, &velocity, &acceleration);
@@ -193,9 +205,31 @@ pub(crate) fn push(
     joint: usize,
     shape: &[f64],
 ) -> Option<usize> {
-    let transmission = of_shape(slug, shape, mean_inertia(at, joint));
-    let pieces: Vec<Vec<Vec<f64>>> =
-        at.iter().map(|at| transmission.difference(at, joint)).collect::<Result<_, _>>().ok()?;
+    let loads = loads(at, joint);
+    push_from(evidence, at, problem, slug, joint, shape, &loads, 2)
+}
+
+fn loads(at: &[At<'_>], joint: usize) -> Vec<Load> {
+    at.iter().map(|at| Load::of(at, joint, &at.position, &at.signals.velocity)).collect()
+}
+
+fn push_from(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    slug: &'static str,
+    joint: usize,
+    shape: &[f64],
+    loads: &[Load],
+    turns: usize,
+) -> Option<usize> {
+    let transmission = of_shape(slug, shape, mean_of(loads));
+    let pieces: Vec<Vec<Vec<f64>>> = at
+        .iter()
+        .zip(loads)
+        .map(|(at, load)| transmission.difference_from(at, joint, load, turns))
+        .collect::<Result<_, _>>()
+        .ok()?;
     if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
         return None;
     }
@@ -235,8 +269,10 @@ pub(crate) fn of_shape(slug: &str, shape: &[f64], inertia: f64) -> Transmission 
 
 /// Mean over the recordings of the joint's own inertia.
 pub(crate) fn mean_inertia(at: &[At<'_>], joint: usize) -> f64 {
-    let loads: Vec<Load> =
-        at.iter().map(|at| Load::of(at, joint, &at.position, &at.signals.velocity)).collect();
+    mean_of(&loads(at, joint))
+}
+
+fn mean_of(loads: &[Load]) -> f64 {
     let count: usize = loads.iter().map(|l| l.inertia.len()).sum();
     loads.iter().flat_map(|l| &l.inertia).sum::<f64>() / count as f64
 }
@@ -248,17 +284,22 @@ pub(crate) fn offer(
     problem: &mut Problem,
     joint: usize,
 ) -> Vec<usize> {
-    let inertia = mean_inertia(at, joint);
+    let loads = loads(at, joint);
+    let inertia = mean_of(&loads);
+    // one turn tells which size is worth a closer look
+    let mut push = |slug: &'static str, shape: &[f64]| {
+        push_from(evidence, at, problem, slug, joint, shape, &loads, 1)
+    };
     let mut offered = Vec::new();
     for hz in RESONANCES_HZ {
         for damping in DAMPINGS {
             let rate = std::f64::consts::TAU * hz;
             let shape = [inertia * rate * rate, 2.0 * damping * inertia * rate];
-            offered.extend(push(evidence, at, problem, "joint_elasticity", joint, &shape));
+            offered.extend(push("joint_elasticity", &shape));
         }
     }
     for gap in GAPS {
-        offered.extend(push(evidence, at, problem, "backlash", joint, &[gap]));
+        offered.extend(push("backlash", &[gap]));
     }
     offered
 }

@@ -11,8 +11,7 @@
 //! open extrapolates by what it is told of them.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{Admissible, EVERYDAY, Effect, EffectOnJoint, JointMotion, directions_with};
-use armident_kinematics::JointKind;
+use armident_effects::{Admissible, EVERYDAY, EffectOnJoint, JointMotion, directions_with};
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
 };
@@ -21,16 +20,13 @@ use armident_recording::Motion;
 use crate::link_prior::LinkPrior;
 use crate::minimal_set::{MinimalSet, random_states};
 use crate::quantiles::student_t_975;
+use crate::rows::JointRows;
 
 /// Relative rank cut of unit columns: only what is exactly undetermined is cut, what is badly
 /// determined shows in its standard error.
-const RANK_CUT: f64 = 1e-9;
+pub(crate) const RANK_CUT: f64 = 1e-9;
 /// Cut of the structural elimination at random states.
 const DEPENDENT: f64 = 1e-8;
-/// Periods of the cut-off frequency left out at both ends of a recording, of the fit and of its
-/// errors alike: the filter does not know what came before, so accelerations are wrong there. The
-/// slowest pole of the 4th-order low-pass decays with 0.42 periods: 3 % are left after 1.5.
-pub(crate) const EDGE_PERIODS: f64 = 1.5;
 /// Speed resolutions tried, as shares of a joint's RMS speed; below it the direction fades to zero.
 ///
 /// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the
@@ -38,8 +34,6 @@ pub(crate) const EDGE_PERIODS: f64 = 1.5;
 /// working speed; a column that jumps there puts the difference into viscous friction and inertia.
 /// Which of the two a joint has, its own recording says.
 const SPEED_RESOLUTIONS: [f64; 4] = [0.005, 0.02, 0.05, 0.1];
-/// Share where nothing was fitted.
-pub(crate) const DEFAULT_SPEED_RESOLUTION: f64 = 0.05;
 /// Reweighting ends when no joint's noise level moves by more than this share.
 const WEIGHT_TOLERANCE: f64 = 1e-6;
 const MOST_REWEIGHTINGS: usize = 50;
@@ -91,17 +85,6 @@ pub struct MergedTerm {
     pub into: Vec<(usize, f64)>,
 }
 
-/// Rows of a set of recordings, one triangle per joint.
-#[derive(Debug, Clone)]
-pub struct JointRows {
-    /// per joint, over the terms of [`BatchProblem::terms_of_joint`]
-    triangles: Vec<AccumulatedQr>,
-    /// per joint: number, sum and sum of squares of the filtered effort
-    effort: Vec<(usize, f64, f64)>,
-    /// independent samples over samples, weighted by samples
-    share: f64,
-}
-
 /// The unknowns of an arm and where they appear.
 #[derive(Debug, Clone)]
 pub struct BatchProblem<'a> {
@@ -111,7 +94,7 @@ pub struct BatchProblem<'a> {
     pub terms: Vec<Term>,
     /// Unknowns merged into others by the arm's structure (rotor inertia of joint 1 and `U1_33`).
     pub merged: Vec<MergedTerm>,
-    by_joint: Vec<Vec<usize>>,
+    pub(crate) by_joint: Vec<Vec<usize>>,
     /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\]; none: a
     /// share of the RMS speed of the motion at hand.
     pub speed_resolution: Option<Vec<f64>>,
@@ -161,6 +144,11 @@ pub struct BatchEstimate {
 }
 
 impl BatchEstimate {
+    /// Whether the recordings need term `k`: its 95 % interval does not hold 0.
+    pub fn is_essential(&self, k: usize) -> bool {
+        self.standard_error(k).is_some_and(|error| self.values[k].abs() > self.quantile_95 * error)
+    }
+
     /// Standard error of term `k`; none is claimed for a term at its bound.
     pub fn standard_error(&self, k: usize) -> Option<f64> {
         (!self.at_bound[k]).then(|| self.covariance[(k, k)].sqrt())
@@ -244,6 +232,16 @@ impl<'a> BatchProblem<'a> {
         Self { arm, set, terms, merged, by_joint, speed_resolution: None }
     }
 
+    /// The arm whose efforts are explained.
+    pub fn arm(&self) -> &'a RigidArm {
+        self.arm
+    }
+
+    /// The constants among the unknowns.
+    pub fn set(&self) -> &'a MinimalSet {
+        self.set
+    }
+
     /// Terms that appear in the effort of a joint.
     pub fn terms_of_joint(&self, joint: usize) -> &[usize] {
         &self.by_joint[joint]
@@ -265,51 +263,6 @@ impl<'a> BatchProblem<'a> {
                 }
             }
         }
-    }
-
-    /// Columns of one joint over a motion, through its filter, in the order of
-    /// [`Self::terms_of_joint`].
-    fn columns(&self, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
-        let wanted: Vec<usize> = self.by_joint[joint]
-            .iter()
-            .filter_map(|&k| match self.terms[k] {
-                Term::Constant(c) => Some(c),
-                Term::Effect { .. } => None,
-            })
-            .collect();
-        let mut columns = self.set.columns().of_motion(
-            self.arm,
-            joint,
-            &motion.position,
-            &motion.velocity,
-            &motion.acceleration,
-            &wanted,
-        );
-        let effects: Vec<(usize, Vec<Vec<f64>>)> = EVERYDAY
-            .iter()
-            .enumerate()
-            .map(|(e, law)| {
-                let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
-                (
-                    e,
-                    effect_columns(
-                        *law,
-                        &[],
-                        self.arm.joints[joint].kind,
-                        joint,
-                        motion,
-                        resolution,
-                    ),
-                )
-            })
-            .collect();
-        for &k in &self.by_joint[joint] {
-            if let Term::Effect { effect, parameter, .. } = self.terms[k] {
-                columns.push(effects[effect].1[parameter].clone());
-            }
-        }
-        motion.filter_columns(&mut columns);
-        columns
     }
 
     /// Chooses each joint's speed resolution: the one of four with which the joint's own efforts are
@@ -348,50 +301,6 @@ impl<'a> BatchProblem<'a> {
         Ok(())
     }
 
-    /// Reduces recordings to one triangle per joint. Memory: the columns of one joint of one
-    /// recording at a time.
-    ///
-    /// # Panics
-    /// When a motion has no effort or other joints than the arm.
-    pub fn accumulate(&self, motions: &[&Motion]) -> JointRows {
-        let n = self.arm.dof();
-        let mut rows = JointRows {
-            triangles: self.by_joint.iter().map(|t| AccumulatedQr::new(t.len())).collect(),
-            effort: vec![(0, 0.0, 0.0); n],
-            share: 1.0,
-        };
-        let (mut independent, mut samples) = (0.0, 0.0);
-        for motion in motions {
-            #[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
-            let effort = motion.effort_filtered.as_ref().expect("a motion with efforts");
-            let edge = match &motion.filter {
-                Some(filter) => {
-                    let edge = (EDGE_PERIODS * motion.rate_hz / filter.cutoff_hz()).ceil() as usize;
-                    edge.min(motion.len() / 4)
-                }
-                None => 0,
-            };
-            let kept = edge..motion.len() - edge;
-            independent += motion.independent_share() * kept.len() as f64;
-            samples += kept.len() as f64;
-            for joint in 0..n {
-                let mut columns = self.columns(joint, motion);
-                for column in &mut columns {
-                    column.truncate(kept.end);
-                    column.drain(..kept.start);
-                }
-                let y = &effort[joint][kept.clone()];
-                rows.triangles[joint].push_columns(&columns, y);
-                let total = &mut rows.effort[joint];
-                total.0 += y.len();
-                total.1 += y.iter().sum::<f64>();
-                total.2 += y.iter().map(|e| e * e).sum::<f64>();
-            }
-        }
-        rows.share = if samples > 0.0 { independent / samples } else { 1.0 };
-        rows
-    }
-
     /// Solves for all terms, each joint weighted by its own noise, with the default settings.
     ///
     /// # Errors
@@ -411,10 +320,7 @@ impl<'a> BatchProblem<'a> {
     ) -> Result<BatchEstimate, NumericError> {
         let n = self.arm.dof();
         let count = |joint: usize| rows.effort[joint].0 as f64;
-        let beliefs = Beliefs {
-            bound: settings.admissible_signs.then(|| self.bound()),
-            prior: self.prior(settings)?,
-        };
+        let beliefs = self.beliefs(settings)?;
         // first weights: what each joint alone cannot fit
         let mut noise: Vec<f64> = (0..n)
             .map(|joint| {
@@ -450,10 +356,30 @@ impl<'a> BatchProblem<'a> {
                 break;
             }
         }
+        self.finished(rows, &beliefs, noise, freedom, solved)
+    }
+
+    /// Settings in the form the solver takes.
+    pub(crate) fn beliefs(&self, settings: &BatchSettings) -> Result<Beliefs, NumericError> {
+        Ok(Beliefs {
+            bound: settings.admissible_signs.then(|| self.bound()),
+            prior: self.prior(settings)?,
+        })
+    }
+
+    /// What is said of a solution, beside its values.
+    pub(crate) fn finished(
+        &self,
+        rows: &JointRows,
+        beliefs: &Beliefs,
+        noise: Vec<f64>,
+        freedom: f64,
+        solved: NonNegative,
+    ) -> Result<BatchEstimate, NumericError> {
         let NonNegative { answer, at_bound } = solved;
         let p = self.terms.len();
         let covariance = Mat::from_fn(p, p, |i, j| answer.unit_covariance[(i, j)] / rows.share);
-        let information_root = self.weighted_rows(rows, &noise, &beliefs).root(rows.share.sqrt());
+        let information_root = self.information(rows, &noise, &beliefs).0.root(rows.share.sqrt());
         let train = self.fit(rows, &answer.solution);
         // rank and the like are of the recordings, whatever is believed
         let (from_prior, recorded) = match &beliefs.prior {
@@ -482,7 +408,7 @@ impl<'a> BatchProblem<'a> {
     }
 
     /// Which terms may not be negative.
-    fn bound(&self) -> Vec<bool> {
+    pub(crate) fn bound(&self) -> Vec<bool> {
         let of_law = |term: &Term| match *term {
             Term::Constant(_) => false,
             Term::Effect { effect, parameter, .. } => {
@@ -493,7 +419,10 @@ impl<'a> BatchProblem<'a> {
     }
 
     /// The prior over all terms.
-    fn prior(&self, settings: &BatchSettings) -> Result<Option<TermPrior>, NumericError> {
+    pub(crate) fn prior(
+        &self,
+        settings: &BatchSettings,
+    ) -> Result<Option<TermPrior>, NumericError> {
         let Some(relative) = settings.link_prior else { return Ok(None) };
         let with_rotor: Vec<usize> = (self.merged.iter().flat_map(|m| &m.into))
             .filter_map(|&(k, _)| match self.terms[k] {
@@ -526,30 +455,34 @@ impl<'a> BatchProblem<'a> {
         all
     }
 
-    /// All that is known of the terms; with a prior, of their distances from it: what neither sees
-    /// stays where it is believed.
-    fn weighted_rows(&self, rows: &JointRows, noise: &[f64], beliefs: &Beliefs) -> AccumulatedQr {
+    /// All joints' rows and the prior's. With a prior, unknowns are distances from its mean, which is
+    /// given back: what neither sees stays where it is believed.
+    pub(crate) fn information(
+        &self,
+        rows: &JointRows,
+        noise: &[f64],
+        beliefs: &Beliefs,
+    ) -> (AccumulatedQr, Option<Vec<f64>>) {
         let mut all = self.recorded(rows, noise);
-        if let Some(TermPrior { mean, rows: prior_rows }) = &beliefs.prior {
-            all = all.beyond(mean);
-            let mut prior = AccumulatedQr::new(self.terms.len());
-            prior.push_rows(
-                &prior_rows.iter().map(|r| [r, &[0.0][..]].concat()).collect::<Vec<_>>(),
-            );
-            let terms: Vec<usize> = (0..self.terms.len()).collect();
-            // rows of samples count for more than they know by the dependent ones among them
-            all.merge_weighted(&prior, &terms, 1.0 / rows.share.sqrt());
-        }
-        all
+        let Some(TermPrior { mean, rows: prior_rows }) = &beliefs.prior else {
+            return (all, None);
+        };
+        all = all.beyond(mean);
+        let mut prior = AccumulatedQr::new(self.terms.len());
+        prior.push_rows(&prior_rows.iter().map(|r| [r, &[0.0][..]].concat()).collect::<Vec<_>>());
+        let terms: Vec<usize> = (0..self.terms.len()).collect();
+        // rows of samples count for more than they know by the dependent ones among them
+        all.merge_weighted(&prior, &terms, 1.0 / rows.share.sqrt());
+        (all, Some(mean.clone()))
     }
 
-    fn weighted(
+    pub(crate) fn weighted(
         &self,
         rows: &JointRows,
         noise: &[f64],
         beliefs: &Beliefs,
     ) -> Result<NonNegative, NumericError> {
-        let all = self.weighted_rows(rows, noise, beliefs);
+        let (all, _) = self.information(rows, noise, beliefs);
         let mut solved = match &beliefs.bound {
             // effects, the only terms with bounds, are at 0 in the prior
             Some(bound) => all.solve_non_negative(bound, RANK_CUT)?,
@@ -617,20 +550,35 @@ impl<'a> BatchProblem<'a> {
 }
 
 /// Settings in the form the solver takes.
-struct Beliefs {
-    bound: Option<Vec<bool>>,
-    prior: Option<TermPrior>,
+pub(crate) struct Beliefs {
+    pub(crate) bound: Option<Vec<bool>>,
+    pub(crate) prior: Option<TermPrior>,
 }
 
 /// [`LinkPrior`] over all terms; it says nothing of effects.
-struct TermPrior {
-    mean: Vec<f64>,
-    rows: Vec<Vec<f64>>,
+#[derive(Debug, Clone)]
+pub(crate) struct TermPrior {
+    pub(crate) mean: Vec<f64>,
+    pub(crate) rows: Vec<Vec<f64>>,
 }
 
 impl TermPrior {
+    /// `C P C`: the part of the covariance `C` of an estimate that comes from the doubt of the prior.
+    pub(crate) fn carried(&self, covariance: &Mat<f64>) -> Mat<f64> {
+        let p = covariance.nrows();
+        // rows of B C
+        let carried: Vec<Vec<f64>> = self
+            .rows
+            .iter()
+            .map(|row| {
+                (0..p).map(|j| (0..p).map(|k| row[k] * covariance[(k, j)]).sum::<f64>()).collect()
+            })
+            .collect();
+        Mat::from_fn(p, p, |i, j| carried.iter().map(|row| row[i] * row[j]).sum())
+    }
+
     /// Diagonal of `C P`, with `C` the covariance and `P` the information of the prior.
-    fn share_of(&self, covariance: &Mat<f64>) -> Vec<f64> {
+    pub(crate) fn share_of(&self, covariance: &Mat<f64>) -> Vec<f64> {
         let p = covariance.nrows();
         let mut share = vec![0.0; p];
         for row in &self.rows {
@@ -642,35 +590,4 @@ impl TermPrior {
         }
         share.iter().map(|s| s.clamp(0.0, 1.0)).collect()
     }
-}
-
-/// Columns of an effect on one joint of a motion, not filtered.
-pub(crate) fn effect_columns(
-    effect: &dyn Effect,
-    shape: &[f64],
-    kind: JointKind,
-    joint: usize,
-    motion: &Motion,
-    speed_resolution: Option<f64>,
-) -> Vec<Vec<f64>> {
-    let velocity = &motion.velocity[joint];
-    let speed_resolution = match (speed_resolution, &motion.filter) {
-        // without a low-pass velocities are exact: so is their sign
-        (_, None) => 0.0,
-        (Some(given), _) => given,
-        (None, _) => {
-            let squares: f64 = velocity.iter().map(|v| v * v).sum();
-            DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt()
-        }
-    };
-    let joint_motion = JointMotion {
-        kind,
-        time_s: &motion.time_s,
-        position: &motion.position[joint],
-        velocity,
-        acceleration: &motion.acceleration[joint],
-        direction: &directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE)),
-        rigid_effort: &[],
-    };
-    effect.columns(shape, &joint_motion)
 }

@@ -1,7 +1,7 @@
 //! The consistent links and effects nearest to what was estimated.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{Admissible, EffectOnJoint, LIBRARY};
+use armident_effects::{Admissible, EVERYDAY, EffectOnJoint};
 use armident_numeric::{Mat, information_root};
 
 use crate::algorithm2::Algorithm2Estimate;
@@ -60,7 +60,7 @@ impl BatchProblem<'_> {
             if value == 0.0 {
                 continue;
             }
-            let law = LIBRARY[effect].law();
+            let law = EVERYDAY[effect].law();
             let mut parameters = vec![0.0; law.parameters.len()];
             parameters[parameter] = value;
             list.push(EffectOnJoint::new(law.slug, joint_names[joint], parameters));
@@ -74,7 +74,7 @@ fn non_negative(term: &Term) -> Option<bool> {
     match *term {
         Term::Constant(_) => None,
         Term::Effect { effect, parameter, .. } => {
-            let law = LIBRARY[effect].law();
+            let law = EVERYDAY[effect].law();
             Some(law.parameters[parameter].admissible == Admissible::NonNegative)
         }
     }

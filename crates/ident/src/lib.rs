@@ -11,32 +11,37 @@
 //! | what do such recordings say | [`algorithm2::algorithm2`] |
 //! | what do ordinary motions say, friction included | [`BatchProblem`] |
 //! | which real links have such constants, or nearly | [`ConsistencyProblem`] |
+//! | the same by another method, with honest errors, judged on hold-outs | [`BatchFit`] |
+//! | do the recordings and their books fit the arm | [`check::check`] |
 //! | the arm with what was found, to predict and to keep | [`ArmModel`] |
-//!
-//! Not handled yet: robust and instrumental-variable estimation.
 
 mod algorithm1;
 pub mod algorithm2;
 mod batch;
+pub mod check;
 mod consistency;
 mod consistent_estimate;
 mod constant;
+mod fit;
 mod link_prior;
+mod methods;
 mod minimal_set;
 mod model;
 mod quantiles;
+mod rows;
 mod theorem2;
 pub mod validate;
 mod velocity;
 
 pub use algorithm1::algorithm1;
-pub use batch::{
-    BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows, MergedTerm, Term,
-};
+pub use batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit, MergedTerm, Term};
 pub use consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
 pub use constant::{Constant, Quantity};
+pub use fit::{BatchFit, Recorded};
+pub use methods::{Endogeneity, Method, MethodError};
 pub use minimal_set::{DroppedConstant, MinimalSet};
 pub use model::{ArmModel, MODEL_SCHEMA, ModelError};
 pub use quantiles::student_t_975;
+pub use rows::JointRows;
 pub use theorem2::Theorem2;
 pub use velocity::with_recorded_velocity;

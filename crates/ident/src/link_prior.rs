@@ -13,7 +13,7 @@ use crate::minimal_set::MinimalSet;
 /// mass and length.
 const FLOOR: f64 = 0.1;
 /// Widening of the constants that rotor inertia is part of, about which a description says nothing.
-const UNKNOWN: f64 = 1e3;
+pub(crate) const UNKNOWN: f64 = 1e3;
 /// Cut of the decomposition of `T D Tᵀ`; constants of a minimal set are independent.
 const RANK_CUT: f64 = 1e-12;
 
@@ -41,36 +41,7 @@ impl LinkPrior {
         with_rotor: &[usize],
         relative: f64,
     ) -> Result<Option<Self>, NumericError> {
-        let count = arm.links.len() as f64;
-        let gyration = |link: &InertialParameters| {
-            let half_trace = 0.5 * link.inertia_origin_kgm2.trace().abs();
-            if link.mass_kg == 0.0 { 0.0 } else { (half_trace / link.mass_kg.abs()).sqrt() }
-        };
-        let mean_mass = arm.links.iter().map(|l| l.mass_kg.abs()).sum::<f64>() / count;
-        let mean_length = arm.links.iter().map(gyration).sum::<f64>() / count;
-        if mean_mass == 0.0 || mean_length == 0.0 || set.is_empty() {
-            return Ok(None);
-        }
-
-        // columns of T D^(1/2), one per number of a link, and of what is unknown
-        let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * arm.links.len());
-        for (i, link) in arm.links.iter().enumerate() {
-            let mass = link.mass_kg.abs().max(FLOOR * mean_mass);
-            let length = gyration(link).max(FLOOR * mean_length);
-            for number in 0..InertialParameters::COUNT {
-                let size = match number {
-                    0 => mass,
-                    1..4 => mass * length,
-                    _ => mass * length * length,
-                };
-                let mut unit = [0.0; InertialParameters::COUNT];
-                unit[number] = relative * size;
-                let mut alone = arm.clone();
-                alone.links.fill(InertialParameters::zero());
-                alone.links[i] = InertialParameters::from_array(&unit);
-                spread.push(set.values(&alone.constants()));
-            }
-        }
+        let Some(mut spread) = spread_of_links(arm, set, relative, 0.0) else { return Ok(None) };
         for &k in with_rotor {
             let own = spread.iter().map(|column| column[k].powi(2)).sum::<f64>().sqrt();
             spread.push((0..set.len()).map(|c| if c == k { UNKNOWN * own } else { 0.0 }).collect());
@@ -87,4 +58,49 @@ impl LinkPrior {
             .collect();
         Ok(Some(Self { mean: set.values(&arm.constants()), rows }))
     }
+}
+
+/// Columns of `T D^(1/2)`, one per number of a link: what each of them, off by its standard deviation,
+/// does to the constants. None when no link has mass.
+///
+/// With a `load`, the last link may carry a body of this many times the mean link's mass, of its length,
+/// that the description does not know.
+pub(crate) fn spread_of_links(
+    arm: &RigidArm,
+    set: &MinimalSet,
+    relative: f64,
+    load: f64,
+) -> Option<Vec<Vec<f64>>> {
+    let count = arm.links.len() as f64;
+    let gyration = |link: &InertialParameters| {
+        let half_trace = 0.5 * link.inertia_origin_kgm2.trace().abs();
+        if link.mass_kg == 0.0 { 0.0 } else { (half_trace / link.mass_kg.abs()).sqrt() }
+    };
+    let mean_mass = arm.links.iter().map(|l| l.mass_kg.abs()).sum::<f64>() / count;
+    let mean_length = arm.links.iter().map(gyration).sum::<f64>() / count;
+    if mean_mass == 0.0 || mean_length == 0.0 || set.is_empty() {
+        return None;
+    }
+    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
+    let last = arm.links.len() - 1;
+    let load = (load > 0.0).then_some((last, load * mean_mass, mean_length));
+    let own = arm.links.iter().enumerate().map(|(i, link)| {
+        let mass = relative * link.mass_kg.abs().max(FLOOR * mean_mass);
+        (i, mass, gyration(link).max(FLOOR * mean_length))
+    });
+    for (i, mass, length) in own.chain(load) {
+        for number in 0..InertialParameters::COUNT {
+            let mut unit = [0.0; InertialParameters::COUNT];
+            unit[number] = match number {
+                0 => mass,
+                1..4 => mass * length,
+                _ => mass * length * length,
+            };
+            let mut alone = arm.clone();
+            alone.links.fill(InertialParameters::zero());
+            alone.links[i] = InertialParameters::from_array(&unit);
+            spread.push(set.values(&alone.constants()));
+        }
+    }
+    Some(spread)
 }

@@ -14,8 +14,8 @@ use armident_recording::{Motion, Recording};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::batch::effect_columns;
 use crate::minimal_set::MinimalSet;
+use crate::rows::effect_columns;
 use crate::velocity::with_recorded_velocity;
 
 /// Schema of `model.json`.

@@ -9,6 +9,11 @@ pub fn student_t_975(degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
 }
 
+/// Probability that Student's t exceeds a positive number.
+pub(crate) fn student_t_tail(t: f64, degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |law| law.sf(t))
+}
+
 #[cfg(test)]
 mod tests {
     use super::student_t_975;

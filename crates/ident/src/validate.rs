@@ -8,8 +8,8 @@ use armident_recording::{JointChannels, Motion, Recording};
 use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::batch::EDGE_PERIODS;
 use crate::model::ArmModel;
+use crate::rows::EDGE_PERIODS;
 
 /// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an
 /// unstable arm to stay near its recording.

@@ -160,6 +160,27 @@ impl AccumulatedQr {
         picked
     }
 
+    /// The triangle of the same rows with the columns in another order, column `p` being the right-hand
+    /// side; columns may be left out. Leading columns are projected out of those behind them, so one
+    /// state answers for many choices of unknowns and right-hand sides.
+    ///
+    /// # Panics
+    /// When an index is above `p`.
+    pub fn reordered(&self, columns: &[usize]) -> Mat<f64> {
+        let picked =
+            Mat::from_fn(self.unknowns + 1, columns.len(), |i, j| self.triangle[(i, columns[j])]);
+        let factors = picked.qr();
+        let r = factors.thin_R();
+        let rows = r.nrows();
+        Mat::from_fn(
+            columns.len(),
+            columns.len(),
+            |i, j| {
+                if i <= j && i < rows { r[(i, j)] } else { 0.0 }
+            },
+        )
+    }
+
     /// The same rows for what is left to `x`: right-hand sides `y - A x`.
     ///
     /// # Panics
@@ -217,6 +238,25 @@ mod tests {
             assert!((a - b).abs() < 1e-12);
         }
         assert_eq!(parts.rows(), 3000);
+    }
+
+    /// With the first two columns in front, what is below them in the third is the residual of the
+    /// third on the first two.
+    #[test]
+    fn reordered_columns_are_projected() {
+        let (a, y) = columns(700);
+        let mut qr = AccumulatedQr::new(3);
+        qr.push_columns(&a, &y);
+        let triangle = qr.reordered(&[0, 1, 3, 2]);
+        let mut alone = AccumulatedQr::new(2);
+        alone.push_columns(&a[..2], &y);
+        let expected = alone.solve(1e-12).unwrap().residual_sum_of_squares;
+        assert!((triangle[(2, 2)].powi(2) / expected - 1.0).abs() < 1e-9);
+        alone = AccumulatedQr::new(2);
+        alone.push_columns(&a[..2], &a[2]);
+        let expected = alone.solve(1e-12).unwrap().residual_sum_of_squares;
+        let found = triangle[(2, 3)].powi(2) + triangle[(3, 3)].powi(2);
+        assert!((found / expected - 1.0).abs() < 1e-9);
     }
 
     #[test]

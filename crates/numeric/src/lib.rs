@@ -30,6 +30,7 @@ mod gram;
 mod least_squares;
 mod non_negative;
 mod rank;
+mod svd;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
@@ -39,3 +40,4 @@ pub use least_squares::{
 };
 pub use non_negative::NonNegative;
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};
+pub use svd::ThinSvd;

@@ -18,6 +18,8 @@ pub struct IdentifyReport {
     pub schema: &'static str,
     /// `algorithm2` or `batch`.
     pub method: &'static str,
+    /// How a batch was solved: `ols`, `wls`, `irls` or `iv`.
+    pub estimator: Option<&'static str>,
     /// Robot name.
     pub robot: String,
     /// Training recordings.
@@ -55,12 +57,29 @@ pub struct IdentifyReport {
     pub independent_share: f64,
     /// Noise level of each joint's effort \[N m or N\].
     pub effort_noise: BTreeMap<String, f64>,
+    /// Unknowns whose 95 % interval holds 0: the recordings would not miss them.
+    pub not_essential: Vec<String>,
+    /// Least squares against instruments, with `iv`.
+    pub endogeneity: Option<EndogeneityRow>,
+    /// Errors on each recording of a fit to the others, if there are several.
+    pub cross_validation: Option<FitRows>,
     /// Effort error per joint.
     pub fit: FitReport,
     /// Doubts worth reading.
     pub warnings: Vec<String>,
     /// What was chosen or repaired on the way.
     pub notes: Vec<String>,
+}
+
+/// Durbin, Wu and Hausman's test of least squares.
+#[derive(Debug, Clone, Serialize)]
+pub struct EndogeneityRow {
+    /// Unknown that instruments change most.
+    pub term: String,
+    /// Change over its standard error.
+    pub t: f64,
+    /// Probability of as large a change of any unknown if the columns hold no noise.
+    pub p: f64,
 }
 
 /// One constant.
@@ -177,7 +196,13 @@ impl IdentifyReport {
             },
             self.recordings.len(),
             if self.recordings.len() == 1 { "" } else { "s" },
-            if self.method == "batch" { "batch least squares" } else { "Algorithm 2" },
+            match self.estimator {
+                Some("ols") => "ordinary least squares",
+                Some("irls") => "robust least squares",
+                Some("iv") => "instrumental variables",
+                Some(_) => "weighted least squares",
+                None => "Algorithm 2",
+            },
         );
         text += &format!(
             "rank {} of {}, condition number {}, {} rows ({} % independent), {}\n",
@@ -222,6 +247,27 @@ impl IdentifyReport {
                 "{} cannot be told apart on this arm: it is part of {}\n",
                 merged.term,
                 into.join(", ")
+            );
+        }
+        if self.estimator.is_some() && !self.not_essential.is_empty() {
+            text += &format!(
+                "{} of {} unknowns are essential; the intervals of the others hold 0: {}\n",
+                self.unknowns - self.not_essential.len(),
+                self.unknowns,
+                self.not_essential.join(", ")
+            );
+        }
+        if let Some(tested) = &self.endogeneity {
+            let verdict = if tested.p < 0.05 {
+                "least squares is biased by noise in its columns"
+            } else {
+                "nothing against least squares"
+            };
+            text += &format!(
+                "Durbin-Wu-Hausman: {verdict} ({} moves by {:+.1} standard errors, p = {})\n",
+                tested.term,
+                tested.t,
+                significant(tested.p, 2, 0.0)
             );
         }
         text += "\nEffort error (root mean square, and relative to the effort's variation)\n";
@@ -314,6 +360,9 @@ impl IdentifyReport {
             .map(|joint| {
                 let mut row = vec![joint.clone()];
                 row.extend(cell(&self.fit.train, joint));
+                if let Some(left_out) = &self.cross_validation {
+                    row.extend(cell(left_out, joint));
+                }
                 if let Some(holdout) = &self.fit.holdout {
                     row.extend(cell(holdout, joint));
                 }
@@ -322,6 +371,9 @@ impl IdentifyReport {
             })
             .collect();
         let mut header = vec!["joint", "training", ""];
+        if self.cross_validation.is_some() {
+            header.extend(["each left out", ""]);
+        }
         if self.fit.holdout.is_some() {
             header.extend(["hold-out", ""]);
         }

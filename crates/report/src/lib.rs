@@ -3,6 +3,7 @@
 //! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
 //! The fields are described in `docs/json.md`.
 
+mod check;
 mod consistency;
 mod diagnose;
 mod identify;
@@ -12,10 +13,11 @@ mod plan;
 mod table;
 mod validate;
 
+pub use check::{ChannelRow, CheckReport};
 pub use consistency::ConsistencyReport;
 pub use diagnose::DiagnoseReport;
 pub use identify::{
-    ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+    ConstantRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
 };
 pub use numbers::{significant, uncertain};
 pub use params::ParamsReport;

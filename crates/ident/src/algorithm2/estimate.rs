@@ -7,9 +7,9 @@ use armident_numeric::{Mat, NumericError, PseudoInverse};
 use armident_recording::Motion;
 
 use super::plan::{Plan, Step};
-use crate::batch::EDGE_PERIODS;
 use crate::minimal_set::MinimalSet;
 use crate::quantiles::student_t_975;
+use crate::rows::EDGE_PERIODS;
 
 /// Relative rank cut of unit columns.
 const RANK_CUT: f64 = 1e-9;

@@ -1,0 +1,462 @@
+//! Which effort channel each column is.
+
+use armident_effects::{Admissible, EVERYDAY};
+use armident_numeric::NumericError;
+
+use super::Verdict;
+use super::likelihood::{JointModel, Relation};
+use super::rows::JointRows;
+use crate::batch::{BatchProblem, Term};
+use crate::link_prior::{UNKNOWN, spread_of_links};
+
+/// Gains looked at: a factor of ten thousand to either side of a joint's effort, which takes in gears,
+/// currents, milli- and per-mille units.
+pub(super) const LARGEST_LOG_GAIN: f64 = 9.210_340_371_976_184;
+/// Step of the logarithm of the gain, to find it, ...
+const FINE: f64 = 0.1;
+/// ... and to compare columns, in which any gain will do.
+const COARSE: f64 = 0.3;
+/// Standard deviation of the logarithm of the gain of a channel that is what it says: published drive
+/// gains of one type of arm lie up to a third apart.
+const USUAL_LOG_GAIN: f64 = 0.3;
+/// What the numbers of links may be off, relative to their size; each as likely as the others. At 1 a
+/// link may as well not be there, or be twice what is said; the least is what a good CAD model is off
+/// once cables and covers are on.
+const LINK_DOUBTS: [f64; 3] = [0.1, 0.3, 1.0];
+/// Loads that the URDF may not know, in mean links; each as likely as the others.
+const LOADS: [f64; 3] = [0.0, 0.1, 1.0];
+/// Beliefs enough to compare columns: a tenth and the whole of the links, without a load and with a whole
+/// one; indices over doubts and loads.
+const FEW_BELIEFS: [usize; 4] = [0, 2, 6, 8];
+/// One link in a hundred is off in a way the others are not.
+const ODD_LINK: f64 = 0.01;
+/// What is believed of a column before it is looked at: as it says, and each of the faults.
+const AS_SAID: f64 = 0.96;
+const EACH_FAULT: f64 = 0.01;
+/// Belief in what a column says above which the recordings tell it.
+pub(super) const TOLD: f64 = 0.99;
+/// Belief in gravity taken off that is no more than what it was before: gravity does not show.
+const NO_GRAVITY_SEEN: f64 = 0.0105;
+/// One arrangement of the channels in a hundred recordings is not the one its header says.
+const OTHER_ORDER: f64 = 0.01;
+
+/// What a column turns out to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChannelKind {
+    /// The joint's effort, within the doubt of drive gains and of the URDF.
+    JointEffort,
+    /// The joint's effort with the other sign.
+    SignFlipped,
+    /// A multiple of the effort: another unit, a current, the motor side of a gear.
+    OtherGain,
+    /// A multiple, with the other sign.
+    OtherGainFlipped,
+    /// The effort without its gravity part.
+    WithoutGravity,
+}
+
+impl ChannelKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [
+        Self::JointEffort,
+        Self::SignFlipped,
+        Self::OtherGain,
+        Self::OtherGainFlipped,
+        Self::WithoutGravity,
+    ];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::JointEffort => "joint_effort",
+            Self::SignFlipped => "sign_flipped",
+            Self::OtherGain => "other_gain",
+            Self::OtherGainFlipped => "other_gain_flipped",
+            Self::WithoutGravity => "without_gravity",
+        }
+    }
+
+    fn believed(self) -> f64 {
+        if self == Self::JointEffort { AS_SAID } else { EACH_FAULT }
+    }
+}
+
+/// What the samples say about one column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelEvidence {
+    /// Probability of each kind, in the order of [`ChannelKind::ALL`].
+    pub probability: [f64; 5],
+    /// Median of the gain, recorded over joint effort.
+    pub gain: f64,
+    /// 95 % interval of the gain with the sign of [`gain`](Self::gain); the ends are those of the
+    /// range looked at where it is open.
+    pub gain_95: [f64; 2],
+    /// Standard deviation of the channel \[its unit\].
+    pub sd: f64,
+    /// Root mean square of what the model with free parameters leaves of it.
+    pub residual_rms: f64,
+    /// Standard deviation of the URDF's effort of this joint on this motion \[N m or N\].
+    pub urdf_sd: f64,
+}
+
+/// The columns of all joints.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Channels {
+    pub(super) evidence: Vec<ChannelEvidence>,
+    /// joint -> joint whose column holds its effort, in the most likely order
+    pub(super) order: Vec<usize>,
+    /// probability of the order of the header against the most likely one
+    pub(super) order_probability: f64,
+}
+
+/// Looks at every column against every joint.
+///
+/// How far the URDF is to be doubted is the same question for all joints: each joint's column is judged
+/// with the beliefs that the columns of the others make likely, as far as these are beyond doubt
+/// themselves.
+pub(super) fn channels(
+    problem: &BatchProblem<'_>,
+    rows: &[JointRows],
+) -> Result<Channels, NumericError> {
+    let n = rows.len();
+    let beliefs: Vec<LinkBelief> = LINK_DOUBTS
+        .iter()
+        .flat_map(|&doubt| LOADS.iter().map(move |&load| LinkBelief::of(problem, doubt, load)))
+        .collect();
+    let models: Vec<Vec<JointModel>> = (0..n)
+        .map(|j| {
+            let terms = JointTerms::of(problem, j);
+            beliefs.iter().map(|belief| terms.model(&rows[j], belief)).collect()
+        })
+        .collect::<Result<_, _>>()?;
+    // as likely as each other, to begin with
+    let even = vec![-(beliefs.len() as f64).ln(); beliefs.len()];
+    let profiles: Vec<Vec<Profile>> = (0..n)
+        .map(|j| {
+            let of_model = |m: &JointModel| Profile::of(m, j, rows[j].effective, FINE);
+            models[j].iter().map(of_model).collect()
+        })
+        .collect();
+    let alone: Vec<ChannelEvidence> =
+        (0..n).map(|j| ChannelEvidence::of(&profiles[j], &even, &rows[j]).0).collect();
+
+    let cost: Vec<Vec<f64>> = (0..n)
+        .map(|j| {
+            (0..n)
+                .map(|k| {
+                    let coarse: Vec<Profile> = FEW_BELIEFS
+                        .iter()
+                        .map(|&h| Profile::of(&models[j][h], k, rows[k].effective, COARSE))
+                        .collect();
+                    ChannelEvidence::of(&coarse, &[0.0; FEW_BELIEFS.len()], &rows[k]).1
+                })
+                .collect()
+        })
+        .collect();
+    let order = cheapest_assignment(&cost);
+    let of = |order: &[usize]| -> f64 { order.iter().enumerate().map(|(j, &k)| cost[j][k]).sum() };
+    let as_said: Vec<usize> = (0..n).collect();
+    let odds = if order == as_said {
+        0.0
+    } else {
+        OTHER_ORDER / (1.0 - OTHER_ORDER) * (of(&as_said) - of(&order)).exp()
+    };
+
+    let evidence = (0..n)
+        .map(|j| {
+            let others =
+                (0..n).filter(|&k| k != j && order[k] == k && alone[k].as_said() == Verdict::Ok);
+            let mut told = even.clone();
+            for k in others {
+                for (told, profile) in told.iter_mut().zip(&profiles[k]) {
+                    *told += profile.by_kind()[0];
+                }
+            }
+            let all = log_sum(&told);
+            let weights: Vec<f64> = (told.iter().zip(&even))
+                .map(|(told, even)| {
+                    log_sum(&[(1.0 - ODD_LINK).ln() + told - all, ODD_LINK.ln() + even])
+                })
+                .collect();
+            ChannelEvidence::of(&profiles[j], &weights, &rows[j]).0
+        })
+        .collect();
+    Ok(Channels { evidence, order, order_probability: 1.0 / (1.0 + odds) })
+}
+
+impl ChannelEvidence {
+    /// A column with rows `own`, from its profiles under beliefs of these logarithmic weights; and the
+    /// negative logarithm of the likelihood of the column.
+    fn of(profiles: &[Profile], log_weights: &[f64], own: &JointRows) -> (Self, f64) {
+        let profile = Profile::mean(profiles, log_weights);
+        let believed: Vec<f64> = ChannelKind::ALL
+            .iter()
+            .zip(profile.by_kind())
+            .map(|(kind, l)| kind.believed().ln() + l)
+            .collect();
+        let all = log_sum(&believed);
+        let (gain, gain_95) = profile.gain();
+        let mut probability = [0.0; 5];
+        for (p, l) in probability.iter_mut().zip(&believed) {
+            *p = (l - all).exp();
+        }
+        let evidence = Self {
+            probability,
+            gain,
+            gain_95,
+            sd: own.effort_sd,
+            residual_rms: own.residual_rms,
+            urdf_sd: own.urdf_sd,
+        };
+        (evidence, -all)
+    }
+
+    /// Whether the column is what its header says.
+    pub fn as_said(&self) -> Verdict {
+        let [as_said, flipped, other, other_flipped, without_gravity] = self.probability;
+        // on a joint without gravity both are the same
+        if without_gravity <= NO_GRAVITY_SEEN && flipped + other + other_flipped < 1.0 - TOLD {
+            return Verdict::Ok;
+        }
+        Verdict::of_probability(as_said)
+    }
+}
+
+/// Terms of one joint: positions among the joint's terms, and which constants they are.
+struct JointTerms {
+    friction: Vec<usize>,
+    dissipative: Vec<usize>,
+    constants: Vec<usize>,
+    of_set: Vec<usize>,
+}
+
+impl JointTerms {
+    fn of(problem: &BatchProblem<'_>, joint: usize) -> Self {
+        let mut terms = Self {
+            friction: Vec::new(),
+            dissipative: Vec::new(),
+            constants: Vec::new(),
+            of_set: Vec::new(),
+        };
+        for (place, &k) in problem.terms_of_joint(joint).iter().enumerate() {
+            match problem.terms[k] {
+                Term::Constant(c) => {
+                    terms.constants.push(place);
+                    terms.of_set.push(c);
+                }
+                Term::Effect { effect, parameter, .. } => {
+                    let parameter = &EVERYDAY[effect].law().parameters[parameter];
+                    if parameter.admissible == Admissible::NonNegative {
+                        terms.dissipative.push(terms.friction.len());
+                    }
+                    terms.friction.push(place);
+                }
+            }
+        }
+        terms
+    }
+
+    fn model(&self, rows: &JointRows, belief: &LinkBelief) -> Result<JointModel, NumericError> {
+        let pick = |x: &[f64]| -> Vec<f64> { self.of_set.iter().map(|&c| x[c]).collect() };
+        let spread: Vec<Vec<f64>> = belief.spread.iter().map(|column| pick(column)).collect();
+        JointModel::new(
+            rows,
+            &self.friction,
+            &self.constants,
+            self.dissipative.clone(),
+            &spread,
+            &pick(&belief.mean),
+        )
+    }
+}
+
+/// What is believed of the constants: `x = mean + spread ξ`, `ξ ~ N(0, I)`.
+struct LinkBelief {
+    mean: Vec<f64>,
+    /// by columns
+    spread: Vec<Vec<f64>>,
+}
+
+impl LinkBelief {
+    fn of(problem: &BatchProblem<'_>, doubt: f64, load: f64) -> Self {
+        let (arm, set) = (problem.arm(), problem.set());
+        let mut spread = spread_of_links(arm, set, doubt, load).unwrap_or_default();
+        // rotors that are part of a constant may be of any size
+        for &(k, _) in problem.merged.iter().flat_map(|m| &m.into) {
+            if let Term::Constant(c) = problem.terms[k] {
+                let own = spread.iter().map(|column| column[c].powi(2)).sum::<f64>().sqrt();
+                let mut alone = vec![0.0; set.len()];
+                alone[c] = UNKNOWN * own;
+                spread.push(alone);
+            }
+        }
+        Self { mean: set.values(&arm.constants()), spread }
+    }
+}
+
+/// Log likelihood of one column over the gain, for either sign.
+struct Profile {
+    /// logarithms of the gains
+    log_gain: Vec<f64>,
+    /// as recorded, with gravity: positive and negative gain
+    with: [Vec<f64>; 2],
+    /// gravity taken off, positive gain
+    without: Vec<f64>,
+}
+
+impl Profile {
+    /// The beliefs integrated out.
+    fn mean(each: &[Self], log_weights: &[f64]) -> Self {
+        let mean = |pick: &dyn Fn(&Self) -> &Vec<f64>| -> Vec<f64> {
+            (0..pick(&each[0]).len())
+                .map(|k| {
+                    let all: Vec<f64> =
+                        each.iter().zip(log_weights).map(|(p, w)| pick(p)[k] + w).collect();
+                    log_sum(&all)
+                })
+                .collect()
+        };
+        Self {
+            with: [mean(&|p| &p.with[0]), mean(&|p| &p.with[1])],
+            without: mean(&|p| &p.without),
+            log_gain: each[0].log_gain.clone(),
+        }
+    }
+
+    fn of(model: &JointModel, channel: usize, effective: f64, step: f64) -> Self {
+        let steps = (LARGEST_LOG_GAIN / step).round() as i32;
+        let log_gain: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * step).collect();
+        let along = |sign: f64, without_gravity: bool, range: f64| -> Vec<f64> {
+            let relation = |u: f64| Relation { gain: sign * u.exp(), without_gravity };
+            let mut profile: Vec<f64> = log_gain
+                .iter()
+                .map(|&u| {
+                    if u.abs() > range {
+                        return f64::NEG_INFINITY;
+                    }
+                    -0.5 * model.deviance(channel, relation(u), effective)
+                })
+                .collect();
+            // the friction's sign hardly depends on the size of the gain
+            if let Some(best) = highest(&profile) {
+                let off = model.against_dissipation(channel, relation(log_gain[best]), effective);
+                profile.iter_mut().for_each(|l| *l -= 0.5 * off);
+            }
+            profile
+        };
+        Self {
+            with: [along(1.0, false, f64::INFINITY), along(-1.0, false, f64::INFINITY)],
+            without: along(1.0, true, 4.0 * USUAL_LOG_GAIN),
+            log_gain,
+        }
+    }
+
+    /// Log likelihood of each kind, the gain integrated out.
+    fn by_kind(&self) -> [f64; 5] {
+        let usual = |profile: &[f64]| {
+            let weighted: Vec<f64> = profile
+                .iter()
+                .zip(&self.log_gain)
+                .map(|(l, u)| l - 0.5 * (u / USUAL_LOG_GAIN).powi(2))
+                .collect();
+            let norm: Vec<f64> =
+                self.log_gain.iter().map(|u| -0.5 * (u / USUAL_LOG_GAIN).powi(2)).collect();
+            log_sum(&weighted) - log_sum(&norm)
+        };
+        let any = |profile: &[f64]| log_sum(profile) - (profile.len() as f64).ln();
+        [
+            usual(&self.with[0]),
+            usual(&self.with[1]),
+            any(&self.with[0]),
+            any(&self.with[1]),
+            usual(&self.without),
+        ]
+    }
+
+    /// Median gain and its 95 % interval, given its sign.
+    fn gain(&self) -> (f64, [f64; 2]) {
+        let top = |profile: &Vec<f64>| profile.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let flipped = top(&self.with[1]) > top(&self.with[0]);
+        let (sign, profile) = if flipped { (-1.0, &self.with[1]) } else { (1.0, &self.with[0]) };
+        let all = log_sum(profile);
+        let step = self.log_gain[1] - self.log_gain[0];
+        let quantile = |p: f64| {
+            let mut below = 0.0;
+            for (l, u) in profile.iter().zip(&self.log_gain) {
+                let here = (l - all).exp();
+                if below + here >= p {
+                    // within the step, evenly
+                    return sign * (u + ((p - below) / here - 0.5) * step).exp();
+                }
+                below += here;
+            }
+            sign * LARGEST_LOG_GAIN.exp()
+        };
+        let (low, high) = (quantile(0.025), quantile(0.975));
+        (quantile(0.5), [low.min(high), low.max(high)])
+    }
+}
+
+fn highest(values: &[f64]) -> Option<usize> {
+    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
+}
+
+fn log_sum(logs: &[f64]) -> f64 {
+    let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if top == f64::NEG_INFINITY {
+        return top;
+    }
+    top + logs.iter().map(|l| (l - top).exp()).sum::<f64>().ln()
+}
+
+/// Row -> column of the assignment with the least sum; the one of the header where there are more than
+/// sixteen rows.
+fn cheapest_assignment(cost: &[Vec<f64>]) -> Vec<usize> {
+    let n = cost.len();
+    if n > 16 {
+        return (0..n).collect();
+    }
+    // least cost of the first rows on a set of columns
+    let mut least = vec![(f64::INFINITY, 0); 1 << n];
+    least[0].0 = 0.0;
+    for set in 0..(1_usize << n) - 1 {
+        let row = set.count_ones() as usize;
+        for column in (0..n).filter(|c| set >> c & 1 == 0) {
+            let next = set | 1 << column;
+            let total = least[set].0 + cost[row][column];
+            if total < least[next].0 {
+                least[next] = (total, column);
+            }
+        }
+    }
+    let mut order = vec![0; n];
+    let mut set = (1_usize << n) - 1;
+    for row in (0..n).rev() {
+        order[row] = least[set].1;
+        set &= !(1 << order[row]);
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cheapest_assignment_of_small_cases() {
+        assert_eq!(cheapest_assignment(&[vec![1.0]]), [0]);
+        let cost = [vec![9.0, 1.0, 5.0], vec![1.0, 9.0, 5.0], vec![5.0, 5.0, 1.0]];
+        assert_eq!(cheapest_assignment(&cost), [1, 0, 2]);
+        let cycle = [vec![9.0, 0.0, 9.0], vec![9.0, 9.0, 0.0], vec![0.0, 9.0, 9.0]];
+        assert_eq!(cheapest_assignment(&cycle), [1, 2, 0]);
+        // equal costs leave the header's order
+        assert_eq!(cheapest_assignment(&vec![vec![0.0; 4]; 4]).len(), 4);
+    }
+
+    #[test]
+    fn sums_of_logarithms() {
+        assert!((log_sum(&[0.0, 0.0]) - 2.0_f64.ln()).abs() < 1e-15);
+        assert!((log_sum(&[-1e4, -1e4]) + 1e4 - 2.0_f64.ln()).abs() < 1e-9);
+        assert_eq!(log_sum(&[f64::NEG_INFINITY]), f64::NEG_INFINITY);
+    }
+}

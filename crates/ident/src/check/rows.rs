@@ -1,0 +1,237 @@
+//! What every check asks of the samples: one triangle a joint, with the columns of the model, the
+//! URDF's gravity, the efforts of all joints, and the joint's own effort at other times.
+
+use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_numeric::{AccumulatedQr, NumericError};
+use armident_recording::{Interpolation, Motion};
+
+use crate::batch::{BatchProblem, RANK_CUT};
+use crate::rows::EDGE_PERIODS;
+
+/// Effort shifts tried to either side.
+pub(super) const SHIFTS_ASIDE: usize = 16;
+/// Longest delay looked for \[s\]: drives and field buses have been seen to take some tens of
+/// milliseconds.
+pub(super) const LONGEST_DELAY_S: f64 = 0.06;
+/// Samples per period of the cut-off at which the correlation of residuals is looked at.
+const SAMPLES_PER_CUTOFF: f64 = 4.0;
+
+/// Rows of one joint, reduced.
+///
+/// Columns: the joint's terms, the URDF's gravity effort, the effort of every joint, the joint's own
+/// effort at each of [`shifts_s`], which also stands on the right-hand side.
+#[derive(Debug, Clone)]
+pub(super) struct JointRows {
+    pub(super) triangle: AccumulatedQr,
+    /// number of the joint's terms
+    pub(super) terms: usize,
+    /// number of joints
+    pub(super) joints: usize,
+    /// samples
+    pub(super) samples: f64,
+    /// samples that are worth as much as independent ones, from the correlation of what the joint's
+    /// terms leave of its effort
+    pub(super) effective: f64,
+    /// root mean square of that residual \[N m or N\]
+    pub(super) residual_rms: f64,
+    /// standard deviation of the filtered effort \[N m or N\]
+    pub(super) effort_sd: f64,
+    /// standard deviation of the URDF's effort \[N m or N\]
+    pub(super) urdf_sd: f64,
+}
+
+impl JointRows {
+    pub(super) fn gravity(&self) -> usize {
+        self.terms
+    }
+
+    pub(super) fn effort_of(&self, joint: usize) -> usize {
+        self.terms + 1 + joint
+    }
+
+    pub(super) fn shifted(&self, shift: usize) -> usize {
+        self.terms + 1 + self.joints + shift
+    }
+}
+
+/// Times by which the effort is read later \[s\]: positive finds an effort that lags.
+pub(super) fn shifts_s() -> Vec<f64> {
+    let steps = SHIFTS_ASIDE as f64;
+    (0..=2 * SHIFTS_ASIDE).map(|k| (k as f64 - steps) / steps * LONGEST_DELAY_S).collect()
+}
+
+/// The motion with its efforts read `delay_s` later.
+pub(super) fn with_effort_from(motion: &Motion, delay_s: f64) -> Motion {
+    let later: Vec<f64> = motion.time_s.iter().map(|t| t + delay_s).collect();
+    let at = Interpolation::new(&motion.time_s, &later, 2.0 / motion.rate_hz);
+    let mut moved = motion.clone();
+    for efforts in [&mut moved.effort, &mut moved.effort_filtered].into_iter().flatten() {
+        efforts.iter_mut().for_each(|effort| *effort = at.apply(effort));
+    }
+    moved
+}
+
+/// Samples left out at both ends, of the filter and of the shifts.
+fn edge(motion: &Motion) -> usize {
+    let of_filter = motion.filter.as_ref().map_or(0.0, |filter| EDGE_PERIODS / filter.cutoff_hz());
+    let edge = (motion.rate_hz * of_filter.max(LONGEST_DELAY_S)).ceil() as usize;
+    edge.min(motion.len() / 4)
+}
+
+/// Model columns of one joint over one motion, without the ends.
+fn model_columns(problem: &BatchProblem<'_>, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
+    let edge = edge(motion);
+    let mut columns = problem.columns(joint, motion);
+    for column in &mut columns {
+        column.truncate(motion.len() - edge);
+        column.drain(..edge);
+    }
+    columns
+}
+
+/// Reduces all motions, joint by joint. Memory: the columns of one joint of one recording.
+pub(super) fn accumulate(
+    problem: &BatchProblem<'_>,
+    arm: &RigidArm,
+    motions: &[Motion],
+) -> Result<Vec<JointRows>, NumericError> {
+    let n = arm.dof();
+    let shifts = shifts_s();
+    let mut gravity: Vec<Vec<Vec<f64>>> = Vec::new();
+    let mut of_urdf = vec![(0.0, 0.0, 0.0); n];
+    for motion in motions {
+        let still = vec![vec![0.0; motion.len()]; n];
+        let mut of_motion = inverse_dynamics_of_motion(arm, &motion.position, &still, &still);
+        motion.filter_columns(&mut of_motion);
+        gravity.push(of_motion);
+        let rigid = inverse_dynamics_of_motion(
+            arm,
+            &motion.position,
+            &motion.velocity,
+            &motion.acceleration,
+        );
+        let edge = edge(motion);
+        for (moments, effort) in of_urdf.iter_mut().zip(&rigid) {
+            for e in &effort[edge..effort.len() - edge] {
+                *moments = (moments.0 + 1.0, moments.1 + e, moments.2 + e * e);
+            }
+        }
+    }
+    let mut all = Vec::with_capacity(n);
+    for joint in 0..n {
+        let terms = problem.terms_of_joint(joint).len();
+        let mut rows = JointRows {
+            triangle: AccumulatedQr::new(terms + 1 + n + shifts.len()),
+            terms,
+            joints: n,
+            samples: 0.0,
+            effective: 0.0,
+            residual_rms: 0.0,
+            effort_sd: 0.0,
+            urdf_sd: 0.0,
+        };
+        let mut effort_moments = (0.0, 0.0);
+        for (motion, gravity) in motions.iter().zip(&gravity) {
+            let Some(effort) = &motion.effort_filtered else { continue };
+            let edge = edge(motion);
+            let kept = edge..motion.len() - edge;
+            let mut columns = model_columns(problem, joint, motion);
+            columns.push(gravity[joint][kept.clone()].to_vec());
+            columns.extend(effort.iter().map(|e| e[kept.clone()].to_vec()));
+            for shift in &shifts {
+                let later: Vec<f64> =
+                    motion.time_s[kept.clone()].iter().map(|t| t + shift).collect();
+                let longest_s = 2.0 / motion.rate_hz;
+                let at = Interpolation::new(&motion.time_s, &later, longest_s);
+                columns.push(at.apply(&effort[joint]));
+            }
+            let own = &effort[joint][kept];
+            rows.triangle.push_columns(&columns, own);
+            rows.samples += own.len() as f64;
+            effort_moments.0 += own.iter().sum::<f64>();
+            effort_moments.1 += own.iter().map(|e| e * e).sum::<f64>();
+        }
+        let mean = effort_moments.0 / rows.samples;
+        rows.effort_sd = (effort_moments.1 / rows.samples - mean * mean).max(0.0).sqrt();
+        let (count, sum, of_squares) = of_urdf[joint];
+        rows.urdf_sd = (of_squares / count - (sum / count).powi(2)).max(0.0).sqrt();
+        let own: Vec<usize> = (0..terms).collect();
+        let values = rows.triangle.with_unknowns(&own).solve(RANK_CUT)?.solution;
+        let mut residuals = Vec::new();
+        let mut squares = 0.0;
+        let mut thinned_count = 0.0;
+        for motion in motions {
+            let Some(effort) = &motion.effort_filtered else { continue };
+            let columns = model_columns(problem, joint, motion);
+            let edge = edge(motion);
+            let residual: Vec<f64> = (0..motion.len() - 2 * edge)
+                .map(|t| {
+                    let fitted: f64 = columns.iter().zip(&values).map(|(c, x)| c[t] * x).sum();
+                    effort[joint][edge + t] - fitted
+                })
+                .collect();
+            squares += residual.iter().map(|r| r * r).sum::<f64>();
+            let stride = motion.filter.as_ref().map_or(1.0, |filter| {
+                (motion.rate_hz / (SAMPLES_PER_CUTOFF * filter.cutoff_hz())).floor().max(1.0)
+            });
+            let thinned: Vec<f64> = residual.iter().step_by(stride as usize).copied().collect();
+            thinned_count += thinned.len() as f64;
+            residuals.push(thinned);
+        }
+        rows.residual_rms = (squares / rows.samples).sqrt();
+        rows.effective = (thinned_count / correlation_time(&residuals)).max(1.0);
+        all.push(rows);
+    }
+    Ok(all)
+}
+
+/// Samples per independent sample of some series: `1 + 2 Σ ρ_k` over the initial sequence of positive
+/// pairs. Source: C. J. Geyer, Practical Markov chain Monte Carlo, Statistical Science 7 (1992).
+pub(crate) fn correlation_time(series: &[Vec<f64>]) -> f64 {
+    let count: usize = series.iter().map(Vec::len).sum();
+    let mean = series.iter().flatten().sum::<f64>() / count as f64;
+    let product = |lag: usize| -> f64 {
+        series
+            .iter()
+            .flat_map(|s| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| (a - mean) * (b - mean)))
+            .sum()
+    };
+    let variance = product(0);
+    if variance.is_nan() || variance <= 0.0 {
+        return 1.0;
+    }
+    let mut time = -1.0;
+    for pair in 0..count / 4 {
+        let sum = (product(2 * pair) + product(2 * pair + 1)) / variance;
+        if sum <= 0.0 {
+            break;
+        }
+        time += 2.0 * sum;
+    }
+    time.max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    /// A first-order series with coefficient a: (1 + a) / (1 - a).
+    #[test]
+    fn correlation_time_of_known_series() {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(3);
+        for a in [0.0, 0.5, 0.8] {
+            let mut x = 0.0;
+            let series: Vec<f64> = (0..40_000)
+                .map(|_| {
+                    x = a * x + random.random_range(-1.0..1.0);
+                    x
+                })
+                .collect();
+            let expected = (1.0 + a) / (1.0 - a);
+            let found = correlation_time(&[series]);
+            assert!((found / expected - 1.0).abs() < 0.15, "{found} for {expected}");
+        }
+        assert_eq!(correlation_time(&[vec![1.0; 10]]), 1.0);
+    }
+}

@@ -1,0 +1,201 @@
+//! From motions to rows: the columns of every joint, reduced to triangles.
+
+use armident_effects::{EVERYDAY, Effect, JointMotion, directions_with};
+use armident_kinematics::JointKind;
+use armident_numeric::AccumulatedQr;
+use armident_recording::Motion;
+
+use crate::batch::{BatchProblem, Term};
+
+/// Periods of the cut-off frequency left out at both ends of a recording, of the fit and of its
+/// errors alike: the filter does not know what came before, so accelerations are wrong there. The
+/// slowest pole of the 4th-order low-pass decays with 0.42 periods: 3 % are left after 1.5.
+pub(crate) const EDGE_PERIODS: f64 = 1.5;
+/// Share where nothing was fitted.
+pub(crate) const DEFAULT_SPEED_RESOLUTION: f64 = 0.05;
+/// Blocks that all recordings together are cut into, for standard errors: enough for a Student quantile
+/// near the normal one, few enough that each outlasts the memory of the residuals.
+const BLOCKS: f64 = 20.0;
+/// Shortest block, in periods of the cut-off.
+const SHORTEST_BLOCK_PERIODS: f64 = 2.0;
+
+/// Rows of a set of recordings, one triangle per joint.
+#[derive(Debug, Clone)]
+pub struct JointRows {
+    /// per joint, over the terms of [`BatchProblem::terms_of_joint`]
+    pub(crate) triangles: Vec<AccumulatedQr>,
+    /// per joint: number, sum and sum of squares of the filtered effort
+    pub(crate) effort: Vec<(usize, f64, f64)>,
+    /// independent samples over samples, weighted by samples
+    pub(crate) share: f64,
+    /// per joint, stretches of time one after the other that make up its triangle
+    pub(crate) blocks: Vec<Vec<AccumulatedQr>>,
+}
+
+impl JointRows {
+    /// Counts and shares without triangles.
+    pub(crate) fn clone_without_rows(&self) -> Self {
+        Self { triangles: Vec::new(), blocks: Vec::new(), effort: self.effort.clone(), ..*self }
+    }
+}
+
+/// Samples that a fit uses: without the ends, which the filter spoils.
+pub(crate) fn kept(motion: &Motion) -> std::ops::Range<usize> {
+    let edge = match &motion.filter {
+        Some(filter) => {
+            let edge = (EDGE_PERIODS * motion.rate_hz / filter.cutoff_hz()).ceil() as usize;
+            edge.min(motion.len() / 4)
+        }
+        None => 0,
+    };
+    edge..motion.len() - edge
+}
+
+/// Ranges of samples of one motion that standard errors take for independent, `total_s` being the length
+/// of all motions.
+fn blocks_of(motion: &Motion, total_s: f64) -> Vec<std::ops::Range<usize>> {
+    let kept = kept(motion);
+    let length_s = kept.len() as f64 / motion.rate_hz;
+    let most = motion
+        .filter
+        .as_ref()
+        .map_or(f64::INFINITY, |filter| length_s * filter.cutoff_hz() / SHORTEST_BLOCK_PERIODS);
+    let count = (BLOCKS * length_s / total_s).round().min(most).max(1.0) as usize;
+    (0..count)
+        .map(|b| kept.start + b * kept.len() / count..kept.start + (b + 1) * kept.len() / count)
+        .collect()
+}
+
+impl BatchProblem<'_> {
+    /// Reduces recordings to one triangle per joint. Memory: the columns of one joint of one
+    /// recording at a time.
+    ///
+    /// # Panics
+    /// When a motion has no effort or other joints than the arm.
+    pub fn accumulate(&self, motions: &[&Motion]) -> JointRows {
+        self.accumulate_with(motions, |_, _, _, _| {}, |_, joint| self.by_joint[joint].len())
+    }
+
+    /// The same with columns as `prepare(motion index, joint, columns, effort)` leaves them, of which
+    /// there are `width(joint)`.
+    pub(crate) fn accumulate_with(
+        &self,
+        motions: &[&Motion],
+        prepare: impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>),
+        width: impl Fn(&Self, usize) -> usize,
+    ) -> JointRows {
+        let n = self.by_joint.len();
+        let mut rows = JointRows {
+            triangles: (0..n).map(|joint| AccumulatedQr::new(width(self, joint))).collect(),
+            effort: vec![(0, 0.0, 0.0); n],
+            share: 1.0,
+            blocks: vec![Vec::new(); n],
+        };
+        let total_s: f64 = motions.iter().map(|m| kept(m).len() as f64 / m.rate_hz).sum();
+        let (mut independent, mut samples) = (0.0, 0.0);
+        for (index, motion) in motions.iter().enumerate() {
+            #[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
+            let effort = motion.effort_filtered.as_ref().expect("a motion with efforts");
+            let kept = kept(motion);
+            let blocks = blocks_of(motion, total_s);
+            independent += motion.independent_share() * kept.len() as f64;
+            samples += kept.len() as f64;
+            for joint in 0..n {
+                let total = &mut rows.effort[joint];
+                let own = &effort[joint][kept.clone()];
+                total.0 += own.len();
+                total.1 += own.iter().sum::<f64>();
+                total.2 += own.iter().map(|e| e * e).sum::<f64>();
+                let mut columns = self.columns(joint, motion);
+                let mut y = effort[joint].clone();
+                prepare(index, joint, &mut columns, &mut y);
+                for block in &blocks {
+                    let part: Vec<Vec<f64>> =
+                        columns.iter().map(|c| c[block.clone()].to_vec()).collect();
+                    let mut triangle = AccumulatedQr::new(columns.len());
+                    triangle.push_columns(&part, &y[block.clone()]);
+                    rows.triangles[joint].merge(&triangle);
+                    rows.blocks[joint].push(triangle);
+                }
+            }
+        }
+        rows.share = if samples > 0.0 { independent / samples } else { 1.0 };
+        rows
+    }
+
+    /// Columns of one joint over a motion, through its filter, in the order of
+    /// [`Self::terms_of_joint`].
+    pub(crate) fn columns(&self, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
+        let wanted: Vec<usize> = self.by_joint[joint]
+            .iter()
+            .filter_map(|&k| match self.terms[k] {
+                Term::Constant(c) => Some(c),
+                Term::Effect { .. } => None,
+            })
+            .collect();
+        let mut columns = self.set().columns().of_motion(
+            self.arm(),
+            joint,
+            &motion.position,
+            &motion.velocity,
+            &motion.acceleration,
+            &wanted,
+        );
+        let effects: Vec<(usize, Vec<Vec<f64>>)> = EVERYDAY
+            .iter()
+            .enumerate()
+            .map(|(e, law)| {
+                let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
+                (
+                    e,
+                    effect_columns(
+                        *law,
+                        &[],
+                        self.arm().joints[joint].kind,
+                        joint,
+                        motion,
+                        resolution,
+                    ),
+                )
+            })
+            .collect();
+        for &k in &self.by_joint[joint] {
+            if let Term::Effect { effect, parameter, .. } = self.terms[k] {
+                columns.push(effects[effect].1[parameter].clone());
+            }
+        }
+        motion.filter_columns(&mut columns);
+        columns
+    }
+}
+
+/// Columns of an effect on one joint of a motion, not filtered.
+pub(crate) fn effect_columns(
+    effect: &dyn Effect,
+    shape: &[f64],
+    kind: JointKind,
+    joint: usize,
+    motion: &Motion,
+    speed_resolution: Option<f64>,
+) -> Vec<Vec<f64>> {
+    let velocity = &motion.velocity[joint];
+    let speed_resolution = match (speed_resolution, &motion.filter) {
+        // without a low-pass velocities are exact: so is their sign
+        (_, None) => 0.0,
+        (Some(given), _) => given,
+        (None, _) => {
+            let squares: f64 = velocity.iter().map(|v| v * v).sum();
+            DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt()
+        }
+    };
+    let joint_motion = JointMotion {
+        kind,
+        time_s: &motion.time_s,
+        position: &motion.position[joint],
+        velocity,
+        acceleration: &motion.acceleration[joint],
+        direction: &directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE)),
+        rigid_effort: &[],
+    };
+    effect.columns(shape, &joint_motion)
+}

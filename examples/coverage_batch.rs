@@ -1,0 +1,241 @@
+//! How honest are the standard errors of the batch fit?
+//!
+//! Simulates a UR5 with a heavier forearm, friction and rotors on random motions, seen through 17-bit
+//! encoders and efforts with coloured noise, differentiates and filters as usual, identifies each
+//! recording, and prints how often the 95 % intervals hold the true value:
+//!
+//! ```text
+//! cargo run --release --example coverage_batch -- 200 irls > docs/studies/batch_coverage.md
+//! ```
+
+#![allow(clippy::print_stdout, reason = "the table is the output")]
+
+use armident_effects::EffectOnJoint;
+use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet, Term};
+use armident_kinematics::{
+    ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
+};
+use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+const RATE_HZ: f64 = 100.0;
+const DURATION_S: f64 = 20.0;
+const FUNDAMENTAL_HZ: f64 = 0.1;
+const ENCODER_BITS: u32 = 17;
+/// Effort noise relative to each joint's effort, and correlation of neighbouring samples.
+const NOISE: f64 = 0.02;
+const COLOUR: f64 = 0.9;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let seeds: u64 = arguments.next().map_or(Ok(200), |a| a.parse())?;
+    let name = arguments.next().unwrap_or_else(|| "irls".to_owned());
+    let method = Method::ALL.into_iter().find(|m| m.name() == name).ok_or("no such method")?;
+
+    let robot = load_urdf("urdf/ur5.urdf".as_ref())?;
+    let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+    let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+    let names: Vec<String> = believed.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let (truth, effects) = true_arm(&believed, &names);
+    let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
+
+    let rigid = believed.rigid_arm();
+    let set = MinimalSet::of(&rigid)?;
+    let problem = BatchProblem::new(&rigid, &set);
+    let true_values = true_values(&problem, &set, &truth, &effects, &names);
+    let count = problem.terms.len();
+    let (mut inside, mut inside_white) = (vec![0_u64; count], vec![0_u64; count]);
+    let (mut off, mut off_squares) = (vec![0.0; count], vec![0.0; count]);
+    let mut cutoffs = Vec::new();
+    for seed in 0..seeds {
+        let recording = recording(&arm, &names, seed)?;
+        let motion = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
+        cutoffs.extend(motion.filter.as_ref().map(|f| f.cutoff_hz()));
+        let mut problem = problem.clone();
+        problem.choose_speed_resolution(&[&motion])?;
+        let settings = BatchSettings::default();
+        let (rows, found, _) = problem.solve_by(method, &believed, &[&motion], &settings)?;
+        let white = problem.estimate_with(&rows, &settings)?;
+        for k in 0..count {
+            let hit = |error: Option<f64>, value: f64, quantile: f64| {
+                error.is_none_or(|e| (value - true_values[k]).abs() <= quantile * e)
+            };
+            inside[k] +=
+                u64::from(hit(found.standard_error(k), found.values[k], found.quantile_95));
+            inside_white[k] +=
+                u64::from(hit(white.standard_error(k), white.values[k], white.quantile_95));
+            if let Some(error) = found.standard_error(k) {
+                let z = (found.values[k] - true_values[k]) / error;
+                off[k] += z;
+                off_squares[k] += z * z;
+            }
+        }
+    }
+
+    let share = |hits: u64| 100.0 * hits as f64 / seeds as f64;
+    let pooled = |hits: &[u64]| hits.iter().map(|h| share(*h)).sum::<f64>() / count as f64;
+    let lowest = cutoffs.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = cutoffs.iter().copied().fold(0.0, f64::max);
+    println!("# Coverage of the batch fit's intervals\n");
+    println!(
+        "UR5 with a forearm 0.6 kg heavier than its URDF, viscous and Coulomb friction, offset and rotor \
+         inertia on every joint; {seeds} recordings of {DURATION_S} s at {RATE_HZ} Hz, five harmonics of \
+         {FUNDAMENTAL_HZ} Hz with random phases; {ENCODER_BITS}-bit encoders; effort noise of {} % with \
+         correlation {COLOUR} of neighbouring samples; velocity and acceleration from positions through \
+         the chosen low-pass ({lowest:.1} to {highest:.1} Hz); method {name}; armident {}.",
+        100.0 * NOISE,
+        env!("CARGO_PKG_VERSION")
+    );
+    println!("Made by `cargo run --release --example coverage_batch -- {seeds} {name}`.\n");
+    println!(
+        "Inside 95 % intervals, all {count} unknowns: **{:.1} %** with errors from blocks, {:.1} % with \
+         errors from white residuals.\n",
+        pooled(&inside),
+        pooled(&inside_white)
+    );
+    println!(
+        "| unknown | true value | inside | inside, white | mean of (estimate - truth)/error | SD |"
+    );
+    println!("| --- | ---: | ---: | ---: | ---: | ---: |");
+    for k in 0..count {
+        let mean = off[k] / seeds as f64;
+        let deviation = (off_squares[k] / seeds as f64 - mean * mean).sqrt();
+        println!(
+            "| {} | {:.6} | {:.1} % | {:.1} % | {mean:+.3} | {deviation:.3} |",
+            problem.label(&problem.terms[k], &joints),
+            true_values[k],
+            share(inside[k]),
+            share(inside_white[k]),
+        );
+    }
+    Ok(())
+}
+
+/// What the URDF does not know.
+fn true_arm(believed: &ArmModel, names: &[String]) -> (ArmModel, Vec<EffectOnJoint>) {
+    let mut truth = believed.clone();
+    let forearm = &mut truth.chain.joints[2].link;
+    let middle = forearm.com_m();
+    *forearm = forearm.plus(&InertialParameters::from_com(
+        0.6,
+        middle + Vector3::new(0.05, 0.0, 0.0),
+        Matrix3::identity() * 0.002,
+    ));
+    let friction = [
+        [3.1, 4.2, 0.10, 0.35],
+        [3.4, 5.1, -0.20, 0.35],
+        [1.9, 3.3, 0.15, 0.20],
+        [0.55, 0.90, 0.02, 0.05],
+        [0.50, 0.75, 0.00, 0.05],
+        [0.45, 0.70, -0.03, 0.05],
+    ];
+    let slugs = ["viscous_friction", "coulomb_friction", "torque_offset", "rotor_inertia"];
+    let mut effects = Vec::new();
+    for (joint, numbers) in names.iter().zip(friction) {
+        for (effect, value) in slugs.iter().zip(numbers) {
+            effects.push(EffectOnJoint {
+                effect: (*effect).to_owned(),
+                joint: joint.clone(),
+                parameters: vec![value],
+                other_joint: None,
+                window_s: None,
+            });
+        }
+    }
+    (truth, effects)
+}
+
+/// True value of every unknown, merged rotors included.
+fn true_values(
+    problem: &BatchProblem<'_>,
+    set: &MinimalSet,
+    truth: &ArmModel,
+    effects: &[EffectOnJoint],
+    names: &[String],
+) -> Vec<f64> {
+    let constants = set.values(&truth.rigid_arm().constants());
+    let of_effect = |joint: usize, effect: usize| {
+        let slug = armident_effects::EVERYDAY[effect].law().slug;
+        effects
+            .iter()
+            .find(|e| e.effect == slug && e.joint == names[joint])
+            .map_or(0.0, |e| e.parameters[0])
+    };
+    let of_term = |term: &Term| match *term {
+        Term::Constant(k) => constants[k],
+        Term::Effect { joint, effect, .. } => of_effect(joint, effect),
+    };
+    let mut values: Vec<f64> = problem.terms.iter().map(of_term).collect();
+    for merged in &problem.merged {
+        for (k, factor) in &merged.into {
+            values[*k] += factor * of_term(&merged.term);
+        }
+    }
+    values
+}
+
+/// Position and effort of a random motion, as a logger gives them.
+fn recording(
+    arm: &SimulatedArm,
+    names: &[String],
+    seed: u64,
+) -> Result<Recording, Box<dyn std::error::Error>> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let samples = (DURATION_S * RATE_HZ) as usize;
+    let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / RATE_HZ).collect();
+    let middle = [0.0, -1.3, 1.4, -0.8, 0.6, 0.0];
+    let speed = [0.35, 0.3, 0.4, 0.55, 0.6, 0.7];
+    let joints = names
+        .iter()
+        .enumerate()
+        .map(|(j, name)| {
+            let phases: Vec<f64> =
+                (0..5).map(|_| random.random_range(0.0..std::f64::consts::TAU)).collect();
+            let at = |t: f64| {
+                let mut sum = (middle[j], 0.0, 0.0);
+                for (k, phase) in phases.iter().enumerate() {
+                    let w = std::f64::consts::TAU * FUNDAMENTAL_HZ * (k + 1) as f64;
+                    let (sin, cos) = (w * t + phase).sin_cos();
+                    sum.0 += speed[j] / w * sin;
+                    sum.1 += speed[j] * cos;
+                    sum.2 -= speed[j] * w * sin;
+                }
+                sum
+            };
+            let column = |pick: fn((f64, f64, f64)) -> f64| {
+                Some(time_s.iter().map(|&t| pick(at(t))).collect())
+            };
+            JointChannels {
+                position: column(|s| s.0),
+                velocity: column(|s| s.1),
+                acceleration: column(|s| s.2),
+                ..JointChannels::new(name)
+            }
+        })
+        .collect();
+    let planned = Recording::new(format!("motion {seed}"), time_s, joints)?;
+    let nothing_held = std::collections::BTreeMap::new();
+    let trajectory = Trajectory::from_recording(&planned, names, &nothing_held)?;
+    let sensors = Sensors { effort_noise: None, encoder_bits: Some(ENCODER_BITS), seed };
+    let mut measured = sensors.apply(arm, &inverse(arm, &trajectory)?)?;
+    for joint in &mut measured.joints {
+        joint.velocity = None;
+        joint.acceleration = None;
+        let Some(effort) = &mut joint.effort else { continue };
+        let count = effort.len() as f64;
+        let mean = effort.iter().sum::<f64>() / count;
+        let spread = (effort.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let mut noise = 0.0;
+        for e in effort {
+            let fresh: f64 = StandardNormal.sample(&mut random);
+            noise = COLOUR * noise + (1.0 - COLOUR * COLOUR).sqrt() * fresh;
+            *e += NOISE * spread * noise;
+        }
+    }
+    Ok(measured)
+}

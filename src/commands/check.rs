@@ -1,0 +1,48 @@
+//! `armident check`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use armident_ident::check::{Verdict, check, with_drive_signals};
+use armident_recording::Recording;
+use armident_report::CheckReport;
+
+use super::recordings;
+use crate::args::CheckArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{output, robot};
+
+pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
+    let files = recordings::expand(&args.recordings)?;
+    let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
+    output::protect(inputs, [args.output.json.as_ref()])?;
+    let read = recordings::read_quietly(&files, &args.reading)?;
+    let mut signals = BTreeMap::new();
+    let recorded: Vec<Recording> = read
+        .iter()
+        .map(|recording| {
+            let (filled, of_recording) = with_drive_signals(recording);
+            signals.extend(of_recording);
+            filled
+        })
+        .collect();
+    let names = recordings::joints_with_position(&recorded);
+    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let cutoff_hz =
+        recordings::common_cutoff(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
+    let motions = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?;
+    let found = check(&model, &recorded, &motions, &signals)?;
+    let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
+    for wrong in found.checks.iter().filter(|c| c.verdict == Verdict::Wrong) {
+        let joint = wrong.joint.as_ref().map_or(String::new(), |joint| format!("{joint}: "));
+        warnings.push(format!("{joint}{}: {} [check-wrong]", wrong.topic.name(), wrong.message));
+    }
+    let sources = recorded.iter().map(|r| r.source.clone()).collect();
+    let notes = recordings::notes(&motions);
+    let robot = model.chain.robot.clone();
+    let report = CheckReport::new(&robot, sources, names, cutoff_hz, &found, warnings, notes);
+    output::say_all(&args.output, "note", &report.notes);
+    output::write_result(&args.output, &report.text(), &report, &report.warnings)
+}

@@ -1,0 +1,359 @@
+//! `armident check`: recordings as they are have nothing wrong, spoiled copies of them have, and what.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::shared::{project, shared};
+use crate::tool::{list, number, run, scratch, string, text};
+
+/// A recording as text columns, to be spoiled.
+#[derive(Clone)]
+struct Table {
+    header: Vec<String>,
+    /// by columns; the first is the time
+    columns: Vec<Vec<f64>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Self {
+        let content = std::fs::read_to_string(path).unwrap();
+        let mut lines = content.lines();
+        let header: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        let mut columns = vec![Vec::new(); header.len()];
+        for line in lines {
+            for (column, field) in columns.iter_mut().zip(line.split(',')) {
+                column.push(field.parse().unwrap());
+            }
+        }
+        Self { header, columns }
+    }
+
+    fn write(&self, path: &Path) {
+        let mut content = self.header.join(",") + "\n";
+        for k in 0..self.columns[0].len() {
+            let row: Vec<String> = self.columns.iter().map(|c| c[k].to_string()).collect();
+            content += &(row.join(",") + "\n");
+        }
+        std::fs::write(path, content).unwrap();
+    }
+
+    /// Indices of the columns of a quantity, in the order of the file.
+    fn of(&self, quantity: &str) -> Vec<usize> {
+        (0..self.header.len()).filter(|&k| self.header[k].ends_with(quantity)).collect()
+    }
+
+    fn scaled(&self, columns: &[usize], factor: f64) -> Self {
+        let mut table = self.clone();
+        columns.iter().for_each(|&k| table.columns[k].iter_mut().for_each(|x| *x *= factor));
+        table
+    }
+
+    fn swapped(&self, a: usize, b: usize) -> Self {
+        let mut table = self.clone();
+        table.columns.swap(a, b);
+        table
+    }
+
+    /// Efforts that come later by this time, on straight lines between the samples.
+    fn delayed(&self, delay_s: f64) -> Self {
+        let mut table = self.clone();
+        let time = &self.columns[0];
+        for k in self.of("/effort") {
+            table.columns[k] = time
+                .iter()
+                .map(|t| {
+                    let at = t - delay_s;
+                    let after = time.partition_point(|s| *s <= at).clamp(1, time.len() - 1);
+                    let share = (at - time[after - 1]) / (time[after] - time[after - 1]);
+                    let (a, b) = (self.columns[k][after - 1], self.columns[k][after]);
+                    a + share.clamp(0.0, 1.0) * (b - a)
+                })
+                .collect();
+        }
+        table
+    }
+
+    /// Efforts less the gravity part of the URDF: prediction with less prediction without.
+    fn without_gravity(&self, urdf: &Path, recording: &Path, folder: &Path) -> Self {
+        let predicted = |gravity: &str| {
+            let out = folder.join("predicted.csv");
+            let mut args =
+                vec!["predict", text(urdf), text(recording), "-o", text(&out), "--cutoff-hz", "10"];
+            args.extend(["--gravity", gravity]);
+            run(&args).fine();
+            Self::read(&out)
+        };
+        let (with, without) = (predicted("0,0,-9.81"), predicted("0,0,0"));
+        let mut table = self.clone();
+        for (joint, k) in self.of("/effort").into_iter().enumerate() {
+            for t in 0..table.columns[k].len() {
+                table.columns[k][t] -= with.columns[joint + 1][t] - without.columns[joint + 1][t];
+            }
+        }
+        table
+    }
+}
+
+/// A robot with its recording and a place to spoil it.
+struct Case {
+    urdf: PathBuf,
+    recording: PathBuf,
+    table: Table,
+    folder: PathBuf,
+}
+
+impl Case {
+    fn new(name: &str, urdf: PathBuf, recording: PathBuf) -> Self {
+        let table = Table::read(&recording);
+        Self { urdf, recording, table, folder: scratch(&format!("check_{name}")) }
+    }
+
+    fn checked(&self, table: &Table) -> Value {
+        let path = self.folder.join("spoiled.csv");
+        table.write(&path);
+        run(&["check", text(&self.urdf), text(&path), "--json", "-", "-q"]).fine().json()
+    }
+}
+
+fn wrong(found: &Value) -> Vec<String> {
+    list(&found["checks"])
+        .iter()
+        .filter(|c| c["verdict"] == "wrong")
+        .map(|c| format!("{} {}: {}", c["topic"], c["joint"], string(&c["message"])))
+        .collect()
+}
+
+/// Verdict and sentence on the effort column of a joint, from 0.
+fn channel(found: &Value, joint: usize) -> (&str, &str) {
+    let name = &found["joints"][joint];
+    let check = list(&found["checks"])
+        .iter()
+        .find(|c| c["topic"] == "channel" && c["joint"] == *name)
+        .unwrap();
+    (string(&check["verdict"]), string(&check["message"]))
+}
+
+fn topic<'a>(found: &'a Value, topic: &str) -> &'a Value {
+    list(&found["checks"]).iter().find(|c| c["topic"] == topic).unwrap()
+}
+
+/// Faults put into the columns of joints whose rigid body shows, from 0, each alone; `sure` faults are
+/// wrong beyond doubt, the others at least doubtful.
+fn faults_are_found(case: &Case, joints: &[usize], sure: bool) {
+    let found_out = |verdict: &str| verdict == "wrong" || (!sure && verdict == "doubtful");
+    let efforts = case.table.of("/effort");
+    for &joint in joints {
+        let found = case.checked(&case.table.scaled(&efforts[joint..=joint], -1.0));
+        let (verdict, said) = channel(&found, joint);
+        assert!(
+            found_out(verdict) && said.contains("sign is flipped"),
+            "{joint}: {verdict} {said}"
+        );
+        let found = case.checked(&case.table.scaled(&efforts[joint..=joint], 0.01));
+        let (verdict, said) = channel(&found, joint);
+        assert!(verdict == "wrong" && said.contains("another unit"), "{joint}: {verdict} {said}");
+        for other in (0..efforts.len()).filter(|k| *k != joint) {
+            let (verdict, said) = channel(&found, other);
+            assert!(verdict != "wrong", "{joint} spoiled, {other}: {said}");
+        }
+    }
+}
+
+fn swaps_are_found(case: &Case, pairs: &[(usize, usize)]) {
+    let efforts = case.table.of("/effort");
+    for &(a, b) in pairs {
+        let found = case.checked(&case.table.swapped(efforts[a], efforts[b]));
+        let order = topic(&found, "order");
+        assert_eq!(order["verdict"], "wrong", "{a} {b}: {order}");
+        assert_eq!(found["channels"][a]["column"], found["joints"][b]);
+        assert_eq!(found["channels"][b]["column"], found["joints"][a]);
+    }
+}
+
+/// Gravity taken off shows on at least this many joints, and nothing else is named.
+fn missing_gravity_is_found(case: &Case, least: usize) {
+    let spoiled = case.table.without_gravity(&case.urdf, &case.recording, &case.folder);
+    let found = case.checked(&spoiled);
+    let n = list(&found["joints"]).len();
+    let told: Vec<(&str, &str)> = (0..n).map(|j| channel(&found, j)).collect();
+    let count = |says: &str| {
+        told.iter().filter(|(v, m)| (*v == "wrong" || *v == "doubtful") && m.contains(says)).count()
+    };
+    assert!(count("gravity is already taken off") >= least, "{told:?}");
+    assert_eq!(count("sign"), 0, "{told:?}");
+}
+
+/// Estimated delay \[s\] and half-width of its interval.
+fn delay(found: &Value) -> (f64, f64) {
+    let check = topic(found, "delay");
+    let [low, high] = [0, 1].map(|k| number(&check["interval_95"][k]));
+    (number(&check["value"]), 0.5 * (high - low))
+}
+
+/// A recording and the same with later efforts differ in delay by what was put in.
+fn delays_are_found(case: &Case, delay_s: f64, tolerance_s: f64) -> Value {
+    let (before, _) = delay(&case.checked(&case.table));
+    let found = case.checked(&case.table.delayed(delay_s));
+    let (after, _) = delay(&found);
+    assert!((after - before - delay_s).abs() < tolerance_s, "{before} to {after}");
+    found
+}
+
+fn bundled(name: &str) -> Case {
+    Case::new(name, project("urdf/ur5.urdf"), project("examples/ur5/train.csv"))
+}
+
+#[test]
+fn nothing_is_wrong_with_the_bundled_recording() {
+    let case = bundled("as_is");
+    let found = case.checked(&case.table);
+    assert_eq!(found["schema"], "armident.check/1");
+    assert_eq!(wrong(&found), Vec::<String>::new());
+    for joint in 0..5 {
+        assert_eq!(channel(&found, joint).0, "ok");
+    }
+    // its rigid body is a thousandth of its friction
+    assert_eq!(channel(&found, 5).0, "cannot tell".replace(' ', "_"));
+    let (delay_s, half_s) = delay(&found);
+    assert!(delay_s.abs() < half_s && half_s < 2e-3, "{delay_s} {half_s}");
+    assert_eq!(topic(&found, "rate")["verdict"], "ok");
+    let effort = &list(&found["quality"][0]["channels"])[1];
+    assert_eq!(effort["quantity"], "effort");
+    // the elbow and its neighbours carry 1 % noise
+    assert!((number(&effort["noise"]) - 0.45).abs() < 0.1, "{effort}");
+}
+
+#[test]
+fn faults_of_the_bundled_recording_are_found() {
+    let case = bundled("faults");
+    faults_are_found(&case, &[0, 2, 4], true);
+    let efforts = case.table.of("/effort");
+    // friction alone shows the sign
+    let found = case.checked(&case.table.scaled(&efforts[5..], -1.0));
+    assert_eq!(channel(&found, 5).0, "wrong");
+    assert!(channel(&found, 5).1.contains("friction would drive"), "{:?}", channel(&found, 5));
+    swaps_are_found(&case, &[(0, 1), (3, 4)]);
+    missing_gravity_is_found(&case, 3);
+    let found = case.checked(&case.table.scaled(&efforts, 0.01));
+    for joint in 0..5 {
+        assert!(channel(&found, joint).1.contains("another unit"), "{joint}");
+    }
+    let degrees = case.checked(&case.table.scaled(&case.table.of("/position"), 57.295_779_513));
+    assert!(wrong(&degrees).iter().any(|w| w.contains("in degrees")), "{:?}", wrong(&degrees));
+}
+
+#[test]
+fn delays_of_the_bundled_recording_are_found() {
+    let case = bundled("delays");
+    let found = delays_are_found(&case, 0.005, 1e-3);
+    assert_eq!(topic(&found, "delay")["verdict"], "wrong");
+    delays_are_found(&case, 0.02, 2e-3);
+}
+
+/// Joints that rest or move one way, and what they leave open, are named.
+#[test]
+fn lazy_recordings_are_told() {
+    let case = bundled("lazy");
+    let position = case.table.of("/position");
+    let mut table = case.table.clone();
+    table.columns[position[0]].fill(0.3);
+    let found = case.checked(&table);
+    let rests = list(&found["checks"])
+        .iter()
+        .any(|c| c["joint"] == "shoulder_pan_joint" && string(&c["message"]).starts_with("rests"));
+    assert!(rests, "{found}");
+    let open = list(&found["constants"]).iter().find(|c| c["label"] == "U1_33").unwrap();
+    assert_eq!(open["verdict"], "cannot_tell");
+    assert!(string(&open["reason"]).contains("rests"), "{open}");
+}
+
+#[test]
+fn wrong_checks_are_warnings() {
+    let args = ["check", "urdf/ur5.urdf", "examples/ur5/train.csv", "--mapping"];
+    let ran = run(&[&args[..], &["examples/ur5/wrong.toml", "--fail-on", "warning"]].concat());
+    assert_eq!(ran.code, 3, "{}", ran.stderr);
+    assert_eq!(ran.stderr.matches("[check-wrong]").count(), 2, "{}", ran.stderr);
+}
+
+fn real(test: &str, folder: &str, urdf: &str) -> Option<Case> {
+    let data = shared(test, &format!("data/{folder}"))?;
+    Some(Case::new(&format!("{test}_{folder}"), data.join(urdf), data.join("train.csv")))
+}
+
+#[test]
+fn nothing_is_wrong_with_real_recordings() {
+    for (folder, urdf, training) in [
+        ("ur10-unisa", "ur10.urdf", "train.csv"),
+        ("panda-unisa", "panda.urdf", "train.csv"),
+        ("staubli-tx40", "tx40.urdf", "train.csv"),
+        ("tiago-arm", "tiago_schunk.urdf", "train.csv"),
+        ("dfki-double-pendulum", "double_pendulum.urdf", "train.csv"),
+        ("dfki-simple-pendulum", "simple_pendulum.urdf", "ddp.csv"),
+        ("bam-xl330", "xl330_pendulum.urdf", "sin_sin_kp100.csv"),
+    ] {
+        let Some(data) = shared("check", &format!("data/{folder}")) else { return };
+        let (urdf, training) = (data.join(urdf), data.join(training));
+        let found =
+            run(&["check", text(&urdf), text(&training), "--json", "-", "-q"]).fine().json();
+        assert_eq!(wrong(&found), Vec::<String>::new(), "{folder}");
+        if folder == "tiago-arm" {
+            // published factors of arm 2 to 4 [N m/A]
+            for (joint, published) in [(2, 13.6), (3, -8.7)] {
+                let gain = &found["channels"][joint]["gain_95"];
+                let (low, high) = (number(&gain[0]), number(&gain[1]));
+                assert!(low < 1.0 / published && 1.0 / published < high, "{joint}: {gain}");
+            }
+        }
+    }
+}
+
+#[test]
+fn faults_of_real_recordings_are_found() {
+    if let Some(ur10) = real("faults", "ur10-unisa", "ur10.urdf") {
+        faults_are_found(&ur10, &[0, 1, 2], true);
+        swaps_are_found(&ur10, &[(0, 1), (1, 2), (4, 5)]);
+        delays_are_found(&ur10, 0.005, 1e-3);
+    }
+    if let Some(tx40) = real("faults", "staubli-tx40", "tx40.urdf") {
+        faults_are_found(&tx40, &[0, 1, 2], true);
+        swaps_are_found(&tx40, &[(0, 1), (1, 2), (4, 5)]);
+        missing_gravity_is_found(&tx40, 2);
+        delays_are_found(&tx40, 0.005, 2.5e-3);
+    }
+    // torque sensors behind the friction, at 30 Hz
+    if let Some(panda) = real("faults", "panda-unisa", "panda.urdf") {
+        faults_are_found(&panda, &[1, 4], false);
+        swaps_are_found(&panda, &[(0, 1), (1, 2), (4, 5)]);
+        missing_gravity_is_found(&panda, 3);
+    }
+}
+
+/// Simulated arms with one effect each: none of them is a fault of the books but the delays.
+#[test]
+fn physics_is_no_fault_of_the_books() {
+    for (case, delay_s) in [
+        ("d01", None),
+        ("d02", None),
+        ("d09", None),
+        ("d17", None),
+        ("d22", Some(-0.01325)),
+        ("d30", Some(0.00575)),
+        ("f01", None),
+        ("f08", None),
+    ] {
+        let Some(folder) = shared("check", &format!("challenge/dev/{case}")) else { return };
+        let (urdf, training) = (folder.join("robot.urdf"), folder.join("train_1.csv"));
+        let found =
+            run(&["check", text(&urdf), text(&training), "--json", "-", "-q"]).fine().json();
+        match delay_s {
+            None => assert_eq!(wrong(&found), Vec::<String>::new(), "{case}"),
+            Some(true_s) => {
+                assert_eq!(topic(&found, "delay")["verdict"], "wrong", "{case}");
+                let (found_s, half_s) = delay(&found);
+                assert!((found_s - true_s).abs() < half_s, "{case}: {found_s} +- {half_s}");
+                assert_eq!(wrong(&found).len(), 1, "{case}");
+            }
+        }
+    }
+}
