@@ -420,8 +420,10 @@ fn learned(model: &ArmModel, evidence: &Evidence<'_>, selection: &Selection) -> 
             continue;
         }
         let Some(law) = effect(group.slug()) else { continue };
-        let joint = &evidence.names[group.site.joints[0]];
-        let on_joint = |parameters: Vec<f64>| EffectOnJoint::new(group.slug(), joint, parameters);
+        let on_joint = |parameters: Vec<f64>| {
+            let joint = &evidence.names[group.site.joints[0]];
+            EffectOnJoint::new(group.slug(), joint, parameters)
+        };
         match law.law().scope {
             Scope::Joint if group.slug() != "torque_scale" => {
                 found.arm.effects.push(on_joint(law_parameters(group, &coefficients, &gain)));
