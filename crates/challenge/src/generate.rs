@@ -199,7 +199,7 @@ impl<'a> Scene<'a> {
             let dry = by_limit.min(by_need).max(3.0 * sensing.sigma[j]);
             let speed = joint.limits.velocity.unwrap_or(3.0);
             level.push(dry);
-            viscous.push(dry * random.between(0.5, 1.5) / speed);
+            viscous.push(dry * random.log_between(0.5, 2.7) / speed);
         }
         let planned = plans.iter().map(|plan| planned_at(plan, duration_s)).collect();
         Self {
