@@ -25,6 +25,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
     (
         "",
         &[
+            "diagnose",
             "dynamics",
             "effects",
             "export",
