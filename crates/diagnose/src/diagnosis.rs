@@ -122,6 +122,12 @@ pub enum DiagnoseError {
     /// No recording is long enough.
     #[error("no recording is long enough")]
     TooShort,
+    /// No joint moves.
+    #[error("no joint moves")]
+    NoMotion,
+    /// The effort of a joint that moves is one number.
+    #[error("the effort of {0} is the same number throughout although the joint moves")]
+    ConstantEffort(String),
     /// The problem could not be solved.
     #[error("the efforts cannot be compared with the model")]
     Unsolvable,
@@ -138,6 +144,7 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
     if signals.iter().any(|s| s.band.kept.len() < 2) {
         return Err(DiagnoseError::TooShort);
     }
+    said_something(&names, &signals)?;
     let mut evidence = Evidence::new(&model.chain, signals);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let findings = findings(&evidence, &selection);
@@ -154,6 +161,25 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
         joints: names,
         inertial_error: selection.scale,
     })
+}
+
+/// Refuses recordings from which every answer would be invented: channels that say one number.
+fn said_something(names: &[String], signals: &[Signals]) -> Result<(), DiagnoseError> {
+    let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
+    if !(0..names.len()).any(moves) {
+        return Err(DiagnoseError::NoMotion);
+    }
+    for (j, name) in names.iter().enumerate() {
+        let recorded = signals.iter().any(|s| !s.effort[j].is_empty());
+        if recorded && moves(j) && signals.iter().all(|s| is_constant(&s.effort[j])) {
+            return Err(DiagnoseError::ConstantEffort(name.clone()));
+        }
+    }
+    Ok(())
+}
+
+fn is_constant(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 impl Diagnosis {

@@ -1,4 +1,17 @@
 //! Says what physics a model leaves out.
+//!
+//! [`diagnose`] compares recorded efforts with those of a believed arm in a band of 10 Hz, in units of the
+//! noise of the recordings themselves. It looks for the smallest set of laws of the effects library which,
+//! beside errors of all links, explains the difference. A law is named when the effort that it alone
+//! explains is material against the noise of a recorded sample, and when it lowers the error of stretches
+//! of the recordings to which it was not fitted. What remains and depends on some column, but on no law of the
+//! library, is described without a name ([`UNMODELLED`]).
+//!
+//! The result is a list of [`Finding`]s and a [`DiagnosedModel`] that predicts what recordings of other
+//! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
+//!
+//! Limits: what differs by less than the noise of a sample is not named; laws that are the same effort in these
+//! motions are named once, by the simplest; contacts push on the tip, one window each.
 
 mod background;
 mod band;

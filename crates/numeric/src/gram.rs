@@ -47,8 +47,7 @@ impl Cholesky {
                 row[j] = (entry(i, j) - sum) / other[j];
             }
             let pivot = entry(i, i) - row[..i].iter().map(|x| x * x).sum::<f64>();
-            // written so that NaN is refused
-            if !(pivot > 0.0) {
+            if pivot.is_nan() || pivot <= 0.0 {
                 return None;
             }
             row[i] = pivot.sqrt();
