@@ -100,7 +100,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let BatchFit { rows, estimate, holdout_rows, .. } = &fitted;
 
     let consistent =
-        if args.raw_estimate { None } else { Some(problem.nearest_consistent(&estimate)?) };
+        if args.raw_estimate { None } else { Some(problem.nearest_consistent(estimate)?) };
     let values = consistent.as_ref().map_or(&estimate.values, |c| &c.estimated);
 
     let of_urdf = set.values(&arm.constants());

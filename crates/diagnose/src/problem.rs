@@ -227,7 +227,7 @@ impl Problem {
                 let reduced: Vec<Vec<f64>> =
                     (0..count).map(|k| cholesky.forward(&along(k))).collect();
                 let matrix = Mat::from_fn(directions.len(), count, |i, j| reduced[j][i]);
-                let correction = &matrix.transpose() * &matrix;
+                let correction = matrix.transpose() * &matrix;
                 for k in 0..count {
                     for l in 0..=k {
                         gram[k][l] -= weight * correction[(k, l)];

@@ -16,10 +16,13 @@ const LEAST_SHARE: f64 = 0.06;
 const PEAKS: usize = 2;
 const APART: f64 = 2.0;
 
+/// Order, sine rows, cosine rows.
+type Wave = (f64, Vec<f64>, Vec<f64>);
+
 /// Sine and cosine rows of every order, for every joint: formed once for a set of recordings.
 pub(crate) struct RippleColumns {
-    /// `[joint][order]`: order, sine rows, cosine rows
-    joints: Vec<Vec<(f64, Vec<f64>, Vec<f64>)>>,
+    /// `[joint][order]`
+    joints: Vec<Vec<Wave>>,
 }
 
 impl RippleColumns {

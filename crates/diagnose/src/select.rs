@@ -300,10 +300,10 @@ fn best_of_scales(
 }
 
 fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
-    if let Some(found) = found {
-        if best.as_ref().is_none_or(|b| found.answer.score < b.answer.score) {
-            *best = Some(found);
-        }
+    if let Some(found) = found
+        && best.as_ref().is_none_or(|b| found.answer.score < b.answer.score)
+    {
+        *best = Some(found);
     }
 }
 

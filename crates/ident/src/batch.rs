@@ -379,7 +379,7 @@ impl<'a> BatchProblem<'a> {
         let NonNegative { answer, at_bound } = solved;
         let p = self.terms.len();
         let covariance = Mat::from_fn(p, p, |i, j| answer.unit_covariance[(i, j)] / rows.share);
-        let information_root = self.information(rows, &noise, &beliefs).0.root(rows.share.sqrt());
+        let information_root = self.information(rows, &noise, beliefs).0.root(rows.share.sqrt());
         let train = self.fit(rows, &answer.solution);
         // rank and the like are of the recordings, whatever is believed
         let (from_prior, recorded) = match &beliefs.prior {
