@@ -182,7 +182,8 @@ fn holdout_model_and_fields() {
     std::fs::write(alone.join("model.json"), model).unwrap();
     let recorded = std::fs::read_to_string(folder.join("holdout.csv")).unwrap();
     let rows: Vec<Vec<&str>> = recorded.lines().map(|line| line.split(',').collect()).collect();
-    let kept: Vec<usize> = (0..rows[0].len()).filter(|k| !rows[0][*k].ends_with("effort")).collect();
+    let kept: Vec<usize> =
+        (0..rows[0].len()).filter(|k| !rows[0][*k].ends_with("effort")).collect();
     let motion: Vec<String> = rows
         .iter()
         .enumerate()
