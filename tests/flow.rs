@@ -133,8 +133,12 @@ fn files(folder: &Path, into: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        // `.git` is a file in a second working tree
+        if name == "target" || name == ".git" {
+            continue;
+        }
         if path.is_dir() {
-            if name != "target" && name != ".git" && !path.is_symlink() {
+            if !path.is_symlink() {
                 files(&path, into);
             }
         } else {

@@ -10,8 +10,8 @@
 //! The result is a list of [`Finding`]s and a [`DiagnosedModel`] that predicts what recordings of other
 //! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
 //!
-//! Limits: what differs by less than the noise of a sample is not named; laws that are the same effort in these
-//! motions are named once, by the simplest; contacts push on the tip, one window each.
+//! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
+//! effort in these motions one is named; contacts push on the tip.
 
 mod background;
 mod band;

@@ -66,11 +66,20 @@ impl Timing {
         let variance = regular().map(|step| (step - mean).powi(2)).sum::<f64>() / count;
 
         let mean_step_s = duration_s / steps.len() as f64;
-        let is_even = is_even(time_s, &steps, mean_step_s);
+        let is_even = !loses_samples(&steps, median_step_s) && is_even(time_s, &steps, mean_step_s);
         let rate_hz = 1.0 / if is_even { mean_step_s } else { median_step_s };
         let jitter = variance.sqrt() / median_step_s;
         Self { median_step_s, rate_hz, duration_s, jitter, gaps, is_even }
     }
+}
+
+/// A few steps are twice the usual one: single lost samples. Where they are many, the stamps are rounded
+/// to the step (800 Hz in whole milliseconds: 1, 1, 1, 2).
+fn loses_samples(steps: &[f64], median_step_s: f64) -> bool {
+    const LOST: f64 = 1.5;
+    const FEW: f64 = 0.1;
+    let long = steps.iter().filter(|step| **step > LOST * median_step_s).count();
+    long > 0 && (long as f64) < FEW * steps.len() as f64
 }
 
 /// All steps alike; where stamps are rounded so coarsely that steps differ (120 Hz in whole
@@ -155,6 +164,18 @@ mod tests {
             Some(*t)
         });
         assert!(!Timing::of(&rounded(drifting, 1e3)).is_even);
+    }
+
+    #[test]
+    fn single_lost_samples_are_no_rounding() {
+        for every in [50, 700] {
+            let kept = (0..1200).filter(|k| k % every != every / 2);
+            let timing = Timing::of(&rounded(kept.map(|k| f64::from(k) * 0.01), 1e2));
+            assert!(!timing.is_even);
+            assert!((timing.rate_hz - 100.0).abs() < 1e-6);
+        }
+        let timing = Timing::of(&rounded((0..5000).map(|k| f64::from(k) / 800.0), 1e3));
+        assert!(timing.is_even);
     }
 
     #[test]
