@@ -319,6 +319,7 @@ pub(crate) struct CheckArgs {
 Examples:
   armident diagnose robot.urdf train_1.csv train_2.csv --holdout holdout.csv
   armident diagnose robot.urdf logs/ --holdout last.csv --json out.json --save-model model.json
+  armident diagnose robot.urdf after.csv --reference before.csv      (what changed?)
   armident predict model.json motion.csv -o predicted.csv            (what the recordings would show)
 
 Every law of the effect library is tried on every joint, with the inertias of all links refitted beside
@@ -332,6 +333,9 @@ pub(crate) struct DiagnoseArgs {
     /// Recordings kept out of the fit, to prove it
     #[arg(long, num_args = 1.., value_name = "FILE")]
     pub(crate) holdout: Vec<PathBuf>,
+    /// Recordings of the same arm before something changed: only the difference to them is diagnosed
+    #[arg(long, num_args = 1.., value_name = "FILE")]
+    pub(crate) reference: Vec<PathBuf>,
     /// Write the model with what was found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_diagnose::{Errors, diagnose};
+use armident_diagnose::{DiagnosedModel, Errors, diagnose, diagnose_change};
 use armident_report::DiagnoseReport;
 
 use super::recordings;
@@ -21,11 +21,17 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
     let recorded = recordings::joints_with_position(&train);
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
-    let diagnosis = diagnose(&model, &train)?;
+    let reference =
+        recordings::read_all(&recordings::expand(&args.reference)?, &args.reading, &args.output)?;
+    let (before, diagnosis) = if reference.is_empty() {
+        (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
+    } else {
+        diagnose_change(&model, &reference, &train)?
+    };
     let on_holdout: Vec<Errors> =
-        holdout.iter().map(|r| diagnosis.errors(&model, r)).collect::<Result<_, _>>()?;
+        holdout.iter().map(|r| diagnosis.errors(&before, r)).collect::<Result<_, _>>()?;
     let on_train: Vec<Errors> =
-        train.iter().map(|r| diagnosis.errors(&model, r)).collect::<Result<_, _>>()?;
+        train.iter().map(|r| diagnosis.errors(&before, r)).collect::<Result<_, _>>()?;
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
             Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)

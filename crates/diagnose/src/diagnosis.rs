@@ -189,7 +189,7 @@ impl Diagnosis {
     /// A recording that cannot be used.
     pub fn errors(
         &self,
-        model: &ArmModel,
+        before: &DiagnosedModel,
         recording: &Recording,
     ) -> Result<Errors, RecordingError> {
         let of = |model: &DiagnosedModel| -> Result<BTreeMap<String, f64>, RecordingError> {
@@ -205,11 +205,7 @@ impl Diagnosis {
             }
             Ok(errors)
         };
-        Ok(Errors {
-            before: of(&DiagnosedModel::believed(model))?,
-            rigid: of(&self.rigid)?,
-            after: of(&self.model)?,
-        })
+        Ok(Errors { before: of(before)?, rigid: of(&self.rigid)?, after: of(&self.model)? })
     }
 }
 

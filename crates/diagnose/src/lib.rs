@@ -15,6 +15,7 @@
 
 mod background;
 mod band;
+mod change;
 mod contact;
 mod crossval;
 mod diagnosis;
@@ -31,6 +32,7 @@ mod select;
 mod signals;
 mod transmission;
 
+pub use change::diagnose_change;
 pub use diagnosis::{
     Alternative, DiagnoseError, Diagnosis, Errors, Finding, FindingEvidence, Value, diagnose,
 };

@@ -1,0 +1,76 @@
+//! What changed between two sets of recordings of one arm.
+
+use armident_effects::tilted;
+use armident_ident::ArmModel;
+use armident_recording::Recording;
+use nalgebra::Vector3;
+
+use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose};
+use crate::model::DiagnosedModel;
+
+/// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
+/// beyond the believed model is learned first and is no finding.
+///
+/// Gives what was learned of the reference, and the diagnosis of the difference.
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub fn diagnose_change(
+    model: &ArmModel,
+    reference: &[Recording],
+    after: &[Recording],
+) -> Result<(DiagnosedModel, Diagnosis), DiagnoseError> {
+    let before = diagnose(model, reference)?.model;
+    let mut believed = before.arm.clone();
+    believed.effects.clear();
+    // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
+    let tilt = Vector3::new(before.learned.tilt_rad[0], before.learned.tilt_rad[1], 0.0);
+    let chain = &mut believed.chain;
+    chain.gravity_e0 = tilted(&chain.base_from_e0, &chain.gravity_e0, &tilt);
+    let rigid = DiagnosedModel::believed(&believed);
+    let corrected: Vec<Recording> = after
+        .iter()
+        .map(|recording| {
+            let all = before.predict(recording)?;
+            let body = rigid.predict(recording)?;
+            let mut corrected = recording.clone();
+            for (joint, (all, body)) in chain_names(&before.arm).iter().zip(all.iter().zip(&body)) {
+                let Some(channels) = corrected.joints.iter_mut().find(|j| j.name == *joint) else {
+                    continue;
+                };
+                for (effort, (all, body)) in
+                    channels.effort.iter_mut().flatten().zip(all.iter().zip(body))
+                {
+                    *effort -= all - body;
+                }
+            }
+            Ok(corrected)
+        })
+        .collect::<Result<_, DiagnoseError>>()?;
+    let mut difference = diagnose(&believed, &corrected)?;
+    difference.model = together(&before, difference.model);
+    difference.rigid = together(&before, difference.rigid);
+    Ok((before, difference))
+}
+
+fn chain_names(model: &ArmModel) -> Vec<String> {
+    model.chain.joints.iter().map(|j| j.name.clone()).collect()
+}
+
+/// What was learned before and what was learned of the change, in one model.
+fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
+    let mut all = change;
+    all.arm.effects = [before.arm.effects.clone(), all.arm.effects].concat();
+    let (learned, earlier) = (&mut all.learned, &before.learned);
+    learned.couplings = [earlier.couplings.clone(), learned.couplings.clone()].concat();
+    learned.transmissions = [earlier.transmissions.clone(), learned.transmissions.clone()].concat();
+    learned.flexible = [earlier.flexible.clone(), learned.flexible.clone()].concat();
+    learned.delay_s += earlier.delay_s;
+    for (now, then) in learned.encoder_offset.iter_mut().zip(&earlier.encoder_offset) {
+        *now += then;
+    }
+    for (now, then) in learned.gain.iter_mut().zip(&earlier.gain) {
+        *now *= then;
+    }
+    all
+}
