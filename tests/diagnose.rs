@@ -358,3 +358,24 @@ fn a_joint_at_rest() {
     let diagnosis = diagnose(&folder, &[]).fine().json();
     assert_eq!(named(&diagnosis), pairs(&[("viscous_friction", "elbow_joint")]));
 }
+
+/// What the reference shows too is no finding; what came after it is.
+#[test]
+fn only_the_change_is_diagnosed() {
+    let before = recordings("diagnose_before", &["viscous_friction:elbow_joint=3"]);
+    let after = recordings(
+        "diagnose_after",
+        &["viscous_friction:elbow_joint=3", "coulomb_friction:wrist_1_joint=1.5"],
+    );
+    let elbow = ("viscous_friction".to_owned(), "elbow_joint".to_owned());
+    let wrist = ("coulomb_friction".to_owned(), "wrist_1_joint".to_owned());
+    assert_eq!(named(&diagnosed(&after)), BTreeSet::from([elbow, wrist.clone()]));
+    let reference = before.join("train.csv");
+    let more = ["--reference", text(&reference), "--holdout", "holdout.csv"];
+    let change = diagnose(&after, &more).fine().json();
+    assert_eq!(named(&change), BTreeSet::from([wrist]));
+    let error = |key: &str, joint: &str| number(&change["fit"]["holdout"][key][joint]);
+    // the elbow's friction is known before; the wrist's is not
+    assert!(error("before", "elbow_joint") < 0.3, "{}", error("before", "elbow_joint"));
+    assert!(error("after", "wrist_1_joint") < 0.3 * error("before", "wrist_1_joint"));
+}
