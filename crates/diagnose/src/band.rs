@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// efforts and of differentiated encoders mostly above.
 pub(crate) const BAND_HZ: f64 = 10.0;
 /// Rows kept per second: a little above twice the cut-off.
-const ROWS_HZ: f64 = 25.0;
+pub(crate) const ROWS_HZ: f64 = 25.0;
 /// Half the length of the kernel \[s\]: a transition of 4 Hz on either side.
 const HALF_LENGTH_S: f64 = 0.25;
 /// Samples closer to an end than this \[s\] are not used: the kernel and the low-pass of the

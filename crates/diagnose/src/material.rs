@@ -172,41 +172,32 @@ pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoin
 
 /// Effort of a group by itself, on the joint where it is largest.
 fn own_materiality(metric: &Whitened<'_>, of: &Answer, group: usize, left: &[f64]) -> Materiality {
-    let problem = metric.problem;
+    let columns = &metric.problem.groups[group].columns;
+    let terms: Vec<(usize, f64)> = columns.iter().map(|&c| (c, of.fit.coefficient(c))).collect();
+    effort_materiality(metric.problem, &terms, left)
+}
+
+/// Effort of the inertial errors of one link, on the joint where it is largest.
+pub(crate) fn link_materiality(metric: &Whitened<'_>, of: &Answer, link: usize) -> Materiality {
+    let errors = metric.inertial_errors(&of.fit);
+    let terms: Vec<(usize, f64)> = (10 * link..10 * (link + 1)).map(|p| (p, errors[p])).collect();
+    let left = excess(metric.problem, &metric.residual(&of.fit));
+    effort_materiality(metric.problem, &terms, &left)
+}
+
+/// Effort of columns with these coefficients, in standard deviations of one recorded sample, on the
+/// joint where it matters most.
+fn effort_materiality(problem: &Problem, terms: &[(usize, f64)], left: &[f64]) -> Materiality {
     let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
     for (j, left) in left.iter().enumerate() {
         let mut effort = vec![0.0; problem.rows.len()];
-        for &column in &problem.groups[group].columns {
-            let coefficient = of.fit.coefficient(column);
+        for &(column, coefficient) in terms {
             for (e, x) in effort.iter_mut().zip(&problem.columns[column][j]) {
                 *e += coefficient * x;
             }
         }
         let value = problem.rows.in_sample_noise(j, &effort);
         let found = Materiality { value, least: LEAST.max(SHARE_OF_EXCESS * left), joint: j };
-        if found.ratio() > worst.ratio() {
-            worst = found;
-        }
-    }
-    worst
-}
-
-/// Effort of the inertial errors of one link, in standard deviations of one recorded sample, on the
-/// joint where it is largest.
-pub(crate) fn link_materiality(metric: &Whitened<'_>, of: &Answer, link: usize) -> Materiality {
-    let problem = metric.problem;
-    let errors = metric.inertial_errors(&of.fit);
-    let left = excess(problem, &metric.residual(&of.fit));
-    let mut worst = Materiality { value: 0.0, least: LEAST, joint: link };
-    for j in 0..=link {
-        let mut effort = vec![0.0; problem.rows.len()];
-        for p in 10 * link..10 * (link + 1) {
-            for (e, x) in effort.iter_mut().zip(&problem.columns[p][j]) {
-                *e += errors[p] * x;
-            }
-        }
-        let value = problem.rows.in_sample_noise(j, &effort);
-        let found = Materiality { value, least: LEAST.max(SHARE_OF_EXCESS * left[j]), joint: j };
         if found.ratio() > worst.ratio() {
             worst = found;
         }

@@ -6,6 +6,7 @@ use armident_effects::{Place, Scope, effect};
 
 use armident_numeric::{Cholesky, gram_of_columns};
 
+use crate::band::ROWS_HZ;
 use crate::contact::ContactColumns;
 use crate::crossval::confirm;
 use crate::evidence::{At, Evidence, OperatingPoint};
@@ -190,7 +191,6 @@ fn first_misfits(problem: &Problem) -> Vec<f64> {
 fn independent_share(problem: &Problem, residual: &[Vec<f64>]) -> f64 {
     // as long as a motion lasts; beyond, the estimate is noise
     const LONGEST_S: f64 = 2.0;
-    const ROWS_HZ: f64 = 25.0;
     let mut time = 0.0;
     for residual in residual {
         let square = dot(residual, residual).max(f64::MIN_POSITIVE);
