@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
 
 use crate::score::{CaseScore, EverydayScore};
 
@@ -16,6 +17,8 @@ pub struct Scoreboard {
     pub schema: &'static str,
     /// Clean cases, then field cases, where there are any.
     pub groups: Vec<GroupScore>,
+    /// Right findings of all cases by confidence, in five bins.
+    pub reliability: [Bin; BINS],
     /// Case by case.
     pub cases: Vec<CaseScore>,
 }
@@ -30,18 +33,38 @@ pub struct Rate {
 }
 
 impl Rate {
-    fn over<'a>(values: impl Iterator<Item = &'a bool>) -> Self {
+    pub(crate) fn over<'a>(values: impl Iterator<Item = &'a bool>) -> Self {
         values.fold(Self::default(), |rate, &is| rate.and(is))
     }
 
-    fn and(self, is: bool) -> Self {
+    pub(crate) fn and(self, is: bool) -> Self {
         Self { count: self.count + usize::from(is), of: self.of + 1 }
+    }
+
+    /// The rate that is exceeded with 95 % certainty, exact (Clopper and Pearson, one-sided).
+    pub fn at_least(self) -> f64 {
+        if self.count == 0 {
+            return 0.0;
+        }
+        beta_quantile(self.count as f64, (self.of - self.count) as f64 + 1.0, 0.05)
+    }
+
+    /// The rate that is not exceeded with 95 % certainty, exact (Clopper and Pearson, one-sided).
+    pub fn at_most(self) -> f64 {
+        if self.count == self.of {
+            return 1.0;
+        }
+        beta_quantile(self.count as f64 + 1.0, (self.of - self.count) as f64, 0.95)
     }
 
     /// From 0 to 1; 0 of nothing is 1.
     pub fn share(self) -> f64 {
         if self.of == 0 { 1.0 } else { self.count as f64 / self.of as f64 }
     }
+}
+
+fn beta_quantile(a: f64, b: f64, p: f64) -> f64 {
+    Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p))
 }
 
 /// How a ratio spreads over joints or cases.
@@ -167,7 +190,8 @@ impl Scoreboard {
             .filter(|(_, cases): &(_, Vec<&CaseScore>)| !cases.is_empty())
             .map(|(kind, cases)| GroupScore::new(kind, &cases))
             .collect();
-        Self { schema: "armident.scoreboard/1", groups, cases }
+        let reliability = reliability(&cases.iter().collect::<Vec<_>>());
+        Self { schema: "armident.scoreboard/1", groups, reliability, cases }
     }
 }
 

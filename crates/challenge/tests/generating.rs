@@ -21,6 +21,7 @@ fn request(kind: CaseKind, seed: u64, effects: &[&str]) -> CaseRequest {
         effects: effects.iter().map(ToString::to_string).collect(),
         background: None,
         perturbed: false,
+        margin: None,
     }
 }
 
