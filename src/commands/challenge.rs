@@ -4,8 +4,8 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use armident_challenge::{
-    Arm, CaseKind, Order, Outcome as Sat, Scoreboard, Series, SeriesKind, Spread, Study, run as serve,
-    score_cases,
+    Arm, CaseKind, Order, Outcome as Sat, Scoreboard, Series, SeriesKind, Spread, Study,
+    run as serve, score_cases,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -150,7 +150,10 @@ fn notes(orders: &[Order], sat: &[Sat]) -> Vec<String> {
         .map(|(order, _)| format!("{} ({})", order.name, order.effects.join(", ")))
         .collect();
     if !unseen.is_empty() {
-        notes.push(format!("not made, no arm that was tried shows the effects: {}", unseen.join("; ")));
+        notes.push(format!(
+            "not made, no arm that was tried shows the effects: {}",
+            unseen.join("; ")
+        ));
     }
     let times = sat.iter().filter(|sat| sat.seconds > 0.0).map(|sat| sat.seconds);
     if let Some(times) = Spread::of(times) {

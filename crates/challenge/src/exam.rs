@@ -94,9 +94,10 @@ pub(crate) struct Table {
 impl Table {
     /// Stamps and efforts of a recording.
     pub(crate) fn of(recording: &Recording) -> Self {
-        let efforts = recording.joints.iter().filter_map(|joint| {
-            Some((format!("{}/effort", joint.name), joint.effort.clone()?))
-        });
+        let efforts = recording
+            .joints
+            .iter()
+            .filter_map(|joint| Some((format!("{}/effort", joint.name), joint.effort.clone()?)));
         let mut columns: BTreeMap<String, Vec<f64>> = efforts.collect();
         columns.insert("t".to_owned(), recording.time_s.clone());
         Self { columns }

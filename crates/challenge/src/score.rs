@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::answer::{Answer, Finding, Verdict};
-use crate::error::{ChallengeError, read_json};
 use crate::case::Case;
+use crate::error::{ChallengeError, read_json};
 use crate::exam::{ExamScore, Table, score_exam};
 use crate::holdout::{HoldoutScore, score_holdout};
 use crate::place::{Blame, Place, is_body, of_finding, of_named, of_truth, tolerated_by};

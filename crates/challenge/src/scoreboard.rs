@@ -308,3 +308,31 @@ fn reliability(cases: &[&CaseScore]) -> [Bin; BINS] {
     }
     bins
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bounds against the sums of the binomial distribution that define them.
+    #[test]
+    fn bounds_of_a_rate() {
+        let tail = |rate: Rate, p: f64, from: usize, to: usize| -> f64 {
+            let choose = |k: usize| -> f64 {
+                (0..k).map(|i| (rate.of - i) as f64 / (k - i) as f64).product()
+            };
+            let term =
+                |k: usize| choose(k) * p.powi(k as i32) * (1.0 - p).powi((rate.of - k) as i32);
+            (from..=to).map(term).sum()
+        };
+        for (count, of) in [(0, 24), (1, 30), (7, 12), (29, 30)] {
+            let rate = Rate { count, of };
+            assert!((tail(rate, rate.at_most(), 0, count) - 0.05).abs() < 1e-9, "{rate:?}");
+        }
+        for (count, of) in [(1, 30), (7, 12), (24, 24)] {
+            let rate = Rate { count, of };
+            assert!((tail(rate, rate.at_least(), count, of) - 0.05).abs() < 1e-9, "{rate:?}");
+        }
+        assert_eq!(Rate { count: 0, of: 9 }.at_least(), 0.0);
+        assert_eq!(Rate { count: 9, of: 9 }.at_most(), 1.0);
+    }
+}

@@ -78,8 +78,10 @@ impl Series {
         } else if !self.effects.is_empty() {
             self.effects.clone()
         } else if self.perturbed {
-            let there: Vec<&str> =
-                PERTURBED.into_iter().filter(|slug| !(field && *slug == "coulomb_friction")).collect();
+            let there: Vec<&str> = PERTURBED
+                .into_iter()
+                .filter(|slug| !(field && *slug == "coulomb_friction"))
+                .collect();
             vec![there[(turn % there.len() as u64) as usize].to_owned()]
         } else {
             case_effects(kind, seed)
@@ -189,7 +191,9 @@ pub fn run(
             worker.join().map_err(died)?
         })
     })?;
-    let results = results.into_inner().map_err(|error| ChallengeError::Threads { reason: error.to_string() })?;
+    let results = results
+        .into_inner()
+        .map_err(|error| ChallengeError::Threads { reason: error.to_string() })?;
     results.into_iter().flatten().collect()
 }
 

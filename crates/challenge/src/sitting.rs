@@ -63,10 +63,11 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     let on_holdout = diagnosis.errors(&before, &paper.holdout).map_err(|e| told(&e))?;
     let model_json = diagnosis.model.to_json().map_err(|e| told(&e))?;
     let efforts = diagnosis.model.predict(&paper.exam_motion).map_err(|e| told(&e))?;
-    let channels = diagnosis.joints.iter().zip(efforts).map(|(name, effort)| JointChannels {
-        effort: Some(effort),
-        ..JointChannels::new(name)
-    });
+    let channels = diagnosis
+        .joints
+        .iter()
+        .zip(efforts)
+        .map(|(name, effort)| JointChannels { effort: Some(effort), ..JointChannels::new(name) });
     let stamps = paper.exam_motion.time_s.clone();
     let predicted =
         Recording::new("prediction", stamps, channels.collect()).map_err(|e| told(&e))?;

@@ -95,10 +95,12 @@ fn power_orders(cases: u64, seed: u64, kind: CaseKind) -> Vec<Order> {
                 perturbed: false,
                 margin: Some(margin),
             };
-            orders.extend(series.orders().into_iter().map(|order| Order {
-                name: format!("{effect}_{margin}_{}", order.name),
-                ..order
-            }));
+            orders.extend(
+                series.orders().into_iter().map(|order| Order {
+                    name: format!("{effect}_{margin}_{}", order.name),
+                    ..order
+                }),
+            );
         }
     }
     orders
@@ -276,4 +278,64 @@ fn perturbed(made: &[(&Order, &CaseScore)]) -> String {
          second order for LuGre friction, a triangular wave for a ripple. The name of the library's law is right.\n\n{}",
         markdown(&["effect", "cases", "named", "false names"], &rows, 2)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outcome(score: CaseScore) -> Outcome {
+        Outcome { score: Some(score), seconds: 1.0 }
+    }
+
+    #[test]
+    fn nulls_are_counted_by_kind_with_their_bound() {
+        let orders = Study::Nulls.orders(8, 5, CaseKind::Clean);
+        let outcomes: Vec<Outcome> = (0..orders.len())
+            .map(|k| {
+                let false_names =
+                    if k == 2 { vec!["torque_ripple(a)".to_owned()] } else { Vec::new() };
+                outcome(CaseScore {
+                    case: orders[k].name.clone(),
+                    robot: "r".to_owned(),
+                    field: orders[k].kind == CaseKind::Field,
+                    false_alarm: Some(!false_names.is_empty()),
+                    false_names,
+                    ..CaseScore::default()
+                })
+            })
+            .collect();
+        let text = Study::Nulls.text(&orders, &outcomes);
+        let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+        let lines: Vec<String> = text.lines().map(words).collect();
+        assert!(lines.contains(&"| exact | 2 | 0 | 77.6 % | |".to_owned()), "{text}");
+        let dirty = "| everyday friction, recording dirt | 2 | 1 | 97.5 % | torque_ripple 1 |";
+        assert!(lines.contains(&dirty.to_owned()), "{text}");
+        assert!(lines.contains(&"| all | 8 | 1 | 47.1 % | torque_ripple 1 |".to_owned()), "{text}");
+        assert!(lines.contains(&"* n0003 (r): torque_ripple(a)".to_owned()), "{text}");
+    }
+
+    #[test]
+    fn power_is_told_by_effect_and_magnitude() {
+        let orders = Study::Power.orders(1, 5, CaseKind::Field);
+        let outcomes: Vec<Outcome> = orders
+            .iter()
+            .map(|order| match order.margin {
+                // no arm shows the smallest, and the next is missed
+                Some(1.0) => Outcome { score: None, seconds: 0.0 },
+                Some(2.0) => outcome(CaseScore {
+                    missed: vec![order.effects[0].clone()],
+                    false_names: vec!["torque_ripple(a)".to_owned()],
+                    ..CaseScore::default()
+                }),
+                _ => outcome(CaseScore::default()),
+            })
+            .collect();
+        let text = Study::Power.text(&orders, &outcomes);
+        let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+        let lines: Vec<String> = text.lines().map(words).collect();
+        let row = "| backlash | - | 0/1 | 1/1 | 1/1 | torque_ripple 1 | |";
+        assert!(lines.contains(&row.to_owned()), "{text}");
+        assert!(!text.contains("viscous_friction"), "field cases have it anyway");
+    }
 }

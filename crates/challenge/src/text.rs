@@ -14,7 +14,8 @@ impl Scoreboard {
             text += &group_text(group);
         }
         if self.groups.len() > 1 {
-            let _ = writeln!(text, "Reliability over all cases\n{}", reliability(&self.reliability));
+            let _ =
+                writeln!(text, "Reliability over all cases\n{}", reliability(&self.reliability));
         }
         let wrong: Vec<String> = self.cases.iter().filter_map(case_line).collect();
         if !wrong.is_empty() {
@@ -160,8 +161,7 @@ fn case_line(case: &crate::score::CaseScore) -> Option<String> {
     if case.false_alarm == Some(true) && case.false_names.is_empty() {
         wrong.push("mismatch on an exact null".to_owned());
     }
-    (!wrong.is_empty())
-        .then(|| format!("  {} ({}): {}", case.case, case.robot, wrong.join("; ")))
+    (!wrong.is_empty()).then(|| format!("  {} ({}): {}", case.case, case.robot, wrong.join("; ")))
 }
 
 /// Predictions beyond this multiple of the attainable error are listed.
