@@ -33,8 +33,8 @@ fn a_case_in_memory_is_the_case_in_files() {
 
     let (cases, results) = (kept.join("cases"), kept.join("results"));
     let score = ["challenge", "--score", text(&cases), text(&results)];
-    let again = run(&[&score[..], &["--json", "-"]].concat()).fine().json();
-    assert_eq!(again, board);
+    let again = run(&score).fine().stdout;
+    assert_eq!(again, run(&CASE).fine().stdout);
     let on = |what: &str| run(&[&score[..], &["--fail-on", what]].concat()).code;
     assert_eq!((on("named-below=1"), on("named-below=2"), on("false-alarm")), (0, 3, 0));
 
@@ -87,10 +87,34 @@ fn wrong_command_lines() {
         assert_eq!((run.code, run.stdout.as_str()), (1, ""), "{args:?}");
         run.stderr
     };
-    insta::assert_snapshot!(said(&["--robot", "no_arm"]), @"");
-    insta::assert_snapshot!(said(&["--cases", "2", "--only", "3"]), @"");
-    insta::assert_snapshot!(said(&["--kind", "null", "--effect", "backlash"]), @"");
-    insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @"");
-    insta::assert_snapshot!(said(&["--study", "nulls", "--kind", "field"]), @"");
-    insta::assert_snapshot!(said(&["--score", "urdf", "urdf"]), @"");
+    insta::assert_snapshot!(said(&["--robot", "no_arm"]), @r"
+    error: it cannot be read: No such file or directory (os error 2)
+       in: no_arm
+     hint: give a URDF, or one of ur5, panda, stanford, scara, iiwa14, puma560, tx40, ur10, kinova_gen3, gantry
+    ");
+    insta::assert_snapshot!(said(&["--cases", "2", "--only", "3"]), @r"
+    error: there is no case 3 among 2
+       in: --only
+     hint: count from 1 to --cases
+    ");
+    insta::assert_snapshot!(said(&["--kind", "null", "--effect", "backlash"]), @r"
+    error: a null conceals nothing
+       in: --effect, --kind null
+     hint: leave one of them out
+    ");
+    insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @r"
+    error: there is no effect `viscous_friction` to conceal in a case of this kind
+       in: effects of the case
+     hint: give a slug of the effect library or `unlisted`; field cases have viscous and Coulomb friction anyway
+    ");
+    insta::assert_snapshot!(said(&["--study", "nulls", "--kind", "field"]), @r"
+    error: this study has its own kinds of cases
+       in: --kind
+     hint: leave it out; the power study alone takes clean or field
+    ");
+    insta::assert_snapshot!(said(&["--score", "urdf", "urdf"]), @r"
+    error: there is no case in this folder
+       in: urdf
+     hint: give a folder whose folders hold a `truth.json` each
+    ");
 }
