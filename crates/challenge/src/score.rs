@@ -128,7 +128,7 @@ pub fn score_case(case: &Path, result: &Path) -> Result<CaseScore, ChallengeErro
         }
         None => None,
     };
-    Ok(scored(&truth, answer, exam))
+    Ok(scored(&truth, &answer, exam))
 }
 
 /// Scores what a diagnosis made of a case in memory: its answer and its prediction of the exam.
@@ -140,12 +140,12 @@ pub fn score_sitting(case: &Case, sitting: Result<&Sitting, String>) -> CaseScor
         let parsed = serde_json::from_str::<Answer>(&sitting.out_json);
         parsed.map_err(|error| format!("out.json: {error}"))
     });
-    scored(&case.truth, answer, Some(exam))
+    scored(&case.truth, &answer, Some(exam))
 }
 
-fn scored(truth: &Truth, answer: Result<Answer, String>, exam: Option<ExamScore>) -> CaseScore {
+fn scored(truth: &Truth, answer: &Result<Answer, String>, exam: Option<ExamScore>) -> CaseScore {
     let mut score = score_names(truth, answer.as_ref().ok());
-    match &answer {
+    match answer {
         Ok(answer) => {
             score.holdout = score_holdout(&answer.fit.holdout, truth, exam.as_ref());
         }

@@ -103,7 +103,7 @@ fn group_text(group: &GroupScore) -> String {
         })
         .collect();
     text += &aligned(&["effect", "named", "false", "parameter error"], &effects, 1);
-    text += "\nConfusion (concealed: named instead)\n";
+    let mut confusion = String::new();
     for (truth, named) in &group.confusion {
         let wrong: Vec<String> = named
             .iter()
@@ -111,8 +111,11 @@ fn group_text(group: &GroupScore) -> String {
             .map(|(name, count)| format!("{name} {count}"))
             .collect();
         if !wrong.is_empty() {
-            let _ = writeln!(text, "  {truth}: {}", wrong.join(", "));
+            let _ = writeln!(confusion, "  {truth}: {}", wrong.join(", "));
         }
+    }
+    if !confusion.is_empty() {
+        let _ = write!(text, "\nConfusion (concealed: named instead)\n{confusion}");
     }
     text += "\nReliability\n";
     text += &reliability(&group.reliability);
