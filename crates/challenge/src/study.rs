@@ -275,7 +275,9 @@ fn perturbed(made: &[(&Order, &CaseScore)]) -> String {
         .collect();
     format!(
         "Concealed is a law near one of the library: Fc tanh(v / width) for Coulomb friction, Dahl friction of\n\
-         second order for LuGre friction, a triangular wave for a ripple. The name of the library's law is right.\n\n{}",
+         second order for LuGre friction, a triangular wave for a ripple. The name of the library's law is right;\n\
+         its parameters are compared although no law of the library has the concealed torque (the first harmonic\n\
+         of a triangle is 0.81 of its height).\n\n{}",
         markdown(&["effect", "cases", "named", "false names"], &rows, 2)
     )
 }
