@@ -20,7 +20,9 @@ mod contact;
 mod crossval;
 mod diagnosis;
 mod evidence;
+mod findings;
 mod flexible;
+mod learn;
 mod material;
 mod model;
 mod noise;
@@ -33,9 +35,8 @@ mod signals;
 mod transmission;
 
 pub use change::diagnose_change;
-pub use diagnosis::{
-    Alternative, DiagnoseError, Diagnosis, Errors, Finding, FindingEvidence, Value, diagnose,
-};
+pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose};
+pub use findings::{Alternative, Finding, FindingEvidence, Value};
 pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
 pub use model::{DiagnosedModel, Learned};
 pub use transmission::{Transmission, TransmissionTerm};
