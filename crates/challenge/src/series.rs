@@ -15,8 +15,8 @@ use crate::random::Draw;
 use crate::score::{CaseScore, score_sitting};
 use crate::sitting::{Paper, Sitting, sit};
 
-/// Arms that are tried for a case.
-const MOST_ARMS: usize = 5;
+/// Arms that are tried for a case: a delay or a tilt shows on few.
+const MOST_ARMS: usize = 10;
 /// Errors of every inertial of a null that has some.
 const NULL_BACKGROUND: [f64; 2] = [0.02, 0.05];
 /// Keeps the draws of field cases apart from those of clean ones.
