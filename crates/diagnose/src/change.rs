@@ -50,7 +50,8 @@ pub fn diagnose_change(
     let mut difference = diagnose(&believed, &corrected)?;
     difference.model = together(&before, difference.model);
     difference.rigid = together(&before, difference.rigid);
-    for model in difference.without.iter_mut().flatten() {
+    let beside = difference.without.iter_mut().flatten();
+    for model in beside.chain(difference.rivals.iter_mut().flatten()) {
         *model = together(&before, model.clone());
     }
     Ok((before, difference))
