@@ -236,7 +236,7 @@ fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
 /// One fold for every stretch.
 fn folds(problem: &Problem) -> Vec<Fold> {
     let mut folds = Vec::new();
-    for pair in problem.rows.starts.windows(2) {
+    for pair in problem.rows.starts.windows(2).skip(problem.rows.changed_from) {
         let length = pair[1] - pair[0];
         for block in 0..BLOCKS_PER_RECORDING {
             let at = |k: usize| pair[0] + k * length / BLOCKS_PER_RECORDING;
