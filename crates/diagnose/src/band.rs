@@ -26,6 +26,7 @@ pub(crate) struct Band {
     /// rows per second
     pub(crate) rows_hz: f64,
     rate_hz: f64,
+    cutoff_hz: f64,
 }
 
 impl Band {
@@ -48,13 +49,26 @@ impl Band {
         let step = (rate_hz / (ROWS_PER_CYCLE * cutoff_hz)).round().max(1.0) as usize;
         let edge = ((EDGE_S * longer * rate_hz).ceil() as usize).max(half);
         let kept = (edge..samples.saturating_sub(edge)).step_by(step).collect();
-        Self { taps, kept, rows_hz: rate_hz / step as f64, rate_hz }
+        Self { taps, kept, rows_hz: rate_hz / step as f64, rate_hz, cutoff_hz }
     }
 
     /// The rows of a column given at every sample.
     pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
+        self.at(column, &self.kept)
+    }
+
+    /// Rows so far apart that white noise is white in them again: at twice the cut-off.
+    pub(crate) fn independent_rows(&self, column: &[f64]) -> Vec<f64> {
+        let step = (self.rate_hz / (2.0 * self.cutoff_hz)).ceil().max(1.0) as usize;
+        let (Some(&first), Some(&last)) = (self.kept.first(), self.kept.last()) else {
+            return Vec::new();
+        };
+        self.at(column, &(first..=last).step_by(step).collect::<Vec<_>>())
+    }
+
+    fn at(&self, column: &[f64], places: &[usize]) -> Vec<f64> {
         let half = self.taps.len() / 2;
-        self.kept
+        places
             .iter()
             .map(|&i| {
                 let window = &column[i - half..i - half + self.taps.len()];

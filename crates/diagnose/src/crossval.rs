@@ -5,7 +5,7 @@ use armident_effects::EVERYDAY;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
-use crate::problem::{Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::rows::Blocks;
 use crate::search::{Answer, all_admissible, answer};
 
@@ -191,7 +191,16 @@ pub(crate) fn with_everyday_terms(metric: &Whitened<'_>, named: &Answer) -> Bloc
 fn with_everyday(problem: &Problem, set: &[usize]) -> Vec<usize> {
     let groups = &problem.groups;
     let mut all = set.to_vec();
+    // a description without a name has terms of its own
+    let described = |group: &Group| {
+        set.iter().any(|g| {
+            groups[*g].site == group.site && matches!(groups[*g].meaning, Meaning::Flexible(_))
+        })
+    };
     for (g, group) in groups.iter().enumerate() {
+        if described(group) {
+            continue;
+        }
         let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
         if everyday && all.iter().all(|o| *o != g && !groups[*o].excludes(group)) {
             all.push(g);
@@ -227,7 +236,7 @@ fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
 /// One fold for every stretch.
 fn folds(problem: &Problem) -> Vec<Fold> {
     let mut folds = Vec::new();
-    for pair in problem.rows.starts.windows(2) {
+    for pair in problem.rows.starts.windows(2).skip(problem.rows.changed_from) {
         let length = pair[1] - pair[0];
         for block in 0..BLOCKS_PER_RECORDING {
             let at = |k: usize| pair[0] + k * length / BLOCKS_PER_RECORDING;

@@ -3,14 +3,19 @@
 use std::collections::BTreeMap;
 
 use armident_ident::ArmModel;
+use armident_ident::validate::whiteness;
 use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
 
+use crate::atlas::{JointAtlas, atlas};
+use crate::books::DriveGain;
 use crate::crossval::predictor;
 use crate::evidence::Evidence;
 use crate::findings::{Finding, claims};
 use crate::learn::{View, choose_outputs, learned, rigid_alone};
 use crate::model::DiagnosedModel;
+use crate::next_motion::{NextMotion, Rivals, next_motion};
+use crate::search::Answer;
 use crate::select::select;
 use crate::signals::Signals;
 
@@ -36,12 +41,16 @@ pub struct Diagnosis {
     pub rigid: DiagnosedModel,
     /// for each finding, the model that does without it
     pub(crate) without: Vec<Option<DiagnosedModel>>,
+    /// for each finding, the models with its alternatives in its place
+    pub(crate) rivals: Vec<Vec<DiagnosedModel>>,
     /// Joints of the chain.
     pub joints: Vec<String>,
     /// Noise of one recorded effort sample \[N m or N\].
     pub effort_noise: BTreeMap<String, f64>,
     /// Relative error of the believed inertias that the recordings ask for.
     pub inertial_error: f64,
+    /// Where the mismatch is, joint by joint, on the recordings fitted.
+    pub atlas: Vec<JointAtlas>,
 }
 
 /// Why there is no diagnosis.
@@ -70,6 +79,15 @@ pub enum DiagnoseError {
 /// # Errors
 /// [`DiagnoseError`].
 pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_from(model, train, 0)
+}
+
+/// The same of what changed in the recordings from `changed_from` on.
+pub(crate) fn diagnose_from(
+    model: &ArmModel,
+    train: &[Recording],
+    changed_from: usize,
+) -> Result<Diagnosis, DiagnoseError> {
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let signals: Vec<Signals> =
         train.iter().map(|r| Signals::new(r, &names)).collect::<Result<_, _>>()?;
@@ -78,6 +96,7 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
     }
     said_something(&names, &signals)?;
     let mut evidence = Evidence::new(&model.chain, signals);
+    evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let metric = selection.metric();
     let best = predictor(&metric, &selection.answer);
@@ -86,27 +105,37 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
     let mut learned_model = learned(model, &best_view);
     choose_outputs(&mut learned_model, &evidence)?;
     let claims = claims(&evidence, &selection);
+    // the model of another answer, all that is not in question as in the model learned
+    let model_of = |answer: &Answer, wide: &[usize]| {
+        let metric = selection.problem.whitened(best.scale, wide);
+        let answer = best.beside(&metric, &selection.answer, answer)?;
+        let view = View::new(&evidence, &metric, &answer, &selection.point);
+        let mut model = learned(model, &view);
+        model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
+        model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
+        Some(model)
+    };
     let without = claims
         .iter()
+        .map(|claim| claim.without.as_ref().and_then(|(answer, wide)| model_of(answer, wide)))
+        .collect();
+    let rivals = claims
+        .iter()
         .map(|claim| {
-            let (answer, wide) = claim.without.as_ref()?;
-            let metric = selection.problem.whitened(best.scale, wide);
-            let unnamed = best.beside(&metric, &selection.answer, answer)?;
-            let mut model =
-                learned(model, &View::new(&evidence, &metric, &unnamed, &selection.point));
-            model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
-            model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
-            Some(model)
+            claim.rivals.iter().filter_map(|answer| model_of(answer, &selection.wide)).collect()
         })
         .collect();
     let mut rigid =
         rigid_alone(model, &evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
     choose_outputs(&mut rigid, &evidence)?;
+    let atlas = atlas(&evidence, &DiagnosedModel::believed(model), &rigid, &learned_model)?;
     Ok(Diagnosis {
+        atlas,
         findings: claims.into_iter().map(|claim| claim.finding).collect(),
         model: learned_model,
         rigid,
         without,
+        rivals,
         effort_noise: names.iter().cloned().zip(evidence.rows.sample_deviation.clone()).collect(),
         joints: names,
         inertial_error: selection.scale,
@@ -180,6 +209,72 @@ impl Diagnosis {
             finding.confirmed = confirmed;
         }
         Ok(())
+    }
+
+    /// Puts the doubt in the gains of drives into the standard errors of masses: a mass is the gain's as
+    /// much as the efforts'.
+    pub fn doubt_gains(&mut self, gains: &[DriveGain]) {
+        for finding in self.findings.iter_mut().filter(|f| f.link.is_some()) {
+            let of_joint = |name: &str| gains.iter().find(|g| g.joint == name);
+            let Some(gain) = of_joint(&finding.evidence.joint) else { continue };
+            for name in ["mass", "delta_mass"] {
+                if let Some(value) = finding.parameters.get_mut(name) {
+                    let own = value.stderr.unwrap_or(0.0);
+                    value.stderr = Some(own.hypot(value.value * gain.relative_stderr()));
+                }
+            }
+        }
+    }
+
+    /// The motion that would best tell the findings from their alternatives, inside the arm's limits;
+    /// none without alternatives, or where no motion tells them apart.
+    ///
+    /// # Errors
+    /// None but those of a prediction.
+    pub fn next_motion(&self) -> Result<Option<NextMotion>, RecordingError> {
+        let place = |name: &String| self.joints.iter().position(|j| j == name);
+        let mut pairs = Vec::new();
+        for (finding, rivals) in self.findings.iter().zip(&self.rivals) {
+            for (alternative, other) in finding.alternatives.iter().zip(rivals) {
+                let mut joints: Vec<usize> =
+                    finding.joints.iter().chain(&alternative.joints).filter_map(place).collect();
+                joints.extend(place(&finding.evidence.joint));
+                pairs.push(Rivals { one: &self.model, other, joints });
+            }
+        }
+        if pairs.is_empty() {
+            return Ok(None);
+        }
+        let noise: Vec<f64> = self.joints.iter().map(|j| self.effort_noise[j]).collect();
+        next_motion(&self.model.arm.chain, &noise, &pairs)
+    }
+
+    /// Whether what the model leaves over on recordings is white: p-values of the Ljung-Box test, by joint
+    /// with an effort.
+    ///
+    /// # Errors
+    /// A recording that cannot be used.
+    pub fn whiteness(
+        &self,
+        recordings: &[Recording],
+    ) -> Result<BTreeMap<String, f64>, RecordingError> {
+        let mut left: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
+        for recording in recordings {
+            let signals = Signals::new(recording, &self.joints)?;
+            let predicted = self.model.on_grid(&signals)?;
+            for (j, name) in self.joints.iter().enumerate() {
+                let recorded = &signals.effort[j];
+                if recorded.is_empty() {
+                    continue;
+                }
+                let difference: Vec<f64> =
+                    recorded.iter().zip(&predicted[j]).map(|(e, p)| e - p).collect();
+                left.entry(name.clone())
+                    .or_default()
+                    .push(signals.band.independent_rows(&difference));
+            }
+        }
+        Ok(left.into_iter().map(|(name, rows)| (name, whiteness(&rows).1)).collect())
     }
 
     /// Sums of squared errors of a model on a recording, by joint with an effort.

@@ -6,6 +6,7 @@ use armident_effects::{Place, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
+use crate::alternatives::{Rival, rivals, separated_by};
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
@@ -34,6 +35,11 @@ pub struct Alternative {
     pub joints: Vec<String>,
     /// Link.
     pub link: Option<String>,
+    /// Root mean square effort that it leaves over more than the finding does, in standard deviations
+    /// of one recorded sample.
+    pub left_more: f64,
+    /// The motion that would tell the two apart, in words, if the library knows one.
+    pub separated_by: Option<&'static str>,
 }
 
 /// What a finding stands on.
@@ -81,12 +87,13 @@ fn confidence(size: &Materiality) -> f64 {
     1.0 / (1.0 + (-3.0 * (size.ratio() - 1.0)).exp())
 }
 
-/// A finding, and the answer that does without it; none where there is no such answer.
+/// A finding and the answers beside it.
 pub(crate) struct Claim {
     pub(crate) finding: Finding,
+    /// without it, and the links with a wrong body; none where there is no such answer
     pub(crate) without: Option<(Answer, Vec<usize>)>,
-    /// its group; none for a wrong body
-    pub(crate) group: Option<usize>,
+    /// with each alternative in its place
+    pub(crate) rivals: Vec<Answer>,
 }
 
 /// What is claimed, the most material first.
@@ -99,10 +106,13 @@ pub(crate) fn claims(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Clai
         .iter()
         .map(|&g| {
             let (size, without) = materiality(&metric, &selection.answer, g, &selection.point);
+            let mut finding = finding_of_group(&view, g, &size);
+            let rivals = rivals(&metric, &selection.answer, g, &selection.point);
+            finding.alternatives = rivals.iter().map(|r| alternative(&view, g, r)).collect();
             Claim {
-                finding: finding_of_group(&view, g, &size),
+                finding,
                 without: without.map(|answer| (answer, selection.wide.clone())),
-                group: Some(g),
+                rivals: rivals.into_iter().map(|r| r.answer).collect(),
             }
         })
         .collect();
@@ -117,11 +127,32 @@ pub(crate) fn claims(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Clai
         found.push(Claim {
             finding: wrong_body(evidence, link, &errors[10 * link..10 * (link + 1)], &size),
             without: answer(&others, selection.answer.set.clone()).map(|answer| (answer, wide)),
-            group: None,
+            rivals: Vec::new(),
         });
     }
     found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
     found
+}
+
+fn alternative(view: &View<'_, '_>, group: usize, rival: &Rival) -> Alternative {
+    let groups = &view.metric.problem.groups;
+    let other = &groups[rival.group];
+    let evidence = view.evidence;
+    Alternative {
+        effect: other.slug().to_owned(),
+        joints: other.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
+        link: link_of(evidence, other),
+        left_more: rival.left,
+        separated_by: separated_by(groups[group].slug(), other.slug()),
+    }
+}
+
+/// The link of an inertial effect.
+fn link_of(evidence: &Evidence<'_>, group: &Group) -> Option<String> {
+    group
+        .transform
+        .is_some()
+        .then(|| evidence.chain.joints[group.site.joints[0]].child_link.clone())
 }
 
 fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Finding {
@@ -133,10 +164,7 @@ fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Fi
     Finding {
         effect: group.slug().to_owned(),
         joints: names(&group.site.joints),
-        link: group
-            .transform
-            .is_some()
-            .then(|| evidence.chain.joints[group.site.joints[0]].child_link.clone()),
+        link: link_of(evidence, group),
         window: group.site.window.map(|w| w.1),
         recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
         parameters: parameters(view, group),

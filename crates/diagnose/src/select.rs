@@ -488,7 +488,10 @@ fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
         .filter(|&g| {
             let group = &problem.groups[g];
             (group.slug() == "torque_ripple" && memory.no_ripple.contains(&group.site.joints[0]))
-                || (scale > 0.0 && group.slug() == "link_inertia_error")
+                || (scale > 0.0
+                    && problem.rows.changed_from == 0
+                    && group.slug() == "link_inertia_error")
+                || group.site.window.is_some_and(|(r, _)| r < problem.rows.changed_from)
         })
         .collect()
 }
@@ -503,8 +506,9 @@ fn with_wrong_bodies(
     banned: &HashSet<usize>,
 ) -> Best {
     let mut wide = Vec::new();
-    if scale > 0.0 && scale <= ALL_LINKS_WRONG {
-        let links = problem.rigid / 10;
+    // where a change is sought, a link that changed is a law like the others
+    if scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0 {
+        let links = problem.background.links;
         while wide.len() < MOST_WRONG_BODIES {
             let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {
                 let trial = [wide.clone(), vec![link]].concat();
