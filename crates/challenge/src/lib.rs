@@ -76,7 +76,7 @@ pub use place::{Blame, Place};
 pub use score::{CaseScore, EverydayScore, score_case, score_cases, score_sitting};
 pub use scoreboard::{Bin, EffectRow, GroupScore, Rate, Scoreboard, Spread};
 pub use series::{Order, Outcome, Series, SeriesKind, run};
-pub use sitting::{Paper, Sitting, sit};
+pub use sitting::{LearnedFromPaper, Paper, Sitting, sit};
 pub use study::Study;
 pub use truth::{
     EverydayFriction, Floors, Named, NoiseTruth, SampleRate, TrueEffect, Truth, VelocityTruth,

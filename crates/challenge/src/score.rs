@@ -133,7 +133,10 @@ pub fn score_case(case: &Path, result: &Path) -> Result<CaseScore, ChallengeErro
 
 /// Scores what a diagnosis made of a case in memory: its answer and its prediction of the exam.
 pub fn score_sitting(case: &Case, sitting: Result<&Sitting, String>) -> CaseScore {
-    let predicted = sitting.clone().map(|sitting| Table::of(&sitting.predicted));
+    let predicted = sitting.clone().and_then(|sitting| match &sitting.learned {
+        Some(learned) => Ok(Table::of(&learned.predicted)),
+        None => Err("there is no prediction".to_owned()),
+    });
     let floors = case.truth.exam.clone().unwrap_or_default();
     let exam = score_exam(&Table::of(&case.exam), predicted, &floors, "exam");
     let answer = sitting.and_then(|sitting| {

@@ -15,8 +15,8 @@ use crate::random::Draw;
 use crate::score::{CaseScore, score_sitting};
 use crate::sitting::{Paper, Sitting, sit};
 
-/// Arms that are tried for a case: a delay or a tilt shows on few.
-const MOST_ARMS: usize = 10;
+/// Arms that are tried for a case.
+const MOST_ARMS: usize = 5;
 /// Errors of every inertial of a null that has some.
 const NULL_BACKGROUND: [f64; 2] = [0.02, 0.05];
 /// Keeps the draws of field cases apart from those of clean ones.
@@ -232,9 +232,12 @@ fn serve(order: &Order, keep: Option<&Path>) -> Result<Outcome, ChallengeError> 
 /// Writes what the program would have written, into a folder, which is made.
 fn hand_in(sitting: &Sitting, folder: &Path) -> Result<(), ChallengeError> {
     std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
-    for (name, text) in [("out.json", &sitting.out_json), ("model.json", &sitting.model_json)] {
+    let write = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(ChallengeError::io("written", &path))?;
-    }
-    Ok(write_csv(folder.join("predicted.csv"), &sitting.predicted)?)
+        std::fs::write(&path, text).map_err(ChallengeError::io("written", &path))
+    };
+    write("out.json", &sitting.out_json)?;
+    let Some(learned) = &sitting.learned else { return Ok(()) };
+    write("model.json", &learned.model_json)?;
+    Ok(write_csv(folder.join("predicted.csv"), &learned.predicted)?)
 }
