@@ -38,7 +38,7 @@ mod select;
 mod signals;
 mod transmission;
 
-pub use atlas::{Bin, JointAtlas, Regime, SymmetryTest};
+pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
 pub use books::{Books, DriveGain};
 pub use change::diagnose_change;
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose};
