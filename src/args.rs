@@ -344,6 +344,9 @@ pub(crate) struct DiagnoseArgs {
     /// this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) next_motion: Option<PathBuf>,
+    /// Also try this many wrong terms and say how many would have been believed
+    #[arg(long, value_name = "N", conflicts_with = "reference")]
+    pub(crate) placebo: Option<usize>,
     /// Do not simulate the hold-out from its recorded efforts
     #[arg(long)]
     pub(crate) no_replay: bool,

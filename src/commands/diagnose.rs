@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_diagnose::{Books, DiagnosedModel, Diagnosis, Errors, diagnose, diagnose_change};
+use armident_diagnose::{
+    Books, DiagnosedModel, Diagnosis, Errors, diagnose, diagnose_change, diagnose_with_placebo,
+};
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
@@ -47,10 +49,15 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
         return output::write_result(&args.output, &report.text(), &report, &warnings);
     }
-    let (before, mut diagnosis) = if reference.is_empty() {
-        (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
-    } else {
+    let mut placebo = None;
+    let (before, mut diagnosis) = if !reference.is_empty() {
         diagnose_change(&model, &reference, &train)?
+    } else if let Some(terms) = args.placebo {
+        let (diagnosis, tried) = diagnose_with_placebo(&model, &train, terms)?;
+        placebo = Some(tried);
+        (DiagnosedModel::believed(&model), diagnosis)
+    } else {
+        (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
     };
     diagnosis.doubt_gains(&books.drive_gains);
     if !holdout.is_empty() {
@@ -88,6 +95,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let report = DiagnoseReport::new(&model.chain, &diagnosis, inputs, fits)
         .with_proof(whiteness, replay)
         .with_books(&books)
+        .with_placebo(placebo)
         .with_next_motion(args.next_motion.is_some(), next);
     output::write_result(&args.output, &report.text(), &report, &warnings)
 }

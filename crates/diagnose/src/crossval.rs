@@ -175,6 +175,27 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
     )
 }
 
+/// By how many standard errors a group of an answer lowers the error of stretches that were not fitted, on
+/// its joints.
+pub(crate) fn usefulness(metric: &Whitened<'_>, of: &Answer, group: usize) -> Option<f64> {
+    let (small, ids) = metric.problem.restricted(&of.set);
+    let joints = &metric.problem.groups[group].site.joints;
+    let without: Vec<usize> =
+        of.set.iter().zip(&ids).filter(|(g, _)| **g != group).map(|(_, id)| *id).collect();
+    let gains: Vec<f64> = folds(&small)
+        .iter()
+        .map(|fold| {
+            let [with, without] = [&ids, &without].map(|set| {
+                let errors = fold.errors(set, metric.scale, &metric.wide);
+                joints.iter().map(|j| errors[*j]).sum::<f64>()
+            });
+            (without / with).ln()
+        })
+        .filter(|gain| gain.is_finite())
+        .collect();
+    (gains.len() > 1).then(|| in_standard_errors(&gains))
+}
+
 /// Mean of some numbers over its standard error.
 fn in_standard_errors(gains: &[f64]) -> f64 {
     let count = gains.len() as f64;

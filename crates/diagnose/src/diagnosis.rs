@@ -15,8 +15,9 @@ use crate::findings::{Finding, claims};
 use crate::learn::{View, choose_outputs, learned, rigid_alone};
 use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
+use crate::placebo::{Placebo, placebo};
 use crate::search::Answer;
-use crate::select::select;
+use crate::select::{Selection, select};
 use crate::signals::Signals;
 
 /// Root mean square errors of the raw recorded effort, by joint.
@@ -82,6 +83,24 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
     diagnose_from(model, train, 0)
 }
 
+/// The diagnosis, and what its selection makes of so many wrong terms beside what it found
+/// ([`Placebo`]).
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub fn diagnose_with_placebo(
+    model: &ArmModel,
+    train: &[Recording],
+    terms: usize,
+) -> Result<(Diagnosis, Placebo), DiagnoseError> {
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let mut evidence = Evidence::new(&model.chain, usable_signals(&names, train)?);
+    let mut selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
+    let diagnosis = told(model, &names, &evidence, &selection)?;
+    let placebo = placebo(&evidence, &mut selection, terms);
+    Ok((diagnosis, placebo))
+}
+
 /// The same of what changed in the recordings from `changed_from` on.
 pub(crate) fn diagnose_from(
     model: &ArmModel,
@@ -93,18 +112,28 @@ pub(crate) fn diagnose_from(
     let mut evidence = Evidence::new(&model.chain, signals);
     evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
+    told(model, &names, &evidence, &selection)
+}
+
+/// What is said of a selection.
+fn told(
+    model: &ArmModel,
+    names: &[String],
+    evidence: &Evidence<'_>,
+    selection: &Selection,
+) -> Result<Diagnosis, DiagnoseError> {
     let metric = selection.metric();
     let best = predictor(&metric, &selection.answer);
     let best_metric = selection.problem.whitened(best.scale, &selection.wide);
-    let best_view = View::new(&evidence, &best_metric, &best.answer, &selection.point);
+    let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
     let mut learned_model = learned(model, &best_view);
-    choose_outputs(&mut learned_model, &evidence)?;
-    let claims = claims(&evidence, &selection);
+    choose_outputs(&mut learned_model, evidence)?;
+    let claims = claims(evidence, selection);
     // the model of another answer, all that is not in question as in the model learned
     let model_of = |answer: &Answer, wide: &[usize]| {
         let metric = selection.problem.whitened(best.scale, wide);
         let answer = best.beside(&metric, &selection.answer, answer)?;
-        let view = View::new(&evidence, &metric, &answer, &selection.point);
+        let view = View::new(evidence, &metric, &answer, &selection.point);
         let mut model = learned(model, &view);
         model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
         model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
@@ -120,9 +149,8 @@ pub(crate) fn diagnose_from(
             claim.rivals.iter().filter_map(|answer| model_of(answer, &selection.wide)).collect()
         })
         .collect();
-    let mut rigid =
-        rigid_alone(model, &evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
-    choose_outputs(&mut rigid, &evidence)?;
+    let mut rigid = rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
+    choose_outputs(&mut rigid, evidence)?;
     let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
     let at = evidence.at(&selection.point);
     for finding in findings.iter_mut().filter(|f| f.effect == crate::UNMODELLED) {
@@ -137,9 +165,9 @@ pub(crate) fn diagnose_from(
                 }
             }
         }
-        finding.evidence.character = Some(character(&evidence, &at, joint, &effort));
+        finding.evidence.character = Some(character(evidence, &at, joint, &effort));
     }
-    let atlas = atlas(&evidence, &DiagnosedModel::believed(model), &rigid, &learned_model)?;
+    let atlas = atlas(evidence, &DiagnosedModel::believed(model), &rigid, &learned_model)?;
     Ok(Diagnosis {
         atlas,
         findings,
@@ -148,7 +176,7 @@ pub(crate) fn diagnose_from(
         without,
         rivals,
         effort_noise: names.iter().cloned().zip(evidence.rows.sample_deviation.clone()).collect(),
-        joints: names,
+        joints: names.to_vec(),
         inertial_error: selection.scale,
     })
 }

@@ -30,6 +30,7 @@ mod material;
 mod model;
 mod next_motion;
 mod noise;
+mod placebo;
 mod problem;
 mod ripple;
 mod rows;
@@ -41,11 +42,12 @@ mod transmission;
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
 pub use books::{Books, DriveGain};
 pub use change::diagnose_change;
-pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose};
+pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
 pub use findings::{Alternative, Finding, FindingEvidence, Value};
 pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
 pub use model::{DiagnosedModel, Learned};
 pub use next_motion::NextMotion;
+pub use placebo::Placebo;
 pub use transmission::{Transmission, TransmissionTerm};
 
 /// Name of a finding for structure that no law of the library explains.

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::{Books, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion};
+use armident_diagnose::{
+    Books, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion, Placebo,
+};
 use armident_effects::effect;
 use armident_ident::check::Check;
 use armident_kinematics::DrivingAxisChain;
@@ -56,6 +58,8 @@ pub struct DiagnoseReport {
     whiteness_p: BTreeMap<String, f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     replay: Option<ReplayPair>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    placebo: Option<Placebo>,
     #[serde(skip_serializing_if = "Option::is_none")]
     next_motion: Option<NextMotionSaid>,
     warnings: Vec<String>,
@@ -145,6 +149,7 @@ impl DiagnoseReport {
             atlas: Vec::new(),
             whiteness_p: BTreeMap::new(),
             replay: None,
+            placebo: None,
             next_motion: None,
             warnings: inputs.warnings,
         }
@@ -170,6 +175,13 @@ impl DiagnoseReport {
     ) -> Self {
         self.whiteness_p = whiteness_p;
         self.replay = replay;
+        self
+    }
+
+    /// With what the selection makes of wrong terms.
+    #[must_use]
+    pub fn with_placebo(mut self, placebo: Option<Placebo>) -> Self {
+        self.placebo = placebo;
         self
     }
 
@@ -205,6 +217,12 @@ impl DiagnoseReport {
         }
         page.push_str(&self.atlas_text());
         page.push_str(&self.proof_text());
+        if let Some(Placebo { terms, improve, named }) = self.placebo {
+            page.push_str(&format!(
+                "\nOf {terms} wrong terms {improve} lower the error of stretches that were not fitted, and \
+                 {named} would have been named\n"
+            ));
+        }
         page.push_str(&self.next_motion_text());
         page
     }
