@@ -37,6 +37,7 @@ pub(crate) enum Command {
     Validate(ValidateArgs),
     Predict(PredictArgs),
     Export(ExportArgs),
+    Report(ReportArgs),
 }
 
 /// Which part of the robot is the arm.
@@ -87,6 +88,18 @@ pub(crate) struct OutputArgs {
     /// Say nothing on stderr but errors
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// The page of a result.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Report")]
+pub(crate) struct PageArgs {
+    /// Write the result as one self-contained HTML page with charts
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Put what a page draws into the JSON too, for `armident report`
+    #[arg(long, requires = "json")]
+    pub(crate) traces: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -282,6 +295,8 @@ pub(crate) struct IdentifyArgs {
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
+    pub(crate) page: PageArgs,
+    #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
 
@@ -309,6 +324,8 @@ pub(crate) struct CheckArgs {
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) page: PageArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -344,6 +361,8 @@ pub(crate) struct DiagnoseArgs {
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
+    pub(crate) page: PageArgs,
+    #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
 
@@ -376,6 +395,8 @@ pub(crate) struct ValidateArgs {
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) page: PageArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -437,6 +458,24 @@ pub(crate) struct ExportArgs {
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+}
+
+/// Write the result of a command as one self-contained HTML page
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident diagnose robot.urdf train.csv --json result.json --traces
+  armident report result.json -o report.html
+
+The page opens in any browser, without a network. Charts of efforts and residuals need --traces in the
+command that wrote the result; check, identify, validate and diagnose write the same page at once with
+--report.")]
+pub(crate) struct ReportArgs {
+    /// JSON written by --json of any command
+    pub(crate) result: PathBuf,
+    /// File to write; - is stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
 }
 
 /// Level of effort noise.

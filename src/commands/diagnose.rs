@@ -9,20 +9,24 @@ use armident_report::DiagnoseReport;
 use super::recordings;
 use crate::args::DiagnoseArgs;
 use crate::failure::{Failure, Outcome};
-use crate::{output, robot};
+use crate::{output, page, robot};
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let train_files = recordings::expand(&args.recordings)?;
     let holdout_files = recordings::expand(&args.holdout)?;
     let inputs =
         train_files.iter().chain(&holdout_files).chain([&args.robot]).map(PathBuf::as_path);
-    output::protect(inputs, [args.output.json.as_ref(), args.save_model.as_ref()])?;
+    output::protect(
+        inputs,
+        [args.output.json.as_ref(), args.save_model.as_ref(), args.page.report.as_ref()],
+    )?;
+    args.page.check()?;
     let train = recordings::read_all(&train_files, &args.reading, &args.output)?;
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
     let recorded = recordings::joints_with_position(&train);
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
-    let reference =
-        recordings::read_all(&recordings::expand(&args.reference)?, &args.reading, &args.output)?;
+    let reference_files = recordings::expand(&args.reference)?;
+    let reference = recordings::read_all(&reference_files, &args.reading, &args.output)?;
     let (before, diagnosis) = if reference.is_empty() {
         (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
     } else {
@@ -54,7 +58,16 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         ),
         warnings.clone(),
     );
-    output::write_result(&args.output, &report.text(), &report, &warnings)
+    let drawing = if args.page.wanted() {
+        let mut drawing = page::of_diagnosis(&before, &diagnosis, &train, &holdout)?;
+        let files = [&args.robot].into_iter().chain(&train_files).chain(&holdout_files);
+        drawing.provenance = page::provenance(files.chain(&reference_files).chain(&args.reading.mapping));
+        Some(drawing)
+    } else {
+        None
+    };
+    let text = report.text();
+    page::write_result(&args.page, &args.output, &text, &report, &warnings, drawing.as_ref())
 }
 
 /// Errors of several recordings taken together, by their numbers of samples.

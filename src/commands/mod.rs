@@ -8,5 +8,6 @@ pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod predict;
 pub(crate) mod recordings;
+pub(crate) mod report;
 pub(crate) mod simulate;
 pub(crate) mod validate;

@@ -31,6 +31,7 @@ mod search;
 mod select;
 mod signals;
 mod transmission;
+mod without;
 
 pub use change::diagnose_change;
 pub use diagnosis::{

@@ -1,7 +1,10 @@
 //! What recordings show of one finding, in the regime where its law lives.
 
+use std::borrow::Cow;
+
 use armident_effects::{Place, effect};
-use nalgebra::Vector3;
+use armident_kinematics::JointKind;
+use nalgebra::{Isometry3, Vector3};
 
 use crate::atlas::Classes;
 use crate::canvas::{Canvas, Sheet, less};
@@ -32,6 +35,8 @@ pub struct FindingPlace {
     pub window_s: Option<[f64; 2]>,
     /// Name of the recording of the window, without folder and ending.
     pub recording: Option<String>,
+    /// Force of a contact on the tip, in the base frame \[N\].
+    pub force_n: Option<[f64; 3]>,
     /// Centre of a load in the frame of its link \[m\]; none: the believed centre of the link.
     pub centre_m: Option<[f64; 3]>,
 }
@@ -106,12 +111,42 @@ impl Canvas<'_> {
                 !without.is_empty() && named && (sheet.role == Role::Training || !fitted)
             })
             .filter_map(|(sheet, without)| Pair::new(sheet, without))
+            .map(|pair| match (place.window_s, place.force_n) {
+                (Some(window_s), Some(force_n)) => self.in_contact(pair, window_s, force_n),
+                _ => pair,
+            })
             .collect();
         if pairs.is_empty() {
             return FindingTraces::default();
         }
         let (joints, share) = (0..self.chain.dof()).map(|j| acting(&pairs, j)).unzip();
         FindingTraces { joints, share, views: self.views(place, &pairs) }
+    }
+
+    /// Contacts are in no model: their effort `-J(q)^T F` is formed here, and taken off the residual.
+    fn in_contact<'p>(&self, mut pair: Pair<'p>, window_s: [f64; 2], force_n: [f64; 3]) -> Pair<'p> {
+        let motion = &pair.sheet.motion;
+        let mut with: Vec<Vec<f64>> = pair.with.to_vec();
+        for k in 0..motion.len() {
+            let t = motion.time_s[k] - motion.time_s[0];
+            if !(window_s[0]..=window_s[1]).contains(&t) {
+                continue;
+            }
+            let q: Vec<f64> = motion.position.iter().map(|q| q[k]).collect();
+            let frames = self.chain.frames_in_base(&q);
+            let Some(last) = frames.last() else { continue };
+            let tip = (last * self.chain.tip_in_e).translation.vector;
+            for (j, frame) in frames.iter().enumerate() {
+                if pair.law[j].is_empty() {
+                    continue;
+                }
+                let moved = displacement(frame, self.chain.joints[j].kind, &tip);
+                pair.law[j][k] = -Vector3::from(force_n).dot(&moved);
+                with[j][k] -= pair.law[j][k];
+            }
+        }
+        pair.with = Cow::Owned(with);
+        pair
     }
 
     fn views(&self, place: &FindingPlace, pairs: &[Pair<'_>]) -> Vec<FindingView> {
@@ -280,22 +315,22 @@ impl Canvas<'_> {
                     for (j, q) in q.iter().enumerate() {
                         pose *= self.chain.parent_from_e(j, *q);
                         if j == joint {
-                            let z: Vector3<f64> = pose.rotation * Vector3::z();
-                            axis = Some((z, pose.translation.vector));
+                            axis = Some(pose);
                         }
                     }
-                    let (z, origin) = axis?;
                     let point = (pose * nalgebra::Point3::from(centre)).coords;
-                    let moved = if self.chain.joints[joint].kind.is_rotational() {
-                        z.cross(&(point - origin))
-                    } else {
-                        z
-                    };
+                    let moved = displacement(&axis?, self.chain.joints[joint].kind, &point);
                     Some((-gravity.dot(&moved), 1.0))
                 })
             }
         }
     }
+}
+
+/// Displacement of a point of the base frame when the joint of a frame moves by one.
+fn displacement(frame: &Isometry3<f64>, kind: JointKind, point: &Vector3<f64>) -> Vector3<f64> {
+    let axis = frame.rotation * Vector3::z();
+    if kind.is_rotational() { axis.cross(&(point - frame.translation.vector)) } else { axis }
 }
 
 /// Samples at which a joint turns round, with its direction afterwards; a joint that stops and goes on
@@ -323,7 +358,7 @@ fn reversals(velocity: &[f64]) -> Vec<(usize, f64)> {
 /// Residual with a finding, and the finding's own effort, by joint.
 struct Pair<'a> {
     sheet: &'a Sheet,
-    with: &'a [Vec<f64>],
+    with: Cow<'a, [Vec<f64>]>,
     law: Vec<Vec<f64>>,
 }
 
@@ -339,7 +374,7 @@ impl<'a> Pair<'a> {
                 if measured.is_empty() { Vec::new() } else { less(with, &sheet.motion.on_grid(without)) }
             })
             .collect();
-        Some(Self { sheet, with: sheet.residual.last()?, law })
+        Some(Self { sheet, with: Cow::Borrowed(sheet.residual.last()?), law })
     }
 }
 
