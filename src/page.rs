@@ -12,6 +12,9 @@ use crate::args::{OutputArgs, PageArgs};
 use crate::failure::{Failure, Outcome};
 use crate::output;
 
+/// Periods of the cut-off at both ends in which residuals are not counted, as in `identify`.
+const EDGE_PERIODS: f64 = 1.5;
+
 /// A result with what is drawn beside it.
 #[derive(Serialize)]
 struct Drawn<'a, T> {
@@ -64,7 +67,11 @@ pub(crate) fn write_result<T: Serialize>(
         let page = armident_page::html(&document).map_err(|e| failure(path, &e))?;
         output::write_file(path, page.as_bytes())?;
         let megabytes = page.len() as f64 / 1e6;
-        output::say_all(args, "note", &[format!("page of {megabytes:.1} MB written to {}", path.display())]);
+        output::say_all(
+            args,
+            "note",
+            &[format!("page of {megabytes:.1} MB written to {}", path.display())],
+        );
     }
     Ok(outcome)
 }
@@ -75,7 +82,11 @@ pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
         PageError::NotJson { line, .. } => format!("{}, line {line}", path.display()),
         _ => path.display().to_string(),
     };
-    Failure::new(error, place, Some("give a file written by --json of check, identify, validate or diagnose"))
+    Failure::new(
+        error,
+        place,
+        Some("give a file written by --json of check, identify, validate or diagnose"),
+    )
 }
 
 /// The command line, and the files that were read for it.
@@ -116,7 +127,9 @@ pub(crate) fn compared<'a>(
                     Ok(efforts.iter().map(|e| motion.at_stamps(e)).collect())
                 })
                 .collect::<Result<_, Failure>>()?;
-            Ok(Compared { recording, role, predicted })
+            // as many periods as a fit leaves out at the ends
+            let edge_s = cutoff_hz.map_or(0.0, |hz| EDGE_PERIODS / hz);
+            Ok(Compared { recording, role, predicted, edge_s })
         })
         .collect()
 }
@@ -132,8 +145,9 @@ pub(crate) fn of_diagnosis(
     let mut all = Vec::new();
     for (recordings, role) in [(train, Role::Training), (holdout, Role::Holdout)] {
         for recording in recordings {
-            let predicted = models.iter().map(|m| m.predict(recording)).collect::<Result<_, _>>()?;
-            all.push(Compared { recording, role, predicted });
+            let predicted =
+                models.iter().map(|m| m.predict(recording)).collect::<Result<_, _>>()?;
+            all.push(Compared { recording, role, predicted, edge_s: 0.0 });
         }
     }
     let chain = &before.arm.chain;

@@ -35,6 +35,8 @@ mod diagnose;
 mod export;
 /// MCAP beside CSV
 mod formats;
+/// pages of results in a browser
+mod page;
 /// exported URDF and MJCF in Pinocchio and MuJoCo
 mod peers;
 /// plan, simulate, identify, predict: what was put in comes out

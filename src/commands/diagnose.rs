@@ -61,7 +61,8 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let drawing = if args.page.wanted() {
         let mut drawing = page::of_diagnosis(&before, &diagnosis, &train, &holdout)?;
         let files = [&args.robot].into_iter().chain(&train_files).chain(&holdout_files);
-        drawing.provenance = page::provenance(files.chain(&reference_files).chain(&args.reading.mapping));
+        drawing.provenance =
+            page::provenance(files.chain(&reference_files).chain(&args.reading.mapping));
         Some(drawing)
     } else {
         None

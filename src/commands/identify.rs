@@ -7,8 +7,8 @@ use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, Consistent, JointFit, MinimalSet, Recorded,
-    Term,
+    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, Consistent, JointFit,
+    MinimalSet, Recorded, Term,
 };
 use armident_page::{Canvas, Correlation, Drawing, Role};
 use armident_recording::{Motion, Recording};
@@ -53,8 +53,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     let drawing = if args.page.wanted() {
         let models = [&model.before(), &model];
         let [train, holdout] = &read;
-        let mut compared =
-            page::compared(&models, train, Role::Training, report.cutoff_hz)?;
+        let mut compared = page::compared(&models, train, Role::Training, report.cutoff_hz)?;
         compared.extend(page::compared(&models, holdout, Role::Holdout, report.cutoff_hz)?);
         let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
         let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
@@ -263,18 +262,10 @@ fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         labels: problem.terms.iter().map(|term| problem.label(term, &joints)).collect(),
         rows: correlations(estimate),
     };
-    Ok(Identified {
-        report,
-        model: found,
-        correlation: Some(correlation),
-        read: [train, holdout],
-    })
+    Ok(Identified { report, model: found, correlation: Some(correlation), read: [train, holdout] })
 }
 
-fn by_algorithm2(
-    args: &IdentifyArgs,
-    plan_path: &Path,
-) -> Result<Identified, Failure> {
+fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Identified, Failure> {
     let plan = read_plan(plan_path)?;
     let folder = plan_path.parent().unwrap_or(Path::new("."));
     let mut model = robot::load(&args.robot, &args.chain, Some(&plan.joints))?;

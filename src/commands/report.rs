@@ -19,8 +19,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome, Failure> {
     } else {
         output::write_file(&args.output_file, html.as_bytes())?;
         let megabytes = html.len() as f64 / 1e6;
-        let said =
-            format!("page of {megabytes:.1} MB written to {}\n", args.output_file.display());
+        let said = format!("page of {megabytes:.1} MB written to {}\n", args.output_file.display());
         output::write_stdout(said.as_bytes())?;
     }
     Ok(Outcome::Done)

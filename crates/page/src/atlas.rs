@@ -57,7 +57,7 @@ fn means(
     let mut sums = vec![vec![0.0; columns * rows]; models];
     let mut counts = vec![0_usize; columns * rows];
     for sheet in sheets {
-        for k in 0..sheet.measured[joint].len() {
+        for k in sheet.kept.clone().take_while(|k| *k < sheet.measured[joint].len()) {
             let (column, row) = cell(sheet, k);
             let at = row * columns + column;
             counts[at] += 1;
@@ -80,8 +80,7 @@ fn means(
 
 /// Mean residual by position (columns) and speed (rows).
 pub(crate) fn speed_position(sheets: &[&Sheet], joint: usize) -> Map {
-    let positions =
-        Classes::of(sheets.iter().flat_map(|s| &s.motion.position[joint]), POSITIONS);
+    let positions = Classes::of(sheets.iter().flat_map(|s| &s.motion.position[joint]), POSITIONS);
     let fastest = fastest(sheets, joint);
     let speeds = Classes::between(-fastest, fastest, SPEEDS);
     means(sheets, joint, (positions.middles(), speeds.middles()), |s, k| {
@@ -93,7 +92,10 @@ pub(crate) fn speed_position(sheets: &[&Sheet], joint: usize) -> Map {
 /// rest, forward).
 pub(crate) fn load_direction(sheets: &[&Sheet], joint: usize) -> Map {
     let load = |s: &Sheet, k: usize| s.predicted.last().map_or(0.0, |p| p[joint][k]);
-    let loads = Classes::of(sheets.iter().filter_map(|s| s.predicted.last()).flat_map(|p| &p[joint]), LOADS);
+    let loads = Classes::of(
+        sheets.iter().filter_map(|s| s.predicted.last()).flat_map(|p| &p[joint]),
+        LOADS,
+    );
     let rest = REST * fastest(sheets, joint);
     means(sheets, joint, (loads.middles(), vec![-1.0, 0.0, 1.0]), |s, k| {
         let v = s.motion.velocity[joint][k];
@@ -116,7 +118,7 @@ pub(crate) fn time(sheets: &[&Sheet], joint: usize) -> Map {
     let mut counts = vec![0_usize; TIMES];
     let mut before = 0.0;
     for sheet in sheets {
-        for k in 0..sheet.measured[joint].len() {
+        for k in sheet.kept.clone().take_while(|k| *k < sheet.measured[joint].len()) {
             let at = classes.class(before + k as f64 / sheet.motion.rate_hz);
             counts[at] += 1;
             for (m, squares) in squares.iter_mut().enumerate() {

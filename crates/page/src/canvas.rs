@@ -1,5 +1,7 @@
 //! From recordings and predictions to what is drawn of them.
 
+use std::ops::Range;
+
 use armident_kinematics::DrivingAxisChain;
 use armident_recording::{
     HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, Quantity, Recording, RecordingError,
@@ -31,12 +33,17 @@ pub struct Compared<'a> {
     pub role: Role,
     /// `predicted[model][joint]`, at the stamps of the recording \[N m or N\].
     pub predicted: Vec<Vec<Vec<f64>>>,
+    /// Time at both ends in which the predictions are those of a low-pass that lacks the samples before
+    /// and after \[s\]: not counted in what is said of residuals.
+    pub edge_s: f64,
 }
 
 /// One recording on its even grid.
 pub(crate) struct Sheet {
     pub(crate) motion: Motion,
     pub(crate) role: Role,
+    /// samples that count in what is said of residuals
+    pub(crate) kept: Range<usize>,
     /// empty for a joint without recorded effort
     pub(crate) measured: Vec<Vec<f64>>,
     /// model, joint
@@ -76,7 +83,16 @@ impl Sheet {
             .iter()
             .map(|model| measured.iter().zip(model).map(|(m, p)| less(m, p)).collect())
             .collect();
-        Ok(Self { motion, role: compared.role, measured, residual, predicted })
+        let edge = ((compared.edge_s * rate_hz).ceil() as usize).min(motion.len() / 4);
+        let kept = edge..motion.len() - edge;
+        Ok(Self { motion, role: compared.role, kept, measured, residual, predicted })
+    }
+}
+
+impl Sheet {
+    /// What counts of a column; nothing of an empty one.
+    pub(crate) fn of<'s>(&self, column: &'s [f64]) -> &'s [f64] {
+        column.get(self.kept.clone()).unwrap_or_default()
     }
 }
 
@@ -171,7 +187,7 @@ impl<'a> Canvas<'a> {
     fn residual(&self, joint: usize) -> JointResidual {
         let sheets = self.fitted();
         let measured: Vec<f64> =
-            sheets.iter().flat_map(|s| s.measured[joint].iter().copied()).collect();
+            sheets.iter().flat_map(|s| s.of(&s.measured[joint]).iter().copied()).collect();
         if measured.is_empty() {
             return JointResidual::default();
         }
@@ -180,7 +196,7 @@ impl<'a> Canvas<'a> {
         let rms = (0..self.models.len())
             .map(|m| {
                 let squares: f64 =
-                    sheets.iter().flat_map(|s| &s.residual[m][joint]).map(|r| r * r).sum();
+                    sheets.iter().flat_map(|s| s.of(&s.residual[m][joint])).map(|r| r * r).sum();
                 (squares / measured.len() as f64).sqrt()
             })
             .collect();

@@ -40,6 +40,9 @@ fn dash(model: usize, models: usize) -> &'static str {
     }
 }
 
+/// Name of the recorded effort in legends.
+const MEASURED: &str = "measured";
+
 fn axis(title: &str) -> Value {
     json!({ "title": { "text": title }, "automargin": true })
 }
@@ -75,20 +78,22 @@ pub(crate) fn efforts(
     for (k, recording) in recordings.iter().enumerate() {
         let traces = &recording.joints[joint];
         let line = |y: &[f64], name: &str, colour: &str, dash: &str, axis: &str, legend: bool| {
+            // the recorded effort lies broad under the predictions
+            let width = if name == MEASURED { 3.5 } else { 1.3 };
             json!({
                 "type": "scatter", "mode": "lines", "name": name, "legendgroup": name,
                 "showlegend": legend && k == 0, "x0": start, "dx": recording.step_s, "y": y,
                 "xaxis": "x", "yaxis": axis,
-                "line": { "color": colour, "dash": dash, "width": 1.3 },
+                "line": { "color": colour, "dash": dash, "width": width },
                 "hovertemplate": "%{y:.4g}"
             })
         };
+        data.push(line(&traces.measured, MEASURED, "@measured", "solid", "y", true));
         for (m, name) in drawing.models.iter().enumerate() {
             let (colour, dash) = (colour(m, models), dash(m, models));
             data.push(line(&traces.predicted[m], name, colour, dash, "y", true));
             data.push(line(&traces.residual[m], name, colour, dash, "y2", false));
         }
-        data.push(line(&traces.measured, "measured", "@ink", "solid", "y", true));
         start += recording.duration_s;
         ends.push(start);
     }
@@ -160,13 +165,8 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
     ];
     for (kind, map, x, y) in kinds {
         // all models on one scale: what became better is seen
-        let largest = map
-            .values
-            .iter()
-            .flatten()
-            .flatten()
-            .flatten()
-            .fold(0.0_f64, |m, v| m.max(v.abs()));
+        let largest =
+            map.values.iter().flatten().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
         for (m, model) in drawing.models.iter().enumerate().rev() {
             let Some(z) = map.values.get(m) else { continue };
             let data = json!({
@@ -388,7 +388,7 @@ pub(crate) fn skeleton(
              unexplained.{marked} Recording: {}.",
             of.source
         ),
-        height: 460,
+        height: 520,
         content: json!({
             "skeleton": {
                 "time_s": of.time_s, "points_m": of.points_m, "shares": shares,

@@ -124,7 +124,12 @@ impl Canvas<'_> {
     }
 
     /// Contacts are in no model: their effort `-J(q)^T F` is formed here, and taken off the residual.
-    fn in_contact<'p>(&self, mut pair: Pair<'p>, window_s: [f64; 2], force_n: [f64; 3]) -> Pair<'p> {
+    fn in_contact<'p>(
+        &self,
+        mut pair: Pair<'p>,
+        window_s: [f64; 2],
+        force_n: [f64; 3],
+    ) -> Pair<'p> {
         let motion = &pair.sheet.motion;
         let mut with: Vec<Vec<f64>> = pair.with.to_vec();
         for k in 0..motion.len() {
@@ -173,7 +178,7 @@ impl Canvas<'_> {
             (Some(a), Some(b)) => b - a,
             _ => 0.0,
         };
-        let widest = views.iter().map(width).fold(0.0, f64::max);
+        let widest = views.iter().map(width).fold(0.0_f64, f64::max);
         let mut kept: Vec<FindingView> =
             views.into_iter().filter(|v| width(v) > LEAST_PATTERN * widest).collect();
         kept.extend(self.view(place, pairs, place.joint, Abscissa::Acceleration));
@@ -202,7 +207,9 @@ impl Canvas<'_> {
                 samples.push([x, with + law, with, law]);
             }
         }
-        if samples.len() < CLASSES {
+        let first = samples.first()?[0];
+        // what does not vary sorts nothing
+        if samples.len() < CLASSES || samples.iter().all(|s| (s[0] - first).abs() < 1e-9) {
             return None;
         }
         let classes = Classes::of(samples.iter().map(|s| &s[0]), CLASSES);
@@ -259,9 +266,7 @@ impl Canvas<'_> {
             Abscissa::Velocity => Box::new(move |k| Some((motion.velocity[joint][k], 1.0))),
             Abscissa::Position => Box::new(move |k| Some((motion.position[joint][k], 1.0))),
             Abscissa::Acceleration => Box::new(move |k| Some((motion.acceleration[joint][k], 1.0))),
-            Abscissa::Load => {
-                Box::new(move |k| sheet.predicted.last().map(|p| (p[joint][k], 1.0)))
-            }
+            Abscissa::Load => Box::new(move |k| sheet.predicted.last().map(|p| (p[joint][k], 1.0))),
             Abscissa::EffortRate => {
                 let load = sheet.predicted.last();
                 Box::new(move |k| {
@@ -371,7 +376,11 @@ impl<'a> Pair<'a> {
             .zip(without)
             .zip(&sheet.measured)
             .map(|((with, without), measured)| {
-                if measured.is_empty() { Vec::new() } else { less(with, &sheet.motion.on_grid(without)) }
+                if measured.is_empty() {
+                    Vec::new()
+                } else {
+                    less(with, &sheet.motion.on_grid(without))
+                }
             })
             .collect();
         Some(Self { sheet, with: Cow::Borrowed(sheet.residual.last()?), law })
@@ -382,10 +391,8 @@ impl<'a> Pair<'a> {
 fn acting(pairs: &[Pair<'_>], joint: usize) -> (Option<[f64; 2]>, f64) {
     let all = || pairs.iter().flat_map(|p| &p.law[joint]);
     let largest = all().fold(0.0_f64, |m, f| m.max(f.abs()));
-    let scale = pairs
-        .iter()
-        .flat_map(|p| &p.sheet.measured[joint])
-        .fold(0.0_f64, |m, e| m.max(e.abs()));
+    let scale =
+        pairs.iter().flat_map(|p| &p.sheet.measured[joint]).fold(0.0_f64, |m, e| m.max(e.abs()));
     if largest <= 1e-9 * scale {
         return (None, 0.0);
     }

@@ -34,7 +34,13 @@ mod tests {
         assert!(library.trim_start().starts_with("/**\n* plotly.js v"), "{}", &library[..40]);
         assert!(library.len() > 4_000_000, "{}", library.len());
         assert!(!library.contains("<script"), "two scripts");
-        assert!(library.trim_end().ends_with("));") || library.trim_end().ends_with(");") || library.trim_end().ends_with("})"), "{}", &library[library.len() - 60..]);
+        assert!(
+            library.trim_end().ends_with("));")
+                || library.trim_end().ends_with(");")
+                || library.trim_end().ends_with("})"),
+            "{}",
+            &library[library.len() - 60..]
+        );
     }
 
     #[test]

@@ -45,8 +45,7 @@ pub enum PageError {
 pub fn html(result: &str) -> Result<String, PageError> {
     let mut document: Value = serde_json::from_str(result)
         .map_err(|e| PageError::NotJson { line: e.line(), message: e.to_string() })?;
-    let schema =
-        document.get("schema").and_then(Value::as_str).unwrap_or("none").to_owned();
+    let schema = document.get("schema").and_then(Value::as_str).unwrap_or("none").to_owned();
     if !schema.starts_with("armident.") {
         return Err(PageError::Schema { found: schema });
     }
@@ -84,19 +83,21 @@ impl Step {
     }
 }
 
-/// A table; the first `left` columns are text, the others numbers.
+/// A table; the first `left` columns and units are text, the others numbers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Grid {
     pub(crate) caption: String,
     pub(crate) header: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
-    pub(crate) left: usize,
+    /// which columns are numbers
+    pub(crate) numbers: Vec<bool>,
 }
 
 impl Grid {
     pub(crate) fn new(caption: impl Into<String>, header: &[&str], left: usize) -> Self {
+        let numbers = header.iter().enumerate().map(|(k, h)| k >= left && *h != "unit").collect();
         let header = header.iter().map(ToString::to_string).collect();
-        Self { caption: caption.into(), header, rows: Vec::new(), left }
+        Self { caption: caption.into(), header, rows: Vec::new(), numbers }
     }
 
     pub(crate) fn with(self, rows: Vec<Vec<String>>) -> Self {
@@ -233,7 +234,11 @@ impl View {
 }
 
 pub(crate) fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{} %", significant(100.0 * share, 2, 0.0)) } else { "-".into() }
+    match share {
+        s if !s.is_finite() => "-".to_owned(),
+        s if s >= 10.0 => format!("{} times", significant(s, 3, 0.0)),
+        s => format!("{} %", significant(100.0 * s, 2, 0.0)),
+    }
 }
 
 pub(crate) fn number(x: f64, digits: usize) -> String {
@@ -256,7 +261,14 @@ fn quality(drawing: &Drawing) -> Option<Section> {
         return None;
     }
     let header = [
-        "recording", "use", "samples", "rate [Hz]", "length [s]", "jitter", "gaps", "longest gap [ms]",
+        "recording",
+        "use",
+        "samples",
+        "rate [Hz]",
+        "length [s]",
+        "jitter",
+        "gaps",
+        "longest gap [ms]",
     ];
     let rows = drawing
         .quality
@@ -337,7 +349,9 @@ fn provenance(document: &Value, drawing: &Drawing) -> Vec<Grid> {
     if from.inputs.is_empty() {
         let list = |key: &str| -> Vec<Vec<String>> {
             let named = document.get(key).and_then(Value::as_array).into_iter().flatten();
-            named.filter_map(|r| Some(vec![r.as_str()?.to_owned(), key.replace('_', " ")])).collect()
+            named
+                .filter_map(|r| Some(vec![r.as_str()?.to_owned(), key.replace('_', " ")]))
+                .collect()
         };
         let rows: Vec<_> = [list("recordings"), list("holdout_recordings")].concat();
         if !rows.is_empty() {

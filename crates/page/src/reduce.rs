@@ -9,7 +9,8 @@ pub(crate) fn smallest_and_largest(values: &[f64], samples_per_pair: usize) -> V
     let mut kept = Vec::with_capacity(2 * values.len().div_ceil(samples_per_pair));
     for stretch in values.chunks(samples_per_pair) {
         let at = |better: fn(f64, f64) -> bool| {
-            (0..stretch.len()).fold(0, |best, k| if better(stretch[k], stretch[best]) { k } else { best })
+            (0..stretch.len())
+                .fold(0, |best, k| if better(stretch[k], stretch[best]) { k } else { best })
         };
         let (low, high) = (at(|a, b| a < b), at(|a, b| a > b));
         kept.push(stretch[low.min(high)]);
@@ -42,7 +43,8 @@ pub(crate) fn rounded_some(values: &[Option<f64>]) -> Vec<Option<f64>> {
 fn at_decimals(x: f64, decimals: i32) -> f64 {
     // by division where the power is whole: 0.1 * 3 is not 0.3
     let power = 10f64.powi(decimals.abs());
-    let rounded = if decimals >= 0 { (x * power).round() / power } else { (x / power).round() * power };
+    let rounded =
+        if decimals >= 0 { (x * power).round() / power } else { (x / power).round() * power };
     // no minus zero in the file
     rounded + 0.0
 }
@@ -68,6 +70,9 @@ mod tests {
     fn few_digits() {
         assert_eq!(rounded(&[12.345_678, -0.000_04]), [12.346, 0.0]);
         assert_eq!(rounded(&[123_456_789.0]), [123_460_000.0]);
-        assert_eq!(serde_json::to_string(&rounded(&[0.3, 0.000_012_345])).unwrap(), "[0.3,0.00001]");
+        assert_eq!(
+            serde_json::to_string(&rounded(&[0.3, 0.000_012_345])).unwrap(),
+            "[0.3,0.00001]"
+        );
     }
 }

@@ -29,7 +29,7 @@ const CORRELATED: usize = 100_000;
 pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
     let Some(first) = sheets.first() else { return Series::default() };
     let rate_hz = first.motion.rate_hz;
-    let shortest = sheets.iter().map(|s| s.motion.len()).min().unwrap_or(0);
+    let shortest = sheets.iter().map(|s| s.kept.len()).min().unwrap_or(0);
     let n = ((STRETCH_S * rate_hz) as usize).min(shortest) / 2 * 2;
     if n < 16 {
         return Series::default();
@@ -45,7 +45,7 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
         let mut count = 0.0_f64;
         // recordings of another rate have other frequencies
         for sheet in sheets.iter().filter(|s| (s.motion.rate_hz / rate_hz - 1.0).abs() < 1e-3) {
-            let residual = &sheet.residual[model][joint];
+            let residual = sheet.of(&sheet.residual[model][joint]);
             for start in (0..=residual.len().saturating_sub(n)).step_by(n / 2) {
                 let Some(piece) = residual.get(start..start + n) else { continue };
                 let mean = piece.iter().sum::<f64>() / n as f64;
@@ -66,10 +66,8 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
     let chunk = (n / 2).div_ceil(POINTS).max(1);
     let hertz = rate_hz / n as f64;
     // the mean is taken out: frequency 0 says nothing
-    let x: Vec<f64> = (1..=n / 2)
-        .step_by(chunk)
-        .map(|k| (k as f64 + 0.5 * (chunk - 1) as f64) * hertz)
-        .collect();
+    let x: Vec<f64> =
+        (1..=n / 2).step_by(chunk).map(|k| (k as f64 + 0.5 * (chunk - 1) as f64) * hertz).collect();
     let strongest = |density: &Vec<f64>| {
         let values: Vec<Option<f64>> = density[1..]
             .chunks(chunk)
@@ -105,7 +103,8 @@ pub(crate) fn orders(sheets: &[&Sheet], joint: usize, kind: JointKind) -> Series
         let mut weights = vec![0.0; cells];
         for sheet in sheets {
             let (q, v) = (&sheet.motion.position[joint], &sheet.motion.velocity[joint]);
-            for (k, r) in sheet.residual[model][joint].iter().enumerate() {
+            for k in sheet.kept.clone() {
+                let Some(r) = sheet.residual[model][joint].get(k) else { continue };
                 let cell = (((q[k] - from) / cycle * POSITIONS) as usize).min(cells - 1);
                 let length = v[k].abs() / sheet.motion.rate_hz;
                 sums[cell] += length * r;
@@ -143,7 +142,7 @@ pub(crate) fn autocorrelation(sheets: &[&Sheet], joint: usize) -> (Series, f64) 
     let of = |model: usize| -> Vec<Option<f64>> {
         let pieces: Vec<&[f64]> = sheets
             .iter()
-            .map(|s| &s.residual[model][joint])
+            .map(|s| s.of(&s.residual[model][joint]))
             .map(|r| &r[..r.len().min(CORRELATED)])
             .collect();
         let count: usize = pieces.iter().map(|p| p.len()).sum();
@@ -152,7 +151,10 @@ pub(crate) fn autocorrelation(sheets: &[&Sheet], joint: usize) -> (Series, f64) 
         let values: Vec<Option<f64>> = (0..=LAGS)
             .map(|lag| {
                 let product = |p: &[f64]| -> f64 {
-                    p.iter().zip(p.iter().skip(lag * step)).map(|(a, b)| (a - mean) * (b - mean)).sum()
+                    p.iter()
+                        .zip(p.iter().skip(lag * step))
+                        .map(|(a, b)| (a - mean) * (b - mean))
+                        .sum()
                 };
                 let sum: f64 = pieces.iter().map(|p| product(p)).sum();
                 (variance > 0.0).then(|| sum / variance)
@@ -160,9 +162,8 @@ pub(crate) fn autocorrelation(sheets: &[&Sheet], joint: usize) -> (Series, f64) 
             .collect();
         rounded_some(&values)
     };
-    let count: usize = sheets.iter().map(|s| s.measured[joint].len().min(CORRELATED)).sum();
+    let count: usize = sheets.iter().map(|s| s.kept.len().min(CORRELATED)).sum();
     let x: Vec<f64> = (0..=LAGS).map(|lag| (lag * step) as f64 / rate_hz).collect();
-    let series =
-        Series { values: (0..first.residual.len()).map(of).collect(), x: rounded(&x) };
+    let series = Series { values: (0..first.residual.len()).map(of).collect(), x: rounded(&x) };
     (series, 1.96 / (count.max(1) as f64).sqrt())
 }

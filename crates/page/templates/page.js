@@ -3,12 +3,12 @@
   const light = {
     ink: "#1b1f23", soft: "#57606a", faint: "#8c959f", grid: "#e1e5e9", before: "#D55E00", between: "#CC79A7",
     after: "#0072B2", band: "rgba(0,158,115,0.16)", spread: "rgba(213,94,0,0.14)", middle: "#f2f2f2",
-    paper: "#ffffff",
+    measured: "rgba(27,31,35,0.38)", paper: "#ffffff",
   };
   const dark = {
     ink: "#e6e9ec", soft: "#a3adb8", faint: "#6b7682", grid: "#2c343d", before: "#F0823A", between: "#E3A1C6",
     after: "#56B4E9", band: "rgba(0,190,140,0.20)", spread: "rgba(240,130,58,0.18)", middle: "#2a3038",
-    paper: "#12161b",
+    measured: "rgba(230,233,236,0.42)", paper: "#12161b",
   };
   const darkness = matchMedia("(prefers-color-scheme: dark)");
   let printing = false;
@@ -25,7 +25,8 @@
   const coloured = (value, colours) => {
     if (typeof value === "string") return value[0] === "@" ? colours[value.slice(1)] : value;
     if (Array.isArray(value)) {
-      return typeof value[0] === "number" || value[0] === null ? value : value.map((v) => coloured(v, colours));
+      const plain = (v) => typeof v === "number" || v === null;
+      return plain(value[0]) && plain(value[value.length - 1]) ? value : value.map((v) => coloured(v, colours));
     }
     if (value && typeof value === "object") {
       return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, coloured(v, colours)]));
@@ -39,7 +40,7 @@
     full.paper_bgcolor = "rgba(0,0,0,0)";
     full.plot_bgcolor = "rgba(0,0,0,0)";
     full.font = { color: colours.ink, size: 12, family: getComputedStyle(document.body).fontFamily };
-    full.margin = { l: 56, r: 12, t: 8, b: 44, ...full.margin };
+    full.margin = { l: 56, r: 12, t: 34, b: 44, ...full.margin };
     full.legend = { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, ...full.legend };
     full.hoverlabel = { bgcolor: colours.paper, bordercolor: colours.faint, font: { color: colours.ink } };
     full.modebar = { color: colours.faint, activecolor: colours.ink, bgcolor: "rgba(0,0,0,0)" };
@@ -52,7 +53,7 @@
   };
 
   const settings = {
-    responsive: true, displaylogo: false, showSendToCloud: false, showEditInChartStudio: false,
+    responsive: true, displayModeBar: innerWidth < 640 ? false : "hover", displaylogo: false, showSendToCloud: false, showEditInChartStudio: false,
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
   };
 
@@ -154,7 +155,7 @@
       const blank = { visible: false, range: [-reach, reach] };
       const layout = dressed({
         hovermode: "closest", xaxis: { ...blank },
-        yaxis: { visible: false, range: [-0.5 * reach, reach], scaleanchor: "x" },
+        yaxis: { visible: false, range: [-0.4 * reach, 0.95 * reach], scaleanchor: "x" },
       }, colours, Number(place.dataset.height));
       return Plotly.react(place, data, layout, settings);
     };

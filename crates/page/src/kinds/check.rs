@@ -158,8 +158,15 @@ pub(crate) fn view(of: Checked, drawing: &Drawing) -> View {
 
 fn channels(of: &Checked) -> Grid {
     let header = [
-        "joint", "column", "most likely", "probability", "gain", "95 % interval", "variation",
-        "free fit leaves", "URDF's variation",
+        "joint",
+        "column",
+        "most likely",
+        "probability",
+        "gain",
+        "95 % interval",
+        "variation",
+        "free fit leaves",
+        "URDF's variation",
     ];
     let rows = of
         .channels

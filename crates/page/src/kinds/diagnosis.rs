@@ -88,12 +88,8 @@ struct Alternative {
 const OPEN: usize = 3;
 
 pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
-    let cards: Vec<Card> = of
-        .findings
-        .iter()
-        .enumerate()
-        .map(|(k, finding)| card(k, finding, &of, drawing))
-        .collect();
+    let cards: Vec<Card> =
+        of.findings.iter().enumerate().map(|(k, finding)| card(k, finding, &of, drawing)).collect();
     let blamed_joints: Vec<usize> = on_chain(drawing, |f| f.link.is_none(), &of);
     let blamed_links: Vec<usize> = on_chain(drawing, |f| f.link.is_some(), &of);
     let mut worst: Vec<String> =
@@ -143,7 +139,13 @@ fn on_chain(drawing: &Drawing, which: impl Fn(&Finding) -> bool, of: &Diagnosis)
 
 fn title(slug: &str) -> String {
     effect(slug).map_or_else(
-        || if slug == "unmodelled" { "structure without a name".to_owned() } else { slug.replace('_', " ") },
+        || {
+            if slug == "unmodelled" {
+                "structure without a name".to_owned()
+            } else {
+                slug.replace('_', " ")
+            }
+        },
         |e| e.law().title.to_owned(),
     )
 }
@@ -222,8 +224,8 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
             (after.get(after.len() / 2), rigid.get(rigid.len() / 2), after.last())
         {
             all.push(format!(
-                "On the {kind} recordings the model with these effects errs by {} of the given one (median \
-                 joint; {} on {}, the worst); the same links identified again without them by {}.",
+                "With these effects the model leaves {} of the given model's error on the {kind} recordings \
+                 (median joint; {} on {}, the worst). Its links identified again without any effect leave {}.",
                 percent(middle.0),
                 percent(worst.0),
                 worst.1,
@@ -253,7 +255,8 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
     }
     if of.findings.is_empty() {
         all.push(
-            "Effects clearly smaller than the noise of one recorded sample are not named.".to_owned(),
+            "Effects clearly smaller than the noise of one recorded sample are not named."
+                .to_owned(),
         );
     }
     all
@@ -290,7 +293,8 @@ fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
     }
     let doubtful = of.findings.iter().find(|f| f.confidence < 0.9);
     if let Some((finding, separated)) = doubtful.and_then(|f| {
-        let other = effect(&f.effect)?.law().look_alikes.first()?;
+        let others = effect(&f.effect)?.law().look_alikes;
+        let other = others.iter().find(|o| !o.separated_by.contains("nothing"))?;
         Some((f, format!("{} ({})", other.separated_by, title(other.slug))))
     }) {
         steps.push(Step::new(format!(
@@ -312,7 +316,9 @@ fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
         });
     }
     if of.holdout_recordings.is_empty() {
-        steps.push(Step::new("Prove it on a recording that was not fitted.").by("--holdout other.csv"));
+        steps.push(
+            Step::new("Prove it on a recording that was not fitted.").by("--holdout other.csv"),
+        );
     }
     if of.findings.is_empty() {
         steps.push(Step::new(
@@ -328,7 +334,7 @@ fn without_report(command: &[String]) -> Vec<&str> {
     while let Some(word) = words.next() {
         if word == "--report" || word == "--json" {
             words.next();
-        } else {
+        } else if word != "--traces" {
             kept.push(word.as_str());
         }
     }
@@ -407,8 +413,11 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
     let traces = drawing.findings.get(k);
     let mut where_it_is = place(finding);
     if let (Some([from, to]), Some(recording)) = (finding.window, &finding.recording) {
-        where_it_is =
-            format!("{where_it_is} from {} s to {} s of {recording}", number(from, 4), number(to, 4));
+        where_it_is = format!(
+            "{where_it_is} from {} s to {} s of {recording}",
+            number(from, 4),
+            number(to, 4)
+        );
         where_it_is = where_it_is.trim().to_owned();
     }
     let evidence = &finding.evidence;
@@ -462,12 +471,12 @@ fn regime(traces: &FindingTraces, drawing: &Drawing) -> String {
             parts.push((
                 without / with.max(f64::MIN_POSITIVE),
                 format!(
-                    "{}: RMS residual {} without it, {} with it {} (in {} of the samples)",
+                    "{}: RMS residual {} {unit} without it, {} {unit} with it (in {} of the samples)",
                     joint.name,
                     number(*without, 3),
                     number(*with, 3),
-                    joint.effort_unit,
-                    percent(*share)
+                    percent(*share),
+                    unit = joint.effort_unit
                 ),
             ));
         }
@@ -490,14 +499,17 @@ fn look_alikes(finding: &Finding, of: &Diagnosis) -> Vec<(String, String)> {
                 .filter(|(_, v)| v.is_number() || v.is_string())
                 .map(|(k, v)| {
                     let value = match v {
-                        Value::Number(n) => n.as_f64().map_or_else(|| n.to_string(), |x| number(x, 3)),
+                        Value::Number(n) => {
+                            n.as_f64().map_or_else(|| n.to_string(), |x| number(x, 3))
+                        }
                         Value::String(s) => s.clone(),
                         other => other.to_string(),
                     };
                     format!("{} {value}", k.replace('_', " "))
                 })
                 .collect();
-            let detail = if more.is_empty() { String::new() } else { format!(" ({})", more.join(", ")) };
+            let detail =
+                if more.is_empty() { String::new() } else { format!(" ({})", more.join(", ")) };
             (
                 format!("{} {place}", title(&a.effect)).trim().to_owned(),
                 format!("these recordings cannot tell it from this finding{detail}"),
@@ -509,13 +521,14 @@ fn look_alikes(finding: &Finding, of: &Diagnosis) -> Vec<(String, String)> {
         if finding.alternatives.iter().any(|a| a.effect == other.slug) {
             continue;
         }
-        let beside = of.findings.iter().any(|f| f.effect == other.slug && f.joints == finding.joints);
+        let beside =
+            of.findings.iter().any(|f| f.effect == other.slug && f.joints == finding.joints);
         let lead = if beside {
-            "found beside it, each counted with the other fitted; they are told apart by"
+            "found beside it, each counted with the other fitted. What tells them apart:"
         } else if effect(other.slug).is_some() {
-            "was tried and not chosen; they are told apart by"
+            "was tried and not chosen. What tells them apart:"
         } else {
-            "told apart by"
+            "what tells them apart:"
         };
         all.push((title(other.slug), format!("{lead} {}", other.separated_by)));
     }

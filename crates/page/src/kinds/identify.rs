@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_report::uncertain;
+use armident_report::{significant, uncertain};
 use serde::Deserialize;
 
 use super::{ByJoint, counted, joints};
@@ -247,7 +247,8 @@ fn next(of: &Identified, worst: f64) -> Vec<Step> {
     }
     if of.holdout_recordings.is_empty() {
         steps.push(
-            Step::new("Judge the model on a recording that was not fitted.").by("--holdout other.csv"),
+            Step::new("Judge the model on a recording that was not fitted.")
+                .by("--holdout other.csv"),
         );
     }
     if worst > 0.05 {
@@ -272,7 +273,11 @@ fn cannot_be_separated(of: &Identified) -> Vec<String> {
         .iter()
         .map(|m| {
             let into: Vec<&str> = m.into.keys().map(String::as_str).collect();
-            format!("{} cannot be told apart on this arm: it is part of {}.", m.term, into.join(", "))
+            format!(
+                "{} cannot be told apart on this arm: it is part of {}.",
+                m.term,
+                into.join(", ")
+            )
         })
         .collect();
     if !of.not_essential.is_empty() {
@@ -286,9 +291,21 @@ fn cannot_be_separated(of: &Identified) -> Vec<String> {
 
 fn constants(of: &Identified) -> Grid {
     let header = [
-        "constant", "joint", "determined", "estimate", "std error", "95 % interval", "URDF",
-        "off [std err]", "unit",
+        "constant",
+        "joint",
+        "determined",
+        "estimate",
+        "std error",
+        "95 % interval",
+        "URDF",
+        "off [std err]",
+        "unit",
     ];
+    // what round-off leaves of a zero, beside the largest of its unit
+    let zero = |unit: &str| {
+        let same = of.constants.iter().filter(|c| c.unit == unit);
+        1e-12 * same.fold(0.0_f64, |m, c| m.max(c.urdf.abs()))
+    };
     let rows = of
         .constants
         .iter()
@@ -308,7 +325,7 @@ fn constants(of: &Identified) -> Grid {
                 value,
                 error,
                 interval,
-                number(c.urdf, 5),
+                significant(c.urdf, 5, zero(&c.unit)),
                 c.off().map_or_else(|| "-".to_owned(), |t| format!("{t:+.1}")),
                 c.unit.clone(),
             ]
@@ -373,7 +390,10 @@ fn excitation(of: &Identified) -> Section {
         ("condition number of the unit columns", number(of.condition, 3)),
         ("rows", of.rows.to_string()),
         ("independent share", percent(of.independent_share)),
-        ("low-pass", of.cutoff_hz.map_or_else(|| "none".into(), |c| format!("{} Hz", number(c, 3)))),
+        (
+            "low-pass",
+            of.cutoff_hz.map_or_else(|| "none".into(), |c| format!("{} Hz", number(c, 3))),
+        ),
         ("velocities from", of.velocities.clone()),
     ];
     let rows = rows.into_iter().map(|(a, b)| vec![a.to_owned(), b]).collect();
@@ -400,8 +420,14 @@ fn excitation(of: &Identified) -> Section {
         })
         .collect();
     let header = [
-        "joint", "training", "of its variation", "hold-out", "of its variation", "URDF alone",
-        "of its variation", "noise level",
+        "joint",
+        "training",
+        "of its variation",
+        "hold-out",
+        "of its variation",
+        "URDF alone",
+        "of its variation",
+        "noise level",
     ];
     Section {
         id: "excitation".to_owned(),

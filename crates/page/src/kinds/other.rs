@@ -20,7 +20,8 @@ pub(crate) fn view(kind: &str, document: &Value) -> View {
             }
             Value::Object(map) if !map.is_empty() => {
                 let rows = map.iter().take(ROWS).map(|(k, v)| vec![k.clone(), said(v)]).collect();
-                sections.push(section(name, Grid::new(name.clone(), &["name", "value"], 2).with(rows)));
+                sections
+                    .push(section(name, Grid::new(name.clone(), &["name", "value"], 2).with(rows)));
             }
             _ if name == "warnings" || name == "schema" => {}
             _ => plain.push(vec![name.replace('_', " "), said(value)]),
@@ -60,7 +61,9 @@ fn objects(name: &str, list: &[Value]) -> Grid {
     let rows = list
         .iter()
         .take(ROWS)
-        .map(|entry| header.iter().map(|key| entry.get(key).map_or_else(String::new, said)).collect())
+        .map(|entry| {
+            header.iter().map(|key| entry.get(key).map_or_else(String::new, said)).collect()
+        })
         .collect();
     let heads: Vec<&str> = header.iter().map(String::as_str).collect();
     Grid::new(name.replace('_', " "), &heads, heads.len()).with(rows)
@@ -70,7 +73,9 @@ fn said(value: &Value) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::String(text) => text.clone(),
-        Value::Number(n) if n.is_f64() => n.as_f64().map_or_else(|| n.to_string(), |x| number(x, 6)),
+        Value::Number(n) if n.is_f64() => {
+            n.as_f64().map_or_else(|| n.to_string(), |x| number(x, 6))
+        }
         Value::Array(list) => list.iter().map(said).collect::<Vec<_>>().join(", "),
         Value::Object(map) => {
             map.iter().map(|(k, v)| format!("{k} {}", said(v))).collect::<Vec<_>>().join(", ")

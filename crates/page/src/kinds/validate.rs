@@ -84,9 +84,13 @@ pub(crate) fn view(of: Validated, drawing: &Drawing) -> View {
         ));
     }
     sentences.push(if coloured.is_empty() {
-        "What is left is white as far as the test can tell: no structure that a model could take.".to_owned()
+        "What is left is white as far as the test can tell: no structure that a model could take."
+            .to_owned()
     } else {
-        format!("What is left on {} is not white: the model leaves something out.", coloured.join(", "))
+        format!(
+            "What is left on {} is not white: the model leaves something out.",
+            coloured.join(", ")
+        )
     });
     if !narrow.is_empty() {
         sentences.push(format!(
@@ -116,10 +120,11 @@ pub(crate) fn view(of: Validated, drawing: &Drawing) -> View {
     let good = worst_share < WELL;
     let mut next = Vec::new();
     if !good || !coloured.is_empty() {
-        next.push(
-            Step::new("Ask what the model leaves out.")
-                .by(format!("armident diagnose {} {}", of.model, of.recordings.join(" "))),
-        );
+        next.push(Step::new("Ask what the model leaves out.").by(format!(
+            "armident diagnose {} {}",
+            of.model,
+            of.recordings.join(" ")
+        )));
     }
     if good {
         next.push(
@@ -128,9 +133,8 @@ pub(crate) fn view(of: Validated, drawing: &Drawing) -> View {
         );
     }
     let open = worst.map(|w| vec![w.1.clone()]).unwrap_or_default();
-    let values = |m: &BTreeMap<String, Errors>| {
-        of.joints.iter().map(|j| m.get(j).map(|e| e.rmse)).collect()
-    };
+    let values =
+        |m: &BTreeMap<String, Errors>| of.joints.iter().map(|j| m.get(j).map(|e| e.rmse)).collect();
     let bars = figures::errors(
         &of.joints,
         &[("URDF alone".to_owned(), values(&of.before)), ("model".to_owned(), values(&of.after))],
@@ -182,8 +186,15 @@ fn numbers(of: &Validated) -> Section {
         })
         .collect();
     let header = [
-        "joint", "URDF alone", "of its variation", "model", "of its variation", "as recorded",
-        "in the 95 % band", "lag-1", "white, p",
+        "joint",
+        "URDF alone",
+        "of its variation",
+        "model",
+        "of its variation",
+        "as recorded",
+        "in the 95 % band",
+        "lag-1",
+        "white, p",
     ];
     let mut tables = vec![Grid::new("RMS error of the effort [N m or N]", &header, 1).with(rows)];
     if of.replay_after.is_some() || of.replay_before.is_some() {
@@ -206,8 +217,7 @@ fn numbers(of: &Validated) -> Section {
                 ]
             })
             .collect();
-        let header =
-            ["joint", "position, URDF", "position, model", "speed, URDF", "speed, model"];
+        let header = ["joint", "position, URDF", "position, model", "speed, URDF", "speed, model"];
         let caption = "Forward replay: RMS error of the motion [rad or m, per s]";
         tables.push(Grid::new(caption, &header, 1).with(rows));
     }
