@@ -25,13 +25,34 @@ fn pages(folder: &Path) -> Vec<String> {
     let urdf = "urdf/ur5.urdf";
     let model = path("ur5.json");
     let (diagnosis, params) = (path("diagnosis.json"), path("params.json"));
-    run(&["identify", urdf, TRAIN, "--holdout", HOLDOUT, "--save-model", &model, "--report", &path("identify.html")])
-        .fine();
+    run(&[
+        "identify",
+        urdf,
+        TRAIN,
+        "--holdout",
+        HOLDOUT,
+        "--save-model",
+        &model,
+        "--report",
+        &path("identify.html"),
+    ])
+    .fine();
     run(&["validate", &model, HOLDOUT, "--no-replay", "--report", &path("validate.html")]).fine();
     let wrong = "examples/ur5/wrong.toml";
     run(&["check", urdf, TRAIN, "--mapping", wrong, "--report", &path("check.html")]).fine();
-    run(&["diagnose", urdf, TRAIN, "--holdout", HOLDOUT, "--json", &diagnosis, "--traces", "--report", &path("diagnose.html")])
-        .fine();
+    run(&[
+        "diagnose",
+        urdf,
+        TRAIN,
+        "--holdout",
+        HOLDOUT,
+        "--json",
+        &diagnosis,
+        "--traces",
+        "--report",
+        &path("diagnose.html"),
+    ])
+    .fine();
     // a result without what is drawn, and one that has no page of its own
     let mut plain = read_json(Path::new(&diagnosis));
     plain.as_object_mut().unwrap().remove("drawing").unwrap();
@@ -106,8 +127,15 @@ fn one_page_from_both_ways() {
     let path = |name: &str| -> PathBuf { folder.join(name) };
     let (json, at_once, later) = (path("v.json"), path("at_once.html"), path("later.html"));
     run(&[
-        "validate", "urdf/ur5.urdf", HOLDOUT, "--no-replay", "--json", text(&json), "--traces",
-        "--report", text(&at_once),
+        "validate",
+        "urdf/ur5.urdf",
+        HOLDOUT,
+        "--no-replay",
+        "--json",
+        text(&json),
+        "--traces",
+        "--report",
+        text(&at_once),
     ])
     .fine();
     let said = run(&["report", text(&json), "-o", text(&later)]).fine();
@@ -134,14 +162,10 @@ fn the_drawing_holds_the_recording() {
     let traces = &drawing["findings"][forearm];
     // the elbow's efforts show the missing 0.6 kg as the slope over the effort of one kilogram
     let view = &list(&traces["views"])[0];
-    let column = |name: &str| -> Vec<Option<f64>> {
-        list(&view[name]).iter().map(Value::as_f64).collect()
-    };
-    let points: Vec<(f64, f64)> = column("x")
-        .iter()
-        .zip(column("law"))
-        .filter_map(|(x, y)| Some(((*x)?, y?)))
-        .collect();
+    let column =
+        |name: &str| -> Vec<Option<f64>> { list(&view[name]).iter().map(Value::as_f64).collect() };
+    let points: Vec<(f64, f64)> =
+        column("x").iter().zip(column("law")).filter_map(|(x, y)| Some(((*x)?, y?))).collect();
     let count = points.len() as f64;
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
     let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));

@@ -164,27 +164,36 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
         ),
     ];
     for (kind, map, x, y) in kinds {
-        // all models on one scale: what became better is seen
-        let largest =
-            map.values.iter().flatten().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-        for (m, model) in drawing.models.iter().enumerate().rev() {
-            let Some(z) = map.values.get(m) else { continue };
+        let one = |label: &str, z: &Vec<Vec<Option<f64>>>, most: f64| {
             let data = json!({
-                "type": "heatmap", "x": map.x, "y": map.y, "z": z, "zmin": -largest, "zmax": largest,
+                "type": "heatmap", "x": map.x, "y": map.y, "z": z, "zmin": -most, "zmax": most,
                 "colorscale": [[0, "#0072B2"], [0.5, "@middle"], [1, "#D55E00"]],
                 "colorbar": { "title": { "text": name.effort_unit, "side": "right" }, "thickness": 12 },
                 "hovertemplate": format!("{x} %{{x:.3g}}<br>%{{y}}<br>residual %{{z:.3g}} {}<extra></extra>", name.effort_unit),
                 "hoverongaps": false
             });
             let layout = json!({ "xaxis": axis(&x), "yaxis": y, "hovermode": "closest" });
-            views.push(view(&format!("{kind}, {model}"), vec![data], layout));
+            view(&format!("{kind}, {label}"), vec![data], layout)
+        };
+        // all models on one scale: what became better is seen; and the last on its own: what is left
+        let largest = |z: &Vec<Vec<Option<f64>>>| {
+            z.iter().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()))
+        };
+        let most = map.values.iter().map(largest).fold(0.0, f64::max);
+        for (model, z) in drawing.models.iter().zip(&map.values).rev() {
+            views.push(one(model, z, most));
+        }
+        if let (Some(model), Some(z)) = (drawing.models.last(), map.values.last())
+            && largest(z) < 0.5 * most
+        {
+            views.push(one(&format!("{model}, on a scale of its own"), z, largest(z)));
         }
     }
     (!views.is_empty()).then(|| {
         figure(
             format!("maps-{joint}"),
             "Where the residual lies".to_owned(),
-            "Mean residual of the fitted recordings by cell; the same colours mean the same in every view."
+            "Mean residual of the fitted recordings by cell; the same colours mean the same for every model."
                 .to_owned(),
             300,
             views,
