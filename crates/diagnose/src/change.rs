@@ -50,6 +50,10 @@ pub fn diagnose_change(
     let mut difference = diagnose(&believed, &corrected)?;
     difference.model = together(&before, difference.model);
     difference.rigid = together(&before, difference.rigid);
+    let beside = difference.without.iter_mut().flatten();
+    for model in beside.chain(difference.rivals.iter_mut().flatten()) {
+        *model = together(&before, model.clone());
+    }
     Ok((before, difference))
 }
 

@@ -167,6 +167,10 @@ impl<'a> Evidence<'a> {
                     .iter()
                     .zip(&efforts)
                     .map(|(at, effort)| {
+                        if effort[j].is_empty() {
+                            // without a record the rows weigh nothing
+                            return vec![0.0; at.rigid[j].len()];
+                        }
                         at.rigid[j].iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
                     })
                     .collect();

@@ -26,6 +26,8 @@ pub(crate) struct Rows {
     pub(crate) starts: Vec<usize>,
     /// independent samples per row
     pub(crate) share: f64,
+    /// rows per second of the first recording
+    pub(crate) rows_hz: f64,
     /// `[joint][row]`
     pub(crate) stuck: Vec<Vec<bool>>,
     /// `[joint]`, 1 or more: by what the weights are smaller for the imperfection of the model
@@ -53,6 +55,7 @@ impl Rows {
             misfit: vec![1.0; joints],
             share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
                 / signals.len() as f64,
+            rows_hz: signals[0].band.rows_hz,
             noise,
             starts,
         };

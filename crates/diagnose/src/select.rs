@@ -6,11 +6,11 @@ use armident_effects::{Place, Scope, effect};
 
 use armident_numeric::{Cholesky, gram_of_columns};
 
-use crate::band::ROWS_HZ;
 use crate::contact::ContactColumns;
-use crate::crossval::confirm;
+use crate::crossval::{confirm, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
+use crate::learn::View;
 use crate::material::{LEAST, band_noise, excess, held, prune};
 use crate::problem::{Group, Meaning, Problem, Whitened, dot};
 use crate::ripple::RippleColumns;
@@ -57,6 +57,15 @@ pub(crate) struct Selection {
 impl Selection {
     pub(crate) fn metric(&self) -> Whitened<'_> {
         self.problem.whitened(self.scale, &self.wide)
+    }
+
+    /// The answer; the metric is that of the selection.
+    pub(crate) fn view<'a, 'e>(
+        &'a self,
+        evidence: &'a Evidence<'e>,
+        metric: &'a Whitened<'a>,
+    ) -> View<'a, 'e> {
+        View::new(evidence, metric, &self.answer, &self.point)
     }
 }
 
@@ -127,7 +136,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .iter()
             .zip(&problem.rows.misfit)
             .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
-        let residual = problem.whitened(scale, &wide).residual(&found.fit);
+        // of what no term of a plain identification explains: a short answer must not look like few samples
+        let residual = with_everyday_terms(&problem.whitened(scale, &wide), &found);
         let share = independent_share(&problem, &residual).min(problem.rows.share);
         let reweighted = reweighted || share < FEWER_SAMPLES * problem.rows.share;
         let done = (still && !again && !reweighted) || pass + 1 == PASSES;
@@ -201,7 +211,7 @@ fn independent_share(problem: &Problem, residual: &[Vec<f64>]) -> f64 {
                 .sum::<f64>()
                 / square
         };
-        let lags = (1..(LONGEST_S * ROWS_HZ) as usize).map(correlation);
+        let lags = (1..(LONGEST_S * problem.rows.rows_hz) as usize).map(correlation);
         time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
     }
     residual.len() as f64 / time

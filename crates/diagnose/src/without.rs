@@ -1,6 +1,6 @@
 //! The model without one of its findings: what the finding explains is the difference.
 
-use crate::diagnosis::Finding;
+use crate::findings::Finding;
 use crate::model::DiagnosedModel;
 
 impl DiagnosedModel {

@@ -485,3 +485,32 @@ pub(crate) fn errors(joints: &[String], models: &[(String, Vec<Option<f64>>)]) -
         )
     })
 }
+
+/// How much of a joint's residual goes with single variables and functions of the motion.
+pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> Option<Figure> {
+    if rows.is_empty() {
+        return None;
+    }
+    let names: Vec<&str> = rows.iter().map(|r| r.0.as_str()).collect();
+    let bars = |name: &str, colour: &str, of: fn(&(String, f64, f64)) -> f64| {
+        let shares: Vec<f64> = rows.iter().map(|r| (1000.0 * of(r)).round() / 10.0).collect();
+        json!({
+            "type": "bar", "orientation": "h", "name": name, "y": names, "x": shares,
+            "marker": { "color": colour }, "hovertemplate": "%{x:.1f} %"
+        })
+    };
+    let data = vec![bars("before", "@before", |r| r.1), bars("after", "@after", |r| r.2)];
+    let layout = json!({
+        "hovermode": "y unified", "barmode": "group",
+        "xaxis": { "title": { "text": "share of the residual's variance [%]" }, "automargin": true,
+                   "rangemode": "tozero" },
+        "yaxis": { "automargin": true, "autorange": "reversed" }
+    });
+    Some(figure(
+        format!("depends-{joint}"),
+        "What the residual goes with".to_owned(),
+        said.trim().to_owned(),
+        110 + 26 * rows.len() as u32,
+        vec![view("", data, layout)],
+    ))
+}

@@ -5,18 +5,19 @@ use std::collections::BTreeMap;
 use armident_effects::{Place, effect};
 use armident_report::uncertain;
 use serde::Deserialize;
-use serde_json::Value;
 
 use super::{ByJoint, counted, joints};
 use crate::drawing::{Drawing, FindingTraces};
 use crate::figures;
-use crate::page::{Card, Fitted, Grid, Section, Step, Tone, View, number, percent};
+use crate::page::{Card, Fitted, Grid, JointCard, Section, Step, Tone, View, number, percent};
 
 /// The result, as far as the page says it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct Diagnosis {
     robot: String,
+    sentence: String,
+    books: Books,
     recordings: Vec<String>,
     holdout_recordings: Vec<String>,
     joints: Vec<String>,
@@ -24,7 +25,45 @@ pub(crate) struct Diagnosis {
     fit: Fits,
     effort_noise: ByJoint,
     inertial_error: Option<f64>,
+    atlas: Vec<JointAtlas>,
+    whiteness_p: ByJoint,
+    replay: Option<Replay>,
+    next_motion: Option<NextMotion>,
     warnings: Vec<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Books {
+    faults: Vec<Fault>,
+    unchecked: Option<String>,
+}
+
+/// A column that is not what the header says.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Fault {
+    joint: Option<String>,
+    message: String,
+    advice: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Replay {
+    window_s: f64,
+    before: ByJoint,
+    after: ByJoint,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct NextMotion {
+    file: Option<String>,
+    description: Option<String>,
+    told_apart: usize,
+    pairs: usize,
+    separation: Option<f64>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -52,6 +91,7 @@ struct Finding {
     recording: Option<String>,
     parameters: BTreeMap<String, Number>,
     confidence: f64,
+    confirmed: Option<bool>,
     evidence: Evidence,
     alternatives: Vec<Alternative>,
 }
@@ -79,13 +119,101 @@ struct Alternative {
     effect: String,
     joints: Vec<String>,
     link: Option<String>,
-    /// whatever else a later program says of it
-    #[serde(flatten)]
-    more: BTreeMap<String, Value>,
+    left_more: Option<f64>,
+    separated_by: Option<String>,
 }
 
 /// Findings that are open at first.
 const OPEN: usize = 3;
+/// p-value below which a residual is not white.
+const WHITE: f64 = 0.01;
+
+/// Where the mismatch is, on one joint.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct JointAtlas {
+    joint: String,
+    before: f64,
+    rigid: f64,
+    after: f64,
+    noise: f64,
+    whiteness_p: Option<f64>,
+    symmetries: Vec<Symmetry>,
+    regimes: Vec<Regime>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Symmetry {
+    function: String,
+    share_before: f64,
+    share_after: f64,
+    points_to: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Regime {
+    variable: String,
+    share_before: f64,
+    share_after: f64,
+}
+
+/// Joints with what their residuals depend on; joints of the atlas alone where nothing is drawn.
+fn with_atlas(mut cards: Vec<JointCard>, of: &Diagnosis, drawing: &Drawing) -> Vec<JointCard> {
+    if drawing.joints.is_empty() {
+        cards = of
+            .atlas
+            .iter()
+            .map(|a| JointCard {
+                name: a.joint.clone(),
+                summary: format!(
+                    "RMS residual in the band of the comparison: before {}, rigid {}, after {}, noise {}",
+                    number(a.before, 3),
+                    number(a.rigid, 3),
+                    number(a.after, 3),
+                    number(a.noise, 2)
+                ),
+                figures: Vec::new(),
+                open: false,
+            })
+            .collect();
+    }
+    for card in &mut cards {
+        let Some((k, atlas)) = of.atlas.iter().enumerate().find(|(_, a)| a.joint == card.name)
+        else {
+            continue;
+        };
+        let rows: Vec<(String, f64, f64)> = atlas
+            .regimes
+            .iter()
+            .map(|r| (r.variable.replace('_', " "), r.share_before, r.share_after))
+            .chain(
+                atlas
+                    .symmetries
+                    .iter()
+                    .map(|s| (s.function.clone(), s.share_before, s.share_after)),
+            )
+            .collect();
+        let mut said = atlas.symmetries.first().map_or_else(String::new, |s| {
+            format!(
+                "Before, {} of it goes with {}: {}.",
+                percent(s.share_before),
+                s.function,
+                s.points_to
+            )
+        });
+        if let Some(p) = atlas.whiteness_p {
+            said += &format!(
+                " After, it is {} white (p = {}).",
+                if p < WHITE { "not" } else { "as far as can be told" },
+                number(p, 2)
+            );
+        }
+        card.figures.extend(figures::depends(k, &rows, &said));
+    }
+    cards
+}
 
 pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
     let cards: Vec<Card> =
@@ -99,8 +227,13 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
     }
     View {
         kind: "Diagnosis",
-        tone: if of.findings.is_empty() { Tone::Good } else { Tone::Bad },
+        tone: if of.findings.is_empty() && of.books.faults.is_empty() {
+            Tone::Good
+        } else {
+            Tone::Bad
+        },
         headline: match of.findings.len() {
+            _ if !of.books.faults.is_empty() => capital(&of.sentence),
             0 => "The recordings show nothing that the model leaves out".to_owned(),
             1 => "The recordings show one effect that the model leaves out".to_owned(),
             n => format!("The recordings show {n} effects that the model leaves out"),
@@ -108,7 +241,7 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
         sentences: sentences(&of),
         next: next(&of, drawing),
         overview: overview(&of, drawing),
-        joints: joints(drawing, &worst, &of.effort_noise),
+        joints: with_atlas(joints(drawing, &worst, &of.effort_noise), &of, drawing),
         skeleton: drawing
             .skeleton
             .as_ref()
@@ -193,6 +326,12 @@ fn proof(of: &Diagnosis) -> Option<(&Errors, &'static str)> {
 }
 
 fn sentences(of: &Diagnosis) -> Vec<String> {
+    if !of.books.faults.is_empty() {
+        let mut all: Vec<String> =
+            of.books.faults.iter().map(|f| format!("{}{}.", on(f), f.message)).collect();
+        all.push("Nothing is said of physics before the columns are right.".to_owned());
+        return all;
+    }
     let mut all = Vec::new();
     let largest: Vec<String> = of
         .findings
@@ -245,6 +384,45 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
             ));
         }
     }
+    let unconfirmed: Vec<String> = of
+        .findings
+        .iter()
+        .filter(|f| f.confirmed == Some(false))
+        .map(|f| format!("{} on {}", title(&f.effect), place(f)))
+        .collect();
+    let confirmed = of.findings.iter().filter(|f| f.confirmed == Some(true)).count();
+    if !unconfirmed.is_empty() {
+        all.push(format!(
+            "The hold-out does not confirm {}: it is predicted no better with it.",
+            unconfirmed.join(", ")
+        ));
+    } else if confirmed > 0 && confirmed == of.findings.len() {
+        all.push(format!(
+            "The hold-out confirms {}: without it, all else fitted again, it is predicted worse.",
+            if confirmed == 1 { "the finding" } else { "every finding" }
+        ));
+    }
+    if let Some(replay) = &of.replay {
+        let worst = replay.after.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((joint, after)) = worst {
+            let before = replay.before.get(joint).copied().unwrap_or(f64::NAN);
+            all.push(format!(
+                "Driven by the recorded efforts for {} s, the simulated arm is off by {} at most (RMS of the \
+                 position, {joint}; {} before).",
+                number(replay.window_s, 3),
+                number(*after, 2),
+                number(before, 2)
+            ));
+        }
+    }
+    let coloured: Vec<&str> =
+        of.whiteness_p.iter().filter(|w| *w.1 < WHITE).map(|w| w.0.as_str()).collect();
+    if !coloured.is_empty() {
+        all.push(format!(
+            "What is left on {} is not white: something small is still left out there.",
+            coloured.join(", ")
+        ));
+    }
     let limit = of.findings.iter().filter(|f| f.confidence < 0.65).count();
     if limit > 0 {
         all.push(format!(
@@ -253,6 +431,9 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
             if limit == 1 { "s" } else { "" }
         ));
     }
+    all.extend(
+        of.books.unchecked.iter().map(|why| format!("The columns were not checked: {why}.")),
+    );
     if of.findings.is_empty() {
         all.push(
             "Effects clearly smaller than the noise of one recorded sample are not named."
@@ -260,6 +441,11 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
         );
     }
     all
+}
+
+/// The joint of a fault.
+fn on(fault: &Fault) -> String {
+    fault.joint.as_ref().map_or_else(String::new, |joint| format!("{joint}: "))
 }
 
 fn capital(text: &str) -> String {
@@ -270,6 +456,16 @@ fn capital(text: &str) -> String {
 }
 
 fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
+    if !of.books.faults.is_empty() {
+        let mut steps: Vec<Step> = of
+            .books
+            .faults
+            .iter()
+            .filter_map(|f| Some(Step::new(format!("{}{}", on(f), f.advice.as_ref()?))))
+            .collect();
+        steps.push(Step::new("Diagnose again; --trust-columns takes the columns as they are."));
+        return steps;
+    }
     let mut steps = Vec::new();
     let channel: Vec<String> = of
         .findings
@@ -291,17 +487,39 @@ fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
             "Record the motion again with nothing near the arm: a contact hides other effects.",
         ));
     }
-    let doubtful = of.findings.iter().find(|f| f.confidence < 0.9);
-    if let Some((finding, separated)) = doubtful.and_then(|f| {
-        let others = effect(&f.effect)?.law().look_alikes;
-        let other = others.iter().find(|o| !o.separated_by.contains("nothing"))?;
-        Some((f, format!("{} ({})", other.separated_by, title(other.slug))))
-    }) {
-        steps.push(Step::new(format!(
-            "To be sure of {} on {}, record what tells it from its look-alike: {separated}.",
-            title(&finding.effect),
-            place(finding)
-        )));
+    let rivals: Vec<&Finding> = of.findings.iter().filter(|f| !f.alternatives.is_empty()).collect();
+    match &of.next_motion {
+        Some(NextMotion {
+            file: Some(file),
+            description: Some(motion),
+            told_apart,
+            pairs,
+            separation,
+        }) => {
+            let by = separation.map_or_else(String::new, |s| {
+                format!(", efforts differ by {} times the noise of a sample", number(s, 2))
+            });
+            steps.push(Step::new(format!(
+                "Record the motion in {file} ({motion}): it tells {told_apart} of {pairs} pairs of look-alikes \
+                 apart{by}."
+            )));
+        }
+        _ if !rivals.is_empty() => {
+            let names: Vec<String> = rivals
+                .iter()
+                .take(OPEN)
+                .map(|f| format!("{} on {}", title(&f.effect), place(f)))
+                .collect();
+            steps.push(
+                Step::new(format!(
+                    "To be sure of {}, record a motion that tells {} from the alternatives.",
+                    names.join(", "),
+                    if names.len() == 1 { "it" } else { "them" }
+                ))
+                .by("--next-motion FOLDER"),
+            );
+        }
+        _ => {}
     }
     if !of.findings.is_empty() {
         let step = Step::new(
@@ -433,6 +651,13 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
     if !evidence.variables.is_empty() {
         why += &format!(" It depends on {}.", evidence.variables.join(", "));
     }
+    match finding.confirmed {
+        Some(true) => why += " The hold-out confirms it.",
+        Some(false) => {
+            why += " The hold-out does NOT confirm it: it is predicted no better with it."
+        }
+        None => {}
+    }
     Card {
         id: format!("finding-card-{k}"),
         what: title(&finding.effect),
@@ -493,26 +718,16 @@ fn look_alikes(finding: &Finding, of: &Diagnosis) -> Vec<(String, String)> {
         .iter()
         .map(|a| {
             let place = a.link.clone().unwrap_or_else(|| a.joints.join(", "));
-            let more: Vec<String> = a
-                .more
-                .iter()
-                .filter(|(_, v)| v.is_number() || v.is_string())
-                .map(|(k, v)| {
-                    let value = match v {
-                        Value::Number(n) => {
-                            n.as_f64().map_or_else(|| n.to_string(), |x| number(x, 3))
-                        }
-                        Value::String(s) => s.clone(),
-                        other => other.to_string(),
-                    };
-                    format!("{} {value}", k.replace('_', " "))
-                })
-                .collect();
-            let detail =
-                if more.is_empty() { String::new() } else { format!(" ({})", more.join(", ")) };
+            let more = a.left_more.map_or_else(String::new, |m| {
+                format!("; it leaves only {} noise levels of a sample more", number(m.max(0.0), 2))
+            });
+            let apart = a.separated_by.as_ref().map_or_else(
+                || "; a motion that tells them apart: --next-motion".to_owned(),
+                |motion| format!(". What tells them apart: {motion}"),
+            );
             (
                 format!("{} {place}", title(&a.effect)).trim().to_owned(),
-                format!("these recordings cannot tell it from this finding{detail}"),
+                format!("these recordings cannot tell it from this finding{more}{apart}"),
             )
         })
         .collect();
