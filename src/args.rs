@@ -12,6 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
     max_term_width = 100,
     after_help = "\
 Start here:
+  armident demo                                            the whole story on a simulated arm
   armident params   urdf/stanford.urdf                     what can be known about this arm
   armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
@@ -38,6 +39,9 @@ pub(crate) enum Command {
     Predict(PredictArgs),
     Export(ExportArgs),
     Report(ReportArgs),
+    Demo(DemoArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
 }
 
 /// Which part of the robot is the arm.
@@ -486,6 +490,46 @@ pub(crate) struct ReportArgs {
     /// File to write; - is stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
+}
+
+/// Show the whole story on a simulated arm: concealed physics, its diagnosis, a report
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident demo
+  armident demo -o demo --seed 3
+
+Writes ur5.urdf, train.csv, holdout.csv, model.json and report.html to the folder.")]
+pub(crate) struct DemoArgs {
+    /// Folder to write to, new or of an earlier demo
+    #[arg(short, long, value_name = "FOLDER", default_value = "armident-demo")]
+    pub(crate) output_folder: PathBuf,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+}
+
+/// Print the completions of a shell
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident completions bash > ~/.local/share/bash-completion/completions/armident
+  armident completions zsh > ~/.zfunc/_armident")]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
+}
+
+/// Write manual pages
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident man -o man && man -l man/armident-diagnose.1")]
+pub(crate) struct ManArgs {
+    /// Folder to write armident.1 and a page a command to
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output_folder: PathBuf,
 }
 
 /// Level of effort noise.

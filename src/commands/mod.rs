@@ -1,6 +1,7 @@
 //! One file a command: read, call, write.
 
 pub(crate) mod check;
+pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod export;
 pub(crate) mod identify;
@@ -9,5 +10,6 @@ pub(crate) mod plan;
 pub(crate) mod predict;
 pub(crate) mod recordings;
 pub(crate) mod report;
+pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod validate;

@@ -222,6 +222,7 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
     let blamed_links: Vec<usize> = on_chain(drawing, |f| f.link.is_some(), &of);
     let mut worst: Vec<String> =
         of.findings.iter().take(1).map(|f| f.evidence.joint.clone()).collect();
+    worst.extend(of.books.faults.iter().take(1).filter_map(|f| f.joint.clone()));
     if worst.is_empty() {
         worst = of.joints.first().cloned().into_iter().collect();
     }
@@ -246,7 +247,7 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
             .skeleton
             .as_ref()
             .map(|s| figures::skeleton(drawing, s, &blamed_joints, &blamed_links)),
-        sections: vec![errors(&of)],
+        sections: errors(&of).into_iter().collect(),
         cards,
         robot: of.robot,
         warnings: of.warnings,
@@ -516,7 +517,7 @@ fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
                     names.join(", "),
                     if names.len() == 1 { "it" } else { "them" }
                 ))
-                .by("--next-motion FOLDER"),
+                .by(with_option(drawing, "--next-motion FOLDER")),
             );
         }
         _ => {}
@@ -529,13 +530,13 @@ fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
         steps.push(if command.is_empty() || command.iter().any(|a| a.contains("--save-model")) {
             step.by("armident predict model.json motion.csv -o predicted.csv")
         } else {
-            let kept: Vec<&str> = without_report(command);
-            step.by(format!("{} --save-model model.json", kept.join(" ")))
+            step.by(with_option(drawing, "--save-model model.json"))
         });
     }
     if of.holdout_recordings.is_empty() {
         steps.push(
-            Step::new("Prove it on a recording that was not fitted.").by("--holdout other.csv"),
+            Step::new("Prove it on a recording that was not fitted.")
+                .by(with_option(drawing, "--holdout other.csv")),
         );
     }
     if of.findings.is_empty() {
@@ -544,6 +545,11 @@ fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
         ));
     }
     steps
+}
+
+/// The command of the result with one more option.
+fn with_option(drawing: &Drawing, option: &str) -> String {
+    format!("{} {option}", without_report(&drawing.provenance.command).join(" ")).trim().to_owned()
 }
 
 fn without_report(command: &[String]) -> Vec<&str> {
@@ -583,7 +589,7 @@ fn overview(of: &Diagnosis, drawing: &Drawing) -> Vec<figures::Figure> {
     all
 }
 
-fn errors(of: &Diagnosis) -> Section {
+fn errors(of: &Diagnosis) -> Option<Section> {
     let mut tables = Vec::new();
     for (name, errors) in [("hold-out", &of.fit.holdout), ("training", &of.fit.train)] {
         let Some(errors) = errors else { continue };
@@ -617,13 +623,14 @@ fn errors(of: &Diagnosis) -> Section {
             percent(scale)
         ));
     }
-    Section {
+    let found = Section {
         id: "errors-by-joint".to_owned(),
         title: "Errors".to_owned(),
         sentences,
         tables,
         figures: Vec::new(),
-    }
+    };
+    (!found.tables.is_empty()).then_some(found)
 }
 
 fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card {
