@@ -104,6 +104,9 @@ pub(crate) struct PageArgs {
     /// Put what a page draws into the JSON too, for `armident report`
     #[arg(long, requires = "json")]
     pub(crate) traces: bool,
+    /// The command to name on the page, where it is not this one
+    #[arg(skip)]
+    pub(crate) command: Option<Vec<String>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -90,9 +90,12 @@ pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
 }
 
 /// The command line, and the files that were read for it.
-pub(crate) fn provenance<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> Provenance {
-    let mut command: Vec<String> = vec!["armident".to_owned()];
-    command.extend(std::env::args().skip(1));
+pub(crate) fn provenance<'a>(
+    pages: &PageArgs,
+    files: impl IntoIterator<Item = &'a PathBuf>,
+) -> Provenance {
+    let own = || std::iter::once("armident".to_owned()).chain(std::env::args().skip(1)).collect();
+    let command = pages.command.clone().unwrap_or_else(own);
     Provenance::of(command, files.into_iter().map(PathBuf::as_path))
 }
 

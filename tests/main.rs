@@ -29,6 +29,8 @@ mod no_panic;
 
 /// recordings as they are and spoiled: what `check` says of them
 mod check;
+/// the story without any file; completions and manual pages
+mod demo;
 /// one concealed effect is named and located, what is not there is not, and the model predicts
 mod diagnose;
 /// models as URDF and MJCF, and what these formats cannot hold

@@ -94,7 +94,7 @@ def picture(browser, path, width, height, dark=False):
     browser.devtools(
         "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
     )
-    time.sleep(1.5)
+    time.sleep(0.7)
     data = browser.devtools("Page.captureScreenshot", format="png")["data"]
     path.write_bytes(base64.b64decode(data))
 
@@ -115,7 +115,7 @@ def look(browser, page):
     picture(browser, folder / f"{name}.phone.png", 390, 1600)
     # what is wider than the screen of a phone makes the page scroll sideways
     overflow = browser.run("return document.documentElement.scrollWidth - innerWidth")
-    picture(browser, folder / f"{name}.wide.png", 1200, 1600)
+    browser.devtools("Emulation.setDeviceMetricsOverride", width=1200, height=900, deviceScaleFactor=1, mobile=False)
     closed = browser.run("return document.querySelectorAll('details:not([open])').length")
     browser.run("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
     for number in range(browser.run(f"return {VISIBLE}.length")):

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
         let compared = page::compared(&[&model], &recorded, Role::Training, cutoff_hz)?;
         let canvas = Canvas::new(&model.chain, &["the robot as given"], &compared)?;
         let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
-        let (provenance, filters) = (page::provenance(files), page::filters(cutoff_hz));
+        let (provenance, filters) = (page::provenance(&args.page, files), page::filters(cutoff_hz));
         Some(Drawing { provenance, filters, ..canvas.drawing() })
     } else {
         None

@@ -27,6 +27,8 @@ const CONCEALED: [(&str, &str, &[f64]); 3] = [
     ("coulomb_friction", "elbow_joint", &[3.3]),
     ("torque_ripple", "shoulder_pan_joint", &[1.5, 16.0, 0.4, 0.0, 0.0]),
 ];
+/// Noise of the efforts from base to tip \[N m\].
+const EFFORT_NOISE: [f64; 6] = [0.1, 0.1, 0.06, 0.02, 0.02, 0.02];
 
 pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
     let folder = &args.output_folder;
@@ -47,9 +49,15 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
         .map(|(effect, joint, parameters)| EffectOnJoint::new(*effect, *joint, *parameters))
         .collect();
     let arm = SimulatedArm::on_chain(&chain, &effects)?;
+    let noise: BTreeMap<String, f64> = chain
+        .joint_names()
+        .iter()
+        .zip(EFFORT_NOISE)
+        .map(|(joint, noise)| (joint.to_string(), noise))
+        .collect();
     for (k, (file, text)) in MOTIONS.iter().enumerate() {
         let sensors = Sensors {
-            effort_noise: Some(EffortNoise::Relative(0.01)),
+            effort_noise: Some(EffortNoise::Absolute(noise.clone())),
             encoder_bits: Some(19),
             seed: args.seed.wrapping_mul(1_000_003).wrapping_add(k as u64),
         };
@@ -78,16 +86,17 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
         concealed.join(", "),
         command.join(" ")
     ))?;
-    let Ok(Cli { command: Command::Diagnose(diagnose) }) = Cli::try_parse_from(&command) else {
+    let Ok(Cli { command: Command::Diagnose(mut diagnose) }) = Cli::try_parse_from(&command) else {
         return Err(Failure::new(
             "the folder cannot be named in a command",
             folder.display(),
             None::<String>,
         ));
     };
+    diagnose.page.command = Some(command.to_vec());
     let outcome = super::diagnose::run(&diagnose)?;
     say(&format!(
-        "\nThe report is {report}: open it in a browser. The model is beside it:\n\n$ armident predict {} {} -o {}\n",
+        "\n(A load and a wrong last link are one thing.)\n\nThe report is {report}: open it in a browser. The model is beside it:\n\n$ armident predict {} {} -o {}\n",
         path("model.json"),
         path("holdout.csv"),
         path("predicted.csv")

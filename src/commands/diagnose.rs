@@ -58,7 +58,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
             let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
             let compared = page::compared(&[&model], &train, Role::Training, cutoff_hz)?;
             let canvas = Canvas::new(&model.chain, &["the robot as given"], &compared)?;
-            let provenance = page::provenance(used(args, &train_files, &[], &[]));
+            let provenance = page::provenance(&args.page, used(args, &train_files, &[], &[]));
             Ok(Drawing { provenance, filters: page::filters(cutoff_hz), ..canvas.drawing() })
         });
         let drawing = drawing.transpose()?;
@@ -117,7 +117,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let drawing = if args.page.wanted() {
         let mut drawing = page::of_diagnosis(&before, &diagnosis, &train, &holdout)?;
         let files = used(args, &train_files, &holdout_files, &reference_files);
-        drawing.provenance = page::provenance(files);
+        drawing.provenance = page::provenance(&args.page, files);
         Some(drawing)
     } else {
         None

@@ -57,7 +57,8 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
         compared.extend(page::compared(&models, holdout, Role::Holdout, report.cutoff_hz)?);
         let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
         let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
-        let provenance = page::provenance(used.chain(&args.reading.mapping).chain(&with_plan));
+        let provenance =
+            page::provenance(&args.page, used.chain(&args.reading.mapping).chain(&with_plan));
         let filters = page::filters(report.cutoff_hz);
         Some(Drawing { provenance, filters, correlation, ..canvas.drawing() })
     } else {

@@ -90,7 +90,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         let compared = page::compared(&models, &recorded, Role::Holdout, cutoff_hz)?;
         let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
         let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
-        let (provenance, filters) = (page::provenance(files), page::filters(cutoff_hz));
+        let (provenance, filters) = (page::provenance(&args.page, files), page::filters(cutoff_hz));
         Some(Drawing { provenance, filters, ..canvas.drawing() })
     } else {
         None

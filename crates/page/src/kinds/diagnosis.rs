@@ -353,7 +353,10 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
             let mut all: Vec<(f64, String)> = of
                 .joints
                 .iter()
-                .filter_map(|j| Some((after.get(j)? / errors.before.get(j)?, j.clone())))
+                .filter_map(|j| Some((j, *after.get(j)?, *errors.before.get(j)?)))
+                // what was noise before can be no better after
+                .filter(|(j, _, before)| of.effort_noise.get(*j).is_none_or(|n| *before > 2.0 * n))
+                .map(|(j, after, before)| (after / before, j.clone()))
                 .filter(|(r, _)| r.is_finite())
                 .collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -676,6 +679,8 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
         parameters: finding
             .parameters
             .iter()
+            // a term of the law that was not needed
+            .filter(|(_, n)| n.value != 0.0 || n.stderr.is_some())
             .map(|(name, n)| {
                 let (value, _) = written(n);
                 let interval = n.stderr.map_or_else(
@@ -733,7 +738,11 @@ fn look_alikes(finding: &Finding, of: &Diagnosis) -> Vec<(String, String)> {
                 |motion| format!(". What tells them apart: {motion}"),
             );
             (
-                format!("{} {place}", title(&a.effect)).trim().to_owned(),
+                if place.is_empty() {
+                    title(&a.effect)
+                } else {
+                    format!("{} on {place}", title(&a.effect))
+                },
                 format!("these recordings cannot tell it from this finding{more}{apart}"),
             )
         })
