@@ -95,7 +95,9 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
         })
         .filter(|rival| {
             // uncertain inertias take up what a load leaves: there the evidence decides
-            let inertial = problem.groups[group].transform.is_some() && metric.scale > 0.0;
+            let inertial = problem.groups[group].transform.is_some()
+                && metric.scale > 0.0
+                && problem.rows.changed_from == 0;
             if inertial {
                 rival.answer.score - of.score < ODDS
             } else {

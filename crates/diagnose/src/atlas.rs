@@ -95,9 +95,10 @@ pub(crate) fn atlas(
     rigid: &DiagnosedModel,
     after: &DiagnosedModel,
 ) -> Result<Vec<JointAtlas>, RecordingError> {
+    // where a change is sought, of the recordings after it
+    let signals = &evidence.signals[evidence.rows.changed_from..];
     let left = |model: &DiagnosedModel| -> Result<Vec<Vec<Vec<f64>>>, RecordingError> {
-        evidence
-            .signals
+        signals
             .iter()
             .map(|s| {
                 let predicted = model.on_grid(s)?;
@@ -112,19 +113,18 @@ pub(crate) fn atlas(
     let point = crate::evidence::OperatingPoint::of(evidence.joints());
     let arm = RigidArm::from_chain(evidence.chain);
     let at: Vec<At<'_>> =
-        evidence.signals.iter().map(|s| At::new(evidence.chain, &arm, s, &point)).collect();
+        signals.iter().map(|s| At::new(evidence.chain, &arm, s, &point)).collect();
     let mut joints = Vec::new();
     for j in 0..evidence.joints() {
-        if evidence.signals.iter().any(|s| s.effort[j].is_empty()) {
+        if signals.iter().any(|s| s.effort[j].is_empty()) {
             continue;
         }
         let rows = |of: &[Vec<Vec<f64>>]| -> Vec<f64> {
-            let pairs = evidence.signals.iter().zip(of);
+            let pairs = signals.iter().zip(of);
             pairs.flat_map(|(s, left)| s.band.rows(&left[j])).collect()
         };
         let (b, r, a) = (rows(&of_before), rows(&of_rigid), rows(&of_after));
-        let thinned: Vec<Vec<f64>> = evidence
-            .signals
+        let thinned: Vec<Vec<f64>> = signals
             .iter()
             .zip(&of_after)
             .map(|(s, left)| s.band.independent_rows(&left[j]))
@@ -149,13 +149,13 @@ pub(crate) fn atlas(
             })
             .collect();
         symmetries.sort_by(|x, y| y.share_before.total_cmp(&x.share_before));
-        let noise: Vec<f64> = evidence.rows.deviation[j].clone();
+        let noise = &evidence.rows.deviation[j][evidence.rows.judged_from()..];
         joints.push(JointAtlas {
             joint: evidence.names[j].clone(),
             before: rms(&b),
             rigid: rms(&r),
             after: rms(&a),
-            noise: rms(&noise),
+            noise: rms(noise),
             whiteness_p: whiteness(&thinned).1,
             symmetries,
             regimes,

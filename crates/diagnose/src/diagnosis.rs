@@ -79,6 +79,15 @@ pub enum DiagnoseError {
 /// # Errors
 /// [`DiagnoseError`].
 pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, DiagnoseError> {
+    diagnose_from(model, train, 0)
+}
+
+/// The same of what changed in the recordings from `changed_from` on.
+pub(crate) fn diagnose_from(
+    model: &ArmModel,
+    train: &[Recording],
+    changed_from: usize,
+) -> Result<Diagnosis, DiagnoseError> {
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let signals: Vec<Signals> =
         train.iter().map(|r| Signals::new(r, &names)).collect::<Result<_, _>>()?;
@@ -87,6 +96,7 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
     }
     said_something(&names, &signals)?;
     let mut evidence = Evidence::new(&model.chain, signals);
+    evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let metric = selection.metric();
     let best = predictor(&metric, &selection.answer);

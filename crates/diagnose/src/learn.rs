@@ -1,6 +1,6 @@
 //! The model that an answer stands for.
 
-use armident_effects::{EffectOnJoint, Scope, effect};
+use armident_effects::{EVERYDAY, EffectOnJoint, Scope, effect};
 use armident_ident::ArmModel;
 use armident_recording::RecordingError;
 
@@ -137,6 +137,16 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
     }
     for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
+    }
+    // what the reference and the recordings after it together say of everyday terms
+    let links = problem.background.links;
+    for (k, x) in change[10 * links..].iter().enumerate() {
+        let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
+        found.arm.effects.push(EffectOnJoint::new(
+            law.law().slug,
+            &evidence.names[joint],
+            vec![*x],
+        ));
     }
     found.learned.tilt_rad = point.tilt;
     found.learned.encoder_offset = point.offset;
