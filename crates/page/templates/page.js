@@ -37,6 +37,9 @@
   const dressed = (layout, colours, height) => {
     const full = coloured(layout, colours);
     full.height = height;
+    // a screen may be wider than paper
+    if (printing) full.width = 640;
+    else full.autosize = true;
     full.paper_bgcolor = "rgba(0,0,0,0)";
     full.plot_bgcolor = "rgba(0,0,0,0)";
     full.font = { color: colours.ink, size: 12, family: getComputedStyle(document.body).fontFamily };
@@ -220,6 +223,7 @@
     addEventListener("afterprint", () => {
       printing = false;
       redraw();
+      for (const place of drawn) if (place.offsetParent) Plotly.Plots.resize(place);
     });
     // a link to something closed opens it
     const open = () => {
