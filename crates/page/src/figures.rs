@@ -48,11 +48,16 @@ fn axis(title: &str) -> Value {
 }
 
 fn view(label: &str, data: Vec<Value>, layout: Value) -> Value {
-    json!({ "label": label, "data": data, "layout": layout })
+    let mut view = json!({ "label": label });
+    view["data"] = Value::Array(data);
+    view["layout"] = layout;
+    view
 }
 
 fn figure(id: String, title: String, legend: String, height: u32, views: Vec<Value>) -> Figure {
-    Figure { id, title, legend, height, content: json!({ "views": views }) }
+    let mut content = json!({});
+    content["views"] = Value::Array(views);
+    Figure { id, title, legend, height, content }
 }
 
 /// Effort and residual of a joint over time, recordings of one role after another.

@@ -93,7 +93,7 @@ pub(crate) fn orders(sheets: &[&Sheet], joint: usize, kind: JointKind) -> Series
     let to = all().copied().fold(f64::MIN, f64::max);
     let cells = ((to - from) / cycle * POSITIONS) as usize + 1;
     // less than a hundredth of a turn holds no order
-    if cells < 20 || cells > 1 << 20 {
+    if !(20..1 << 20).contains(&cells) {
         return Series::default();
     }
     let count = (HIGHEST_ORDER / ORDER_STEP) as usize;

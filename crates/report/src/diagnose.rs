@@ -177,7 +177,7 @@ impl DiagnoseReport {
     /// asked for.
     #[must_use]
     pub fn with_next_motion(mut self, asked: bool, found: Option<(String, NextMotion)>) -> Self {
-        self.next_motion = asked.then(|| match found {
+        self.next_motion = asked.then_some(match found {
             Some((file, next)) => NextMotionSaid {
                 file: Some(file),
                 description: Some(next.description),

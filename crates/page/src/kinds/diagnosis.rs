@@ -664,7 +664,7 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
     match finding.confirmed {
         Some(true) => why += " The hold-out confirms it.",
         Some(false) => {
-            why += " The hold-out does NOT confirm it: it is predicted no better with it."
+            why += " The hold-out does NOT confirm it: it is predicted no better with it.";
         }
         None => {}
     }
