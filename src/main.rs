@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => commands::demo::run(args),
         Command::Completions(args) => commands::shell::completions(args),
         Command::Man(args) => commands::shell::man(args),
+        Command::Challenge(args) => commands::challenge::run(args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -21,11 +21,24 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
     ("page", &["effects", "kinematics", "recording", "report"]),
-    ("challenge", &["dynamics", "effects", "kinematics", "recording", "simulation"]),
+    (
+        "challenge",
+        &[
+            "diagnose",
+            "dynamics",
+            "effects",
+            "ident",
+            "kinematics",
+            "recording",
+            "report",
+            "simulation",
+        ],
+    ),
     ("export", &["effects", "ident", "kinematics"]),
     (
         "",
         &[
+            "challenge",
             "diagnose",
             "dynamics",
             "effects",
