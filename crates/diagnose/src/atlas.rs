@@ -82,6 +82,76 @@ pub struct JointAtlas {
     pub regimes: Vec<Regime>,
 }
 
+/// What kind of structure has no name.
+#[derive(Debug, Clone, Serialize)]
+pub struct Character {
+    /// `dissipative` (it takes work whichever way the joint goes), `conservative` (it gives back what it
+    /// took), `neither`.
+    pub kind: &'static str,
+    /// Work it takes over all work it exchanges, -1 to 1.
+    pub work_share: f64,
+    /// Share of it that goes with the time or the travel since the last reversal: memory.
+    pub memory_share: f64,
+    /// Share of it that goes with the time: drift.
+    pub drift_share: f64,
+    /// Cycles per turn (per metre) of the wave in the position that explains most of it, and the share
+    /// that it explains.
+    pub wave: [f64; 2],
+}
+
+/// Share of the exchanged work from which on structure is dissipative, and below which conservative.
+const DISSIPATIVE: f64 = 0.5;
+const CONSERVATIVE: f64 = 0.2;
+
+/// The character of an effort on a joint, given at every sample of every recording.
+pub(crate) fn character(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    joint: usize,
+    effort: &[Vec<f64>],
+) -> Character {
+    const HIGHEST_ORDER: usize = 60;
+    let (mut taken, mut exchanged) = (0.0, 0.0);
+    let mut rows = Vec::new();
+    for (at, effort) in at.iter().zip(effort) {
+        for (f, v) in effort.iter().zip(&at.signals.velocity[joint]) {
+            taken += f * v;
+            exchanged += (f * v).abs();
+        }
+        rows.extend(at.signals.band.rows(effort));
+    }
+    let work_share = taken / exchanged.max(f64::MIN_POSITIVE);
+    let states = States::of(at, joint);
+    let share_of = |names: &[&str]| {
+        let found = states.columns.iter().filter(|(name, _)| names.contains(name));
+        found
+            .filter_map(|(name, column)| regime(name, column, &rows, &rows, evidence.rows.share))
+            .map(|regime| regime.share_before)
+            .fold(0.0, f64::max)
+    };
+    let position = states.columns.iter().find(|(name, _)| *name == "position");
+    let wave = (1..=HIGHEST_ORDER)
+        .filter_map(|order| {
+            let phase = |q: &f64| order as f64 * q;
+            let sine: Vec<f64> = position?.1.iter().map(|q| phase(q).sin()).collect();
+            let cosine: Vec<f64> = position?.1.iter().map(|q| phase(q).cos()).collect();
+            Some([order as f64, explained(&sine, &rows) + explained(&cosine, &rows)])
+        })
+        .max_by(|a, b| a[1].total_cmp(&b[1]))
+        .unwrap_or([0.0; 2]);
+    Character {
+        kind: match work_share {
+            w if w > DISSIPATIVE => "dissipative",
+            w if w.abs() < CONSERVATIVE => "conservative",
+            _ => "neither",
+        },
+        work_share,
+        memory_share: share_of(&["time_since_reversal", "travel_since_reversal"]),
+        drift_share: share_of(&["time"]),
+        wave: [wave[0], wave[1].min(1.0)],
+    }
+}
+
 /// State of a joint at the rows, one column for each variable.
 struct States {
     columns: Vec<(&'static str, Vec<f64>)>,

@@ -7,10 +7,10 @@ use armident_ident::ArmModel;
 use armident_ident::check::{
     ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
 };
-use armident_recording::{
-    Motion, MotionSettings, Quantity, Recording, RecordingError, common_cutoff_hz,
-};
+use armident_recording::{Motion, MotionSettings, Quantity, Recording, common_cutoff_hz};
 use serde::Serialize;
+
+use crate::diagnosis::{DiagnoseError, usable_signals};
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
@@ -57,8 +57,8 @@ impl Books {
     /// Checks the effort columns of recordings against an arm ([`armident_ident::check`]).
     ///
     /// # Errors
-    /// A recording that cannot be used.
-    pub fn of(model: &ArmModel, recordings: &[Recording]) -> Result<Self, RecordingError> {
+    /// Recordings that a diagnosis refuses.
+    pub fn of(model: &ArmModel, recordings: &[Recording]) -> Result<Self, DiagnoseError> {
         let mut signals: BTreeMap<String, Quantity> = BTreeMap::new();
         let filled: Vec<Recording> = recordings
             .iter()
@@ -70,6 +70,7 @@ impl Books {
             .collect();
         let joints = model.chain.joint_names();
         let joints_of_model: Vec<String> = joints.iter().map(ToString::to_string).collect();
+        usable_signals(&joints_of_model, &filled)?;
         let cutoff_hz = common_cutoff_hz(&filled, &joints, model.cutoff_hz)?;
         let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
         let motions: Vec<Motion> = filled

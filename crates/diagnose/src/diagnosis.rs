@@ -7,7 +7,7 @@ use armident_ident::validate::whiteness;
 use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
 
-use crate::atlas::{JointAtlas, atlas};
+use crate::atlas::{JointAtlas, atlas, character};
 use crate::books::DriveGain;
 use crate::crossval::predictor;
 use crate::evidence::Evidence;
@@ -89,12 +89,7 @@ pub(crate) fn diagnose_from(
     changed_from: usize,
 ) -> Result<Diagnosis, DiagnoseError> {
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let signals: Vec<Signals> =
-        train.iter().map(|r| Signals::new(r, &names)).collect::<Result<_, _>>()?;
-    if signals.iter().any(|s| s.band.kept.len() < 2) {
-        return Err(DiagnoseError::TooShort);
-    }
-    said_something(&names, &signals)?;
+    let signals = usable_signals(&names, train)?;
     let mut evidence = Evidence::new(&model.chain, signals);
     evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
@@ -128,10 +123,26 @@ pub(crate) fn diagnose_from(
     let mut rigid =
         rigid_alone(model, &evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
     choose_outputs(&mut rigid, &evidence)?;
+    let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
+    let at = evidence.at(&selection.point);
+    for finding in findings.iter_mut().filter(|f| f.effect == crate::UNMODELLED) {
+        let index = |name: &str| names.iter().position(|n| n == name);
+        let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
+        let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);
+        let mut effort: Vec<Vec<f64>> = at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
+        for term in terms {
+            for (sum, at) in effort.iter_mut().zip(&at) {
+                for (sum, x) in sum.iter_mut().zip(term.effort(at, index)) {
+                    *sum += x;
+                }
+            }
+        }
+        finding.evidence.character = Some(character(&evidence, &at, joint, &effort));
+    }
     let atlas = atlas(&evidence, &DiagnosedModel::believed(model), &rigid, &learned_model)?;
     Ok(Diagnosis {
         atlas,
-        findings: claims.into_iter().map(|claim| claim.finding).collect(),
+        findings,
         model: learned_model,
         rigid,
         without,
@@ -140,6 +151,20 @@ pub(crate) fn diagnose_from(
         joints: names,
         inertial_error: selection.scale,
     })
+}
+
+/// The recordings on even grids, if they say something.
+pub(crate) fn usable_signals(
+    names: &[String],
+    recordings: &[Recording],
+) -> Result<Vec<Signals>, DiagnoseError> {
+    let signals: Vec<Signals> =
+        recordings.iter().map(|r| Signals::new(r, names)).collect::<Result<_, _>>()?;
+    if signals.iter().any(|s| s.band.kept.len() < 2) {
+        return Err(DiagnoseError::TooShort);
+    }
+    said_something(names, &signals)?;
+    Ok(signals)
 }
 
 /// Refuses recordings from which every answer would be invented: channels that say one number.

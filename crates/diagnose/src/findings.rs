@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::alternatives::{Rival, rivals, separated_by};
+use crate::atlas::Character;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
@@ -55,6 +56,9 @@ pub struct FindingEvidence {
     /// Columns that an unnamed structure depends on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variables: Vec<String>,
+    /// What kind of structure has no name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub character: Option<Character>,
 }
 
 /// One effect that the model leaves out.
@@ -178,6 +182,7 @@ fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Fi
                 Meaning::Flexible(flexible) => flexible.basis.variables(),
                 Meaning::Law(_) => Vec::new(),
             },
+            character: None,
         },
         alternatives: Vec::new(),
     }
@@ -229,6 +234,7 @@ fn wrong_body(evidence: &Evidence<'_>, link: usize, change: &[f64], size: &Mater
             least_materiality: size.least,
             joint: evidence.names[size.joint].clone(),
             variables: Vec::new(),
+            character: None,
         },
         alternatives: Vec::new(),
     }

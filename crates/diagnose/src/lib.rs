@@ -39,7 +39,7 @@ mod signals;
 mod transmission;
 mod without;
 
-pub use atlas::{Bin, JointAtlas, Regime, SymmetryTest};
+pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
 pub use books::{Books, DriveGain};
 pub use change::diagnose_change;
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose};

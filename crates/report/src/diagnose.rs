@@ -394,6 +394,24 @@ fn paragraph(finding: &Finding) -> String {
         };
         text.push_str(&format!("  {name} {number} {}\n", value.unit));
     }
+    if !finding.evidence.variables.is_empty() {
+        text.push_str(&format!("  depends on {}\n", finding.evidence.variables.join(", ")));
+    }
+    if let Some(character) = &finding.evidence.character {
+        let mut traits = vec![character.kind.to_owned()];
+        // below a half it is one trait among others
+        const MOST: f64 = 0.5;
+        if character.memory_share > MOST {
+            traits.push("with memory of the last reversal".to_owned());
+        }
+        if character.drift_share > MOST {
+            traits.push("drifting".to_owned());
+        }
+        if character.wave[1] > MOST {
+            traits.push(format!("a wave of {} cycles in the position", character.wave[0]));
+        }
+        text.push_str(&format!("  {}\n", traits.join(", ")));
+    }
     for alternative in &finding.alternatives {
         text.push_str(&format!(
             "  or {}",
