@@ -12,6 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
     max_term_width = 100,
     after_help = "\
 Start here:
+  armident demo                                            the whole story on a simulated arm
   armident params   urdf/stanford.urdf                     what can be known about this arm
   armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
@@ -37,6 +38,10 @@ pub(crate) enum Command {
     Validate(ValidateArgs),
     Predict(PredictArgs),
     Export(ExportArgs),
+    Report(ReportArgs),
+    Demo(DemoArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
     Challenge(ChallengeArgs),
 }
 
@@ -88,6 +93,21 @@ pub(crate) struct OutputArgs {
     /// Say nothing on stderr but errors
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// The page of a result.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Report")]
+pub(crate) struct PageArgs {
+    /// Write the result as one self-contained HTML page with charts
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Put what a page draws into the JSON too, for `armident report`
+    #[arg(long, requires = "json")]
+    pub(crate) traces: bool,
+    /// The command to name on the page, where it is not this one
+    #[arg(skip)]
+    pub(crate) command: Option<Vec<String>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -283,6 +303,8 @@ pub(crate) struct IdentifyArgs {
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
+    pub(crate) page: PageArgs,
+    #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
 
@@ -310,6 +332,8 @@ pub(crate) struct CheckArgs {
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) page: PageArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -358,6 +382,8 @@ pub(crate) struct DiagnoseArgs {
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
+    pub(crate) page: PageArgs,
+    #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
 
@@ -390,6 +416,8 @@ pub(crate) struct ValidateArgs {
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) page: PageArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }
@@ -451,6 +479,64 @@ pub(crate) struct ExportArgs {
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+}
+
+/// Write the result of a command as one self-contained HTML page
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident diagnose robot.urdf train.csv --json result.json --traces
+  armident report result.json -o report.html
+
+The page opens in any browser, without a network. Charts of efforts and residuals need --traces in the
+command that wrote the result; check, identify, validate and diagnose write the same page at once with
+--report.")]
+pub(crate) struct ReportArgs {
+    /// JSON written by --json of any command
+    pub(crate) result: PathBuf,
+    /// File to write; - is stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+}
+
+/// Show the whole story on a simulated arm: concealed physics, its diagnosis, a report
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident demo
+  armident demo -o demo --seed 3
+
+Writes ur5.urdf, train.csv, holdout.csv, model.json and report.html to the folder.")]
+pub(crate) struct DemoArgs {
+    /// Folder to write to, new or of an earlier demo
+    #[arg(short, long, value_name = "FOLDER", default_value = "armident-demo")]
+    pub(crate) output_folder: PathBuf,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+}
+
+/// Print the completions of a shell
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident completions bash > ~/.local/share/bash-completion/completions/armident
+  armident completions zsh > ~/.zfunc/_armident")]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
+}
+
+/// Write manual pages
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident man -o man && man -l man/armident-diagnose.1")]
+pub(crate) struct ManArgs {
+    /// Folder to write armident.1 and a page a command to
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output_folder: PathBuf,
 }
 
 /// Kinds of cases.

@@ -157,7 +157,7 @@ fn holdout_model_and_fields() {
     assert_eq!(named(&with), pairs(&expected));
     // what is found is the same; only the proof is not
     let unproven = |of: &Value| -> Vec<Value> {
-        let mut findings = list(&of["findings"]).clone();
+        let mut findings = list(&of["findings"]).to_vec();
         findings.iter_mut().for_each(|f| f["confirmed"] = Value::Null);
         findings
     };

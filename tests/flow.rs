@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
@@ -20,6 +20,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
     ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
+    ("page", &["effects", "kinematics", "recording", "report"]),
     (
         "challenge",
         &[
@@ -45,6 +46,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
             "ident",
             "kinematics",
             "numeric",
+            "page",
             "recording",
             "report",
             "simulation",

@@ -31,12 +31,16 @@ mod no_panic;
 mod challenge;
 /// recordings as they are and spoiled: what `check` says of them
 mod check;
+/// the story without any file; completions and manual pages
+mod demo;
 /// one concealed effect is named and located, what is not there is not, and the model predicts
 mod diagnose;
 /// models as URDF and MJCF, and what these formats cannot hold
 mod export;
 /// MCAP beside CSV
 mod formats;
+/// pages of results in a browser
+mod page;
 /// exported URDF and MJCF in Pinocchio and MuJoCo
 mod peers;
 /// plan, simulate, identify, predict: what was put in comes out

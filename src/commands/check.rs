@@ -4,18 +4,20 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_ident::check::{Verdict, check, with_drive_signals};
+use armident_page::{Canvas, Drawing, Role};
 use armident_recording::Recording;
 use armident_report::CheckReport;
 
 use super::recordings;
 use crate::args::CheckArgs;
 use crate::failure::{Failure, Outcome};
-use crate::{output, robot};
+use crate::{output, page, robot};
 
 pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     let files = recordings::expand(&args.recordings)?;
     let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
-    output::protect(inputs, [args.output.json.as_ref()])?;
+    output::protect(inputs, [args.output.json.as_ref(), args.page.report.as_ref()])?;
+    args.page.check()?;
     let read = recordings::read_quietly(&files, &args.reading)?;
     let mut signals = BTreeMap::new();
     let recorded: Vec<Recording> = read
@@ -47,5 +49,16 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     let robot = model.chain.robot.clone();
     let report = CheckReport::new(&robot, sources, names, cutoff_hz, &found, warnings, notes);
     output::say_all(&args.output, "note", &report.notes);
-    output::write_result(&args.output, &report.text(), &report, &report.warnings)
+    let drawing = if args.page.wanted() {
+        let compared = page::compared(&[&model], &recorded, Role::Training, cutoff_hz)?;
+        let canvas = Canvas::new(&model.chain, &["the robot as given"], &compared)?;
+        let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
+        let (provenance, filters) = (page::provenance(&args.page, files), page::filters(cutoff_hz));
+        Some(Drawing { provenance, filters, ..canvas.drawing() })
+    } else {
+        None
+    };
+    let text = report.text();
+    let warnings = &report.warnings;
+    page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }

@@ -7,13 +7,14 @@ use armident_diagnose::{
     Books, DiagnosedModel, Diagnosis, Errors, diagnose, diagnose_change, diagnose_with_placebo,
 };
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_page::{Canvas, Drawing, Role};
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 
 use super::recordings;
 use crate::args::DiagnoseArgs;
 use crate::failure::{Failure, Outcome};
-use crate::{output, robot};
+use crate::{output, page, robot};
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let train_files = recordings::expand(&args.recordings)?;
@@ -22,8 +23,14 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let next_motion = args.next_motion.as_ref().map(|folder| folder.join("next_motion.csv"));
     let recorded = train_files.iter().chain(&holdout_files).chain(&reference_files);
     let inputs = recorded.chain([&args.robot]).map(PathBuf::as_path);
-    let outputs = [args.output.json.as_ref(), args.save_model.as_ref(), next_motion.as_ref()];
+    let outputs = [
+        args.output.json.as_ref(),
+        args.save_model.as_ref(),
+        next_motion.as_ref(),
+        args.page.report.as_ref(),
+    ];
     output::protect(inputs, outputs)?;
+    args.page.check()?;
     not_twice(&train_files, &holdout_files)?;
     let train = recordings::read_all(&train_files, &args.reading, &args.output)?;
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
@@ -47,7 +54,25 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     };
     if !books.faults.is_empty() && !args.trust_columns {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
-        return output::write_result(&args.output, &report.text(), &report, &warnings);
+        // the efforts against the robot show what the columns are
+        let drawing = args.page.wanted().then(|| -> Result<Drawing, Failure> {
+            let joints = model.chain.joint_names();
+            let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
+            let compared = page::compared(&[&model], &train, Role::Training, cutoff_hz)?;
+            let canvas = Canvas::new(&model.chain, &["the robot as given"], &compared)?;
+            let provenance = page::provenance(&args.page, used(args, &train_files, &[], &[]));
+            Ok(Drawing { provenance, filters: page::filters(cutoff_hz), ..canvas.drawing() })
+        });
+        let drawing = drawing.transpose()?;
+        let text = report.text();
+        return page::write_result(
+            &args.page,
+            &args.output,
+            &text,
+            &report,
+            &warnings,
+            drawing.as_ref(),
+        );
     }
     let mut placebo = None;
     let (before, mut diagnosis) = if !reference.is_empty() {
@@ -97,7 +122,27 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         .with_books(&books)
         .with_placebo(placebo)
         .with_next_motion(args.next_motion.is_some(), next);
-    output::write_result(&args.output, &report.text(), &report, &warnings)
+    let drawing = if args.page.wanted() {
+        let mut drawing = page::of_diagnosis(&before, &diagnosis, &train, &holdout)?;
+        let files = used(args, &train_files, &holdout_files, &reference_files);
+        drawing.provenance = page::provenance(&args.page, files);
+        Some(drawing)
+    } else {
+        None
+    };
+    let text = report.text();
+    page::write_result(&args.page, &args.output, &text, &report, &warnings, drawing.as_ref())
+}
+
+/// The files that a diagnosis was made of.
+fn used<'a>(
+    args: &'a DiagnoseArgs,
+    train: &'a [PathBuf],
+    holdout: &'a [PathBuf],
+    reference: &'a [PathBuf],
+) -> impl Iterator<Item = &'a PathBuf> {
+    let recordings = train.iter().chain(holdout).chain(reference);
+    std::iter::once(&args.robot).chain(recordings).chain(&args.reading.mapping)
 }
 
 /// A recording cannot be fitted and kept out of the fit.

@@ -7,9 +7,10 @@ use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
-    ArmModel, BatchFit, BatchProblem, BatchSettings, Consistent, JointFit, MinimalSet, Recorded,
-    Term,
+    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, Consistent, JointFit,
+    MinimalSet, Recorded, Term,
 };
+use armident_page::{Canvas, Correlation, Drawing, Role};
 use armident_recording::{Motion, Recording};
 use armident_report::{
     ConsistencyReport, ConstantRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
@@ -19,16 +20,20 @@ use armident_report::{
 use super::recordings;
 use crate::args::{IdentifyArgs, PriorArg};
 use crate::failure::{Failure, Outcome};
-use crate::{output, robot};
+use crate::{output, page, robot};
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     // a folder without recordings is refused below, where it is known whether it holds a plan
     let files = recordings::expand(&args.recordings).unwrap_or_default();
     let inputs = files.iter().chain(&args.holdout).chain([&args.robot]).map(PathBuf::as_path);
-    output::protect(inputs, [args.output.json.as_ref(), args.save_model.as_ref()])?;
+    output::protect(
+        inputs,
+        [args.output.json.as_ref(), args.save_model.as_ref(), args.page.report.as_ref()],
+    )?;
+    args.page.check()?;
     let with_plan: Vec<PathBuf> =
         args.recordings.iter().filter_map(|p| recordings::plan_in(p)).collect();
-    let (report, model) = match &with_plan[..] {
+    let Identified { report, model, read, correlation } = match &with_plan[..] {
         [] => batch(args)?,
         [plan] if args.recordings.len() == 1 => by_algorithm2(args, plan)?,
         _ => {
@@ -45,10 +50,35 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
         model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
     output::say_all(&args.output, "note", &report.notes);
-    output::write_result(&args.output, &report.text(), &report, &report.warnings)
+    let drawing = if args.page.wanted() {
+        let models = [&model.before(), &model];
+        let [train, holdout] = &read;
+        let mut compared = page::compared(&models, train, Role::Training, report.cutoff_hz)?;
+        compared.extend(page::compared(&models, holdout, Role::Holdout, report.cutoff_hz)?);
+        let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
+        let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
+        let provenance =
+            page::provenance(&args.page, used.chain(&args.reading.mapping).chain(&with_plan));
+        let filters = page::filters(report.cutoff_hz);
+        Some(Drawing { provenance, filters, correlation, ..canvas.drawing() })
+    } else {
+        None
+    };
+    let text = report.text();
+    let warnings = &report.warnings;
+    page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }
 
-fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
+/// What an identification leaves: the result, the model, and what a page draws.
+struct Identified {
+    report: IdentifyReport,
+    model: ArmModel,
+    /// fitted, and kept out
+    read: [Vec<Recording>; 2],
+    correlation: Option<Correlation>,
+}
+
+fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     let train =
         recordings::read_all(&recordings::expand(&args.recordings)?, &args.reading, &args.output)?;
     let holdout =
@@ -229,13 +259,14 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     found.speed_resolution = speed_resolution;
     found.effort_noise = Some(estimate.effort_noise.clone());
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
-    Ok((report, found))
+    let correlation = Correlation {
+        labels: problem.terms.iter().map(|term| problem.label(term, &joints)).collect(),
+        rows: correlations(estimate),
+    };
+    Ok(Identified { report, model: found, correlation: Some(correlation), read: [train, holdout] })
 }
 
-fn by_algorithm2(
-    args: &IdentifyArgs,
-    plan_path: &Path,
-) -> Result<(IdentifyReport, ArmModel), Failure> {
+fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Identified, Failure> {
     let plan = read_plan(plan_path)?;
     let folder = plan_path.parent().unwrap_or(Path::new("."));
     let mut model = robot::load(&args.robot, &args.chain, Some(&plan.joints))?;
@@ -356,7 +387,7 @@ fn by_algorithm2(
         warnings: report_warnings,
         notes: recordings::notes(&motions),
     };
-    Ok((report, found))
+    Ok(Identified { report, model: found, read: [recordings, Vec::new()], correlation: None })
 }
 
 fn read_plan(path: &Path) -> Result<Plan, Failure> {
@@ -382,6 +413,17 @@ fn read_plan(path: &Path) -> Result<Plan, Failure> {
 
 fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
+}
+
+/// Correlation of every pair of estimates; none of those at their bound, which do not vary.
+fn correlations(estimate: &BatchEstimate) -> Vec<Vec<Option<f64>>> {
+    let of = |a: usize, b: usize| estimate.covariance[(a, b)];
+    let pair = |a, b| {
+        let correlation = of(a, b) / (of(a, a) * of(b, b)).sqrt();
+        correlation.is_finite().then(|| (100.0 * correlation).round() / 100.0)
+    };
+    let count = estimate.values.len();
+    (0..count).map(|a| (0..count).map(|b| pair(a, b)).collect()).collect()
 }
 
 fn constant_row(

@@ -2,6 +2,7 @@
 
 pub(crate) mod challenge;
 pub(crate) mod check;
+pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod export;
 pub(crate) mod identify;
@@ -9,5 +10,7 @@ pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod predict;
 pub(crate) mod recordings;
+pub(crate) mod report;
+pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod validate;

@@ -5,18 +5,23 @@ use std::path::PathBuf;
 
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_page::{Canvas, Drawing, Role};
 use armident_recording::Motion;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
 use crate::args::ValidateArgs;
 use crate::failure::{Failure, Outcome};
-use crate::{output, robot};
+use crate::{output, page, robot};
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let files = recordings::expand(&args.recordings)?;
     let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
-    output::protect(inputs, [args.output.json.as_ref(), args.predictions.as_ref()])?;
+    output::protect(
+        inputs,
+        [args.output.json.as_ref(), args.predictions.as_ref(), args.page.report.as_ref()],
+    )?;
+    args.page.check()?;
     let recorded = recordings::read_all(&files, &args.reading, &args.output)?;
     if args.predictions.is_some() && recorded.len() != 1 {
         return Err(Failure::new(
@@ -80,7 +85,19 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         notes: recordings::notes(&motions),
     };
     output::say_all(&args.output, "note", &report.notes);
-    output::write_result(&args.output, &report.text(), &report, &report.warnings)
+    let drawing = if args.page.wanted() {
+        let models = [&before, &model];
+        let compared = page::compared(&models, &recorded, Role::Holdout, cutoff_hz)?;
+        let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
+        let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
+        let (provenance, filters) = (page::provenance(&args.page, files), page::filters(cutoff_hz));
+        Some(Drawing { provenance, filters, ..canvas.drawing() })
+    } else {
+        None
+    };
+    let text = report.text();
+    let warnings = &report.warnings;
+    page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }
 
 fn errors(

@@ -38,6 +38,7 @@ mod search;
 mod select;
 mod signals;
 mod transmission;
+mod without;
 
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
 pub use books::{Books, DriveGain};

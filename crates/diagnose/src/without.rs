@@ -1,0 +1,50 @@
+//! The model without one of its findings: what the finding explains is the difference.
+
+use crate::findings::Finding;
+use crate::model::DiagnosedModel;
+
+impl DiagnosedModel {
+    /// The same model without what a finding of its diagnosis stands for, all else as it is; `before` is
+    /// the model that was diagnosed. Contacts are in no model: nothing goes.
+    #[must_use]
+    pub fn without(&self, finding: &Finding, before: &Self) -> Self {
+        let mut model = self.clone();
+        let is_on = |joint: &str| finding.joints.first().is_some_and(|j| j == joint);
+        let index = model.arm.chain.joints.iter().position(|j| is_on(&j.name));
+        let slug = finding.effect.as_str();
+        // what was known before stands first
+        for effects in [&mut model.arm.effects, &mut model.learned.couplings] {
+            if let Some(k) = effects.iter().rposition(|e| e.effect == slug && is_on(&e.joint)) {
+                effects.remove(k);
+            }
+        }
+        let (learned, earlier) = (&mut model.learned, &before.learned);
+        match (slug, index) {
+            ("joint_elasticity" | "backlash", _) => {
+                if let Some(k) = learned.transmissions.iter().rposition(|t| is_on(&t.joint)) {
+                    learned.transmissions.remove(k);
+                }
+            }
+            ("torque_scale", Some(j)) => learned.gain[j] = earlier.gain[j],
+            ("encoder_offset", Some(j)) => learned.encoder_offset[j] = earlier.encoder_offset[j],
+            ("gravity_direction", _) => learned.tilt_rad = earlier.tilt_rad,
+            ("time_delay", _) => learned.delay_s = earlier.delay_s,
+            (crate::UNMODELLED, _) => {
+                let same = |f: &crate::FlexibleTerm| {
+                    is_on(&f.joint) && f.basis.variables() == finding.evidence.variables
+                };
+                if let Some(k) = learned.flexible.iter().rposition(same) {
+                    learned.flexible.remove(k);
+                }
+            }
+            _ => {}
+        }
+        if let Some(link) = &finding.link {
+            let joints = model.arm.chain.joints.iter_mut().zip(&before.arm.chain.joints);
+            for (joint, earlier) in joints.filter(|(j, _)| j.child_link == *link) {
+                joint.link = earlier.link;
+            }
+        }
+        model
+    }
+}

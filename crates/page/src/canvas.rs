@@ -1,0 +1,300 @@
+//! From recordings and predictions to what is drawn of them.
+
+use std::ops::Range;
+
+use armident_kinematics::DrivingAxisChain;
+use armident_recording::{
+    HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, Quantity, Recording, RecordingError,
+    default_cutoff_hz, quality,
+};
+
+use crate::drawing::{
+    Channel, Drawing, EffortTraces, JointName, JointResidual, Quality, RecordingTraces, Role,
+    Skeleton,
+};
+use crate::reduce::{rounded, samples_per_pair, smallest_and_largest};
+use crate::{atlas, spectrum};
+
+/// Values of all series of the traces together: bounds the size of a page whatever is recorded.
+const TRACE_VALUES: usize = 420_000;
+/// Values of one series, at least and at most.
+const SERIES_VALUES: [usize; 2] = [300, 4000];
+/// Lowest cut-off for the speeds and accelerations that residuals are sorted by \[Hz\].
+const LEAST_CUTOFF_HZ: f64 = 10.0;
+/// Poses of the arm that are kept.
+const POSES: usize = 240;
+
+/// A recording with the efforts that the models predict for it.
+#[derive(Debug)]
+pub struct Compared<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Whether it was fitted.
+    pub role: Role,
+    /// `predicted[model][joint]`, at the stamps of the recording \[N m or N\].
+    pub predicted: Vec<Vec<Vec<f64>>>,
+    /// Time at both ends in which the predictions are those of a low-pass that lacks the samples before
+    /// and after \[s\]: not counted in what is said of residuals.
+    pub edge_s: f64,
+}
+
+/// One recording on its even grid.
+pub(crate) struct Sheet {
+    pub(crate) motion: Motion,
+    pub(crate) role: Role,
+    /// samples that count in what is said of residuals
+    pub(crate) kept: Range<usize>,
+    /// empty for a joint without recorded effort
+    pub(crate) measured: Vec<Vec<f64>>,
+    /// model, joint
+    pub(crate) residual: Vec<Vec<Vec<f64>>>,
+    /// model, joint
+    pub(crate) predicted: Vec<Vec<Vec<f64>>>,
+}
+
+impl Sheet {
+    fn new(joints: &[&str], compared: &Compared<'_>) -> Result<Self, RecordingError> {
+        let recording = compared.recording;
+        let grid = armident_recording::EvenGrid::new(&recording.time_s, &recording.source)?;
+        let positions: Vec<Vec<f64>> = joints
+            .iter()
+            .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))
+            .map(|q| grid.resample(q))
+            .collect();
+        let rate_hz = grid.rate_hz();
+        let cutoff_hz = default_cutoff_hz(&positions, rate_hz)
+            .max(LEAST_CUTOFF_HZ)
+            .min(HIGHEST_CUTOFF_SHARE * rate_hz);
+        let settings = MotionSettings { cutoff_hz: Some(cutoff_hz), ..MotionSettings::default() };
+        let motion = Motion::from_recording(recording, joints, &settings)?;
+        let measured: Vec<Vec<f64>> = joints
+            .iter()
+            .map(|j| {
+                let effort = recording.joint(j).and_then(|j| j.channel(Quantity::Effort));
+                effort.map(|e| motion.on_grid(e)).unwrap_or_default()
+            })
+            .collect();
+        let predicted: Vec<Vec<Vec<f64>>> = compared
+            .predicted
+            .iter()
+            .map(|model| model.iter().map(|effort| motion.on_grid(effort)).collect())
+            .collect();
+        let residual = predicted
+            .iter()
+            .map(|model| measured.iter().zip(model).map(|(m, p)| less(m, p)).collect())
+            .collect();
+        let edge = ((compared.edge_s * rate_hz).ceil() as usize).min(motion.len() / 4);
+        let kept = edge..motion.len() - edge;
+        Ok(Self { motion, role: compared.role, kept, measured, residual, predicted })
+    }
+}
+
+impl Sheet {
+    /// What counts of a column; nothing of an empty one.
+    pub(crate) fn of<'s>(&self, column: &'s [f64]) -> &'s [f64] {
+        column.get(self.kept.clone()).unwrap_or_default()
+    }
+}
+
+/// `a - b`, empty where `a` is.
+pub(crate) fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// What is drawn of some recordings of one arm.
+pub struct Canvas<'a> {
+    pub(crate) chain: &'a DrivingAxisChain,
+    pub(crate) sheets: Vec<Sheet>,
+    models: Vec<String>,
+    quality: Vec<Quality>,
+}
+
+impl<'a> Canvas<'a> {
+    /// `models` names the models that `compared` holds predictions of, the given one first.
+    ///
+    /// # Errors
+    /// A recording without the positions of the joints, or mostly gaps.
+    pub fn new(
+        chain: &'a DrivingAxisChain,
+        models: &[&str],
+        compared: &[Compared<'_>],
+    ) -> Result<Self, RecordingError> {
+        let joints = chain.joint_names();
+        let sheets = compared.iter().map(|c| Sheet::new(&joints, c)).collect::<Result<_, _>>()?;
+        Ok(Self {
+            chain,
+            sheets,
+            models: models.iter().map(ToString::to_string).collect(),
+            quality: compared.iter().map(|c| quality_of(c.recording, c.role)).collect(),
+        })
+    }
+
+    /// Recordings that were fitted; all where none was.
+    pub(crate) fn fitted(&self) -> Vec<&Sheet> {
+        let training: Vec<&Sheet> =
+            self.sheets.iter().filter(|s| s.role == Role::Training).collect();
+        if training.is_empty() { self.sheets.iter().collect() } else { training }
+    }
+
+    /// The drawing, without findings.
+    pub fn drawing(&self) -> Drawing {
+        Drawing {
+            joints: joint_names(self.chain),
+            models: self.models.clone(),
+            recordings: self.traces(),
+            residuals: (0..self.chain.dof()).map(|j| self.residual(j)).collect(),
+            skeleton: self.skeleton(),
+            quality: self.quality.clone(),
+            ..Drawing::default()
+        }
+    }
+
+    fn traces(&self) -> Vec<RecordingTraces> {
+        let series = self.chain.dof() * (1 + 2 * self.models.len());
+        let samples: usize = self.sheets.iter().map(|s| s.motion.len()).sum();
+        self.sheets
+            .iter()
+            .map(|sheet| {
+                // long recordings get more of the values than short ones
+                let share = sheet.motion.len() as f64 / samples.max(1) as f64;
+                let values = (share * (TRACE_VALUES / series.max(1)) as f64) as usize;
+                let points = values.clamp(SERIES_VALUES[0], SERIES_VALUES[1]);
+                let stretch = samples_per_pair(sheet.motion.len(), points);
+                let reduced = |x: &[f64]| rounded(&smallest_and_largest(x, stretch));
+                let of = |all: &[Vec<Vec<f64>>], j: usize| {
+                    all.iter().map(|model| reduced(&model[j])).collect()
+                };
+                let half = if stretch <= 1 { 1.0 } else { 0.5 * stretch as f64 };
+                RecordingTraces {
+                    source: sheet.motion.source.clone(),
+                    role: sheet.role,
+                    duration_s: sheet.motion.len() as f64 / sheet.motion.rate_hz,
+                    step_s: half / sheet.motion.rate_hz,
+                    samples_per_pair: stretch,
+                    joints: (0..self.chain.dof())
+                        .filter(|_| !sheet.measured.is_empty())
+                        .map(|j| EffortTraces {
+                            measured: reduced(&sheet.measured[j]),
+                            predicted: of(&sheet.predicted, j),
+                            residual: of(&sheet.residual, j),
+                        })
+                        .collect(),
+                }
+            })
+            .collect()
+    }
+
+    fn residual(&self, joint: usize) -> JointResidual {
+        let sheets = self.fitted();
+        let measured: Vec<f64> =
+            sheets.iter().flat_map(|s| s.of(&s.measured[joint]).iter().copied()).collect();
+        if measured.is_empty() {
+            return JointResidual::default();
+        }
+        let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+        let variance: f64 = measured.iter().map(|m| (m - mean).powi(2)).sum();
+        let rms = (0..self.models.len())
+            .map(|m| {
+                let squares: f64 =
+                    sheets.iter().flat_map(|s| s.of(&s.residual[m][joint])).map(|r| r * r).sum();
+                (squares / measured.len() as f64).sqrt()
+            })
+            .collect();
+        let (autocorrelation, white_bound) = spectrum::autocorrelation(&sheets, joint);
+        JointResidual {
+            effort_deviation: (variance / measured.len() as f64).sqrt(),
+            rms,
+            speed_position: atlas::speed_position(&sheets, joint),
+            load_direction: atlas::load_direction(&sheets, joint),
+            time: atlas::time(&sheets, joint),
+            spectrum: spectrum::spectrum(&sheets, joint),
+            orders: spectrum::orders(&sheets, joint, self.chain.joints[joint].kind),
+            autocorrelation,
+            white_bound,
+        }
+    }
+
+    /// The arm over the first recording, in the frames of the URDF.
+    fn skeleton(&self) -> Option<Skeleton> {
+        let motion = &self.sheets.first()?.motion;
+        let n = self.chain.dof();
+        let stride = motion.len().div_ceil(POSES).max(1);
+        let at: Vec<usize> = (0..motion.len()).step_by(stride).collect();
+        let millimetres = |x: f64| (x * 1e3).round() / 1e3 + 0.0;
+        let points_m = at
+            .iter()
+            .map(|&k| {
+                let q: Vec<f64> = (0..n).map(|j| motion.position[j][k]).collect();
+                let links = self.chain.child_links_in_base(&q);
+                let frames = self.chain.frames_in_base(&q);
+                let tip = frames.last().map(|e| e * self.chain.tip_in_e);
+                let origins = links.iter().chain(&tip).map(|pose| {
+                    let p = pose.translation.vector;
+                    [millimetres(p.x), millimetres(p.y), millimetres(p.z)]
+                });
+                [[0.0; 3]].into_iter().chain(origins).collect()
+            })
+            .collect();
+        Some(Skeleton {
+            source: motion.source.clone(),
+            time_s: at
+                .iter()
+                .map(|&k| ((motion.time_s[k] - motion.time_s[0]) * 1e3).round() / 1e3)
+                .collect(),
+            points_m,
+        })
+    }
+}
+
+fn joint_names(chain: &DrivingAxisChain) -> Vec<JointName> {
+    chain
+        .joints
+        .iter()
+        .map(|j| {
+            let (position, effort) =
+                if j.kind.is_rotational() { ("rad", "N m") } else { ("m", "N") };
+            JointName {
+                name: j.name.clone(),
+                position_unit: position.to_owned(),
+                effort_unit: effort.to_owned(),
+                link: j.child_link.clone(),
+            }
+        })
+        .collect()
+}
+
+fn quality_of(recording: &Recording, role: Role) -> Quality {
+    let found = quality(recording);
+    Quality {
+        source: found.source,
+        role,
+        samples: found.samples,
+        rate_hz: found.timing.rate_hz,
+        duration_s: found.timing.duration_s,
+        jitter: found.timing.jitter,
+        gaps: found.timing.gaps.len(),
+        longest_gap_s: found.timing.gaps.iter().map(|g| g.length_s).fold(0.0, f64::max),
+        findings: recording
+            .notes
+            .iter()
+            .cloned()
+            .chain(found.findings.iter().map(|f| match &f.advice {
+                Some(advice) => format!("{} ({advice})", f.message),
+                None => f.message.clone(),
+            }))
+            .collect(),
+        channels: found
+            .channels
+            .iter()
+            .map(|c| Channel {
+                name: format!("{}/{}", c.joint, c.quantity),
+                smallest: c.smallest,
+                largest: c.largest,
+                noise: c.noise,
+                step: c.step,
+                saturated_share: c.saturated_share,
+                stuck_share: c.stuck_share,
+            })
+            .collect(),
+    }
+}

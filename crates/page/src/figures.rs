@@ -1,0 +1,521 @@
+//! Figures for plotly.js from what is drawn. A colour `@name` is one of the page's, which knows whether
+//! it is dark.
+
+use serde_json::{Value, json};
+
+use crate::drawing::{
+    Correlation, Drawing, FindingTraces, JointResidual, RecordingTraces, Role, Series, Skeleton,
+};
+
+/// One figure with the views a reader chooses among.
+#[derive(Debug, Clone)]
+pub(crate) struct Figure {
+    /// Element of the page.
+    pub(crate) id: String,
+    /// What it shows, above it.
+    pub(crate) title: String,
+    /// How to read it, below it and for screen readers.
+    pub(crate) legend: String,
+    /// Pixels.
+    pub(crate) height: u32,
+    /// What the page's script needs.
+    pub(crate) content: Value,
+}
+
+/// Colours that mean a model: the given one, any between, the one found.
+fn colour(model: usize, models: usize) -> &'static str {
+    match model {
+        0 => "@before",
+        m if m + 1 == models => "@after",
+        _ => "@between",
+    }
+}
+
+/// Dashes tell the models apart without colours.
+fn dash(model: usize, models: usize) -> &'static str {
+    match model {
+        0 => "solid",
+        m if m + 1 == models => "solid",
+        _ => "dot",
+    }
+}
+
+/// Name of the recorded effort in legends.
+const MEASURED: &str = "measured";
+
+fn axis(title: &str) -> Value {
+    json!({ "title": { "text": title }, "automargin": true })
+}
+
+fn view(label: &str, data: Vec<Value>, layout: Value) -> Value {
+    let mut view = json!({ "label": label });
+    view["data"] = Value::Array(data);
+    view["layout"] = layout;
+    view
+}
+
+fn figure(id: String, title: String, legend: String, height: u32, views: Vec<Value>) -> Figure {
+    let mut content = json!({});
+    content["views"] = Value::Array(views);
+    Figure { id, title, legend, height, content }
+}
+
+/// Effort and residual of a joint over time, recordings of one role after another.
+pub(crate) fn efforts(
+    drawing: &Drawing,
+    joint: usize,
+    role: Role,
+    noise: Option<f64>,
+) -> Option<Figure> {
+    let recordings: Vec<&RecordingTraces> = drawing
+        .recordings
+        .iter()
+        .filter(|r| r.role == role && r.joints.get(joint).is_some_and(|j| !j.measured.is_empty()))
+        .collect();
+    if recordings.is_empty() {
+        return None;
+    }
+    let unit = &drawing.joints.get(joint)?.effort_unit;
+    let models = drawing.models.len();
+    let mut data = Vec::new();
+    let mut start = 0.0;
+    let mut ends = Vec::new();
+    for (k, recording) in recordings.iter().enumerate() {
+        let traces = &recording.joints[joint];
+        let line = |y: &[f64], name: &str, colour: &str, dash: &str, axis: &str, legend: bool| {
+            // the recorded effort lies broad under the predictions
+            let width = if name == MEASURED { 3.5 } else { 1.3 };
+            json!({
+                "type": "scatter", "mode": "lines", "name": name, "legendgroup": name,
+                "showlegend": legend && k == 0, "x0": start, "dx": recording.step_s, "y": y,
+                "xaxis": "x", "yaxis": axis,
+                "line": { "color": colour, "dash": dash, "width": width },
+                "hovertemplate": "%{y:.4g}"
+            })
+        };
+        data.push(line(&traces.measured, MEASURED, "@measured", "solid", "y", true));
+        for (m, name) in drawing.models.iter().enumerate() {
+            let (colour, dash) = (colour(m, models), dash(m, models));
+            data.push(line(&traces.predicted[m], name, colour, dash, "y", true));
+            data.push(line(&traces.residual[m], name, colour, dash, "y2", false));
+        }
+        start += recording.duration_s;
+        ends.push(start);
+    }
+    ends.pop();
+    let mut shapes: Vec<Value> = ends
+        .iter()
+        .map(|t| {
+            json!({ "type": "line", "x0": t, "x1": t, "y0": 0, "y1": 1, "yref": "paper",
+                    "line": { "color": "@faint", "width": 1, "dash": "dot" } })
+        })
+        .collect();
+    if let Some(noise) = noise.filter(|n| *n > 0.0) {
+        shapes.push(json!({
+            "type": "rect", "xref": "paper", "x0": 0, "x1": 1, "yref": "y2",
+            "y0": -1.96 * noise, "y1": 1.96 * noise, "fillcolor": "@band", "line": { "width": 0 },
+            "layer": "below"
+        }));
+    }
+    let layout = json!({
+        "hovermode": "x unified",
+        "xaxis": { "title": { "text": "time [s]" }, "anchor": "y2", "automargin": true },
+        "yaxis": { "title": { "text": format!("effort [{unit}]") }, "domain": [0.44, 1], "automargin": true },
+        "yaxis2": { "title": { "text": format!("residual [{unit}]") }, "domain": [0, 0.38],
+                    "automargin": true, "zeroline": true },
+        "shapes": shapes,
+    });
+    let (role_name, slug) = match role {
+        Role::Training => ("Training", "training"),
+        Role::Holdout => ("Hold-out", "holdout"),
+    };
+    let reduced = recordings.iter().map(|r| r.samples_per_pair).max().unwrap_or(1);
+    let mut legend = format!(
+        "Above the efforts, below recorded less predicted{}. Drag to zoom, double click to go back.",
+        if noise.is_some() { ", with the band of 1.96 noise levels" } else { "" }
+    );
+    if recordings.len() > 1 {
+        legend += &format!(" {} recordings, one after another.", recordings.len());
+    }
+    if reduced > 1 {
+        legend += &format!(" Smallest and largest of every {reduced} samples: no peak is lost.");
+    }
+    Some(figure(
+        format!("efforts-{slug}-{joint}"),
+        format!("{role_name}: effort over time"),
+        legend,
+        420,
+        vec![view("", data, layout)],
+    ))
+}
+
+/// Heat maps of where residuals lie.
+pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Option<Figure> {
+    let name = drawing.joints.get(joint)?;
+    let mut views = Vec::new();
+    let kinds = [
+        (
+            "speed and position",
+            &of.speed_position,
+            format!("position [{}]", name.position_unit),
+            json!({ "title": { "text": format!("speed [{}/s]", name.position_unit) }, "automargin": true }),
+        ),
+        (
+            "load and direction",
+            &of.load_direction,
+            format!("predicted effort [{}]", name.effort_unit),
+            json!({ "title": { "text": "direction" }, "automargin": true, "tickmode": "array",
+                    "tickvals": [-1, 0, 1], "ticktext": ["backward", "rest", "forward"] }),
+        ),
+    ];
+    for (kind, map, x, y) in kinds {
+        let one = |label: &str, z: &Vec<Vec<Option<f64>>>, most: f64| {
+            let data = json!({
+                "type": "heatmap", "x": map.x, "y": map.y, "z": z, "zmin": -most, "zmax": most,
+                "colorscale": [[0, "#0072B2"], [0.5, "@middle"], [1, "#D55E00"]],
+                "colorbar": { "title": { "text": name.effort_unit, "side": "right" }, "thickness": 12 },
+                "hovertemplate": format!("{x} %{{x:.3g}}<br>%{{y}}<br>residual %{{z:.3g}} {}<extra></extra>", name.effort_unit),
+                "hoverongaps": false
+            });
+            let layout = json!({ "xaxis": axis(&x), "yaxis": y, "hovermode": "closest" });
+            view(&format!("{kind}, {label}"), vec![data], layout)
+        };
+        // all models on one scale: what became better is seen; and the last on its own: what is left
+        let largest = |z: &Vec<Vec<Option<f64>>>| {
+            z.iter().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()))
+        };
+        let most = map.values.iter().map(largest).fold(0.0, f64::max);
+        for (model, z) in drawing.models.iter().zip(&map.values).rev() {
+            views.push(one(model, z, most));
+        }
+        if let (Some(model), Some(z)) = (drawing.models.last(), map.values.last())
+            && largest(z) < 0.5 * most
+        {
+            views.push(one(&format!("{model}, on a scale of its own"), z, largest(z)));
+        }
+    }
+    (!views.is_empty()).then(|| {
+        figure(
+            format!("maps-{joint}"),
+            "Where the residual lies".to_owned(),
+            "Mean residual of the fitted recordings by cell; the same colours mean the same for every model."
+                .to_owned(),
+            300,
+            views,
+        )
+    })
+}
+
+/// Residuals by frequency, by order, by lag.
+pub(crate) fn spectra(drawing: &Drawing, joint: usize, of: &JointResidual) -> Option<Figure> {
+    let name = drawing.joints.get(joint)?;
+    let unit = &name.effort_unit;
+    let orders = if name.position_unit == "m" { "cycles a metre" } else { "cycles a turn" };
+    let kinds = [
+        (
+            "by frequency",
+            &of.spectrum,
+            json!({ "xaxis": axis("frequency [Hz]"),
+                    "yaxis": { "title": { "text": format!("{unit}/sqrt(Hz)") }, "type": "log", "automargin": true } }),
+        ),
+        (
+            "by order of the position",
+            &of.orders,
+            json!({ "xaxis": axis(orders), "yaxis": axis(&format!("amplitude [{unit}]")) }),
+        ),
+        (
+            "autocorrelation",
+            &of.autocorrelation,
+            json!({ "xaxis": axis("lag [s]"), "yaxis": axis("correlation"),
+                    "shapes": [{ "type": "rect", "xref": "paper", "x0": 0, "x1": 1,
+                                 "y0": -of.white_bound, "y1": of.white_bound, "fillcolor": "@band",
+                                 "line": { "width": 0 }, "layer": "below" }] }),
+        ),
+    ];
+    let views: Vec<Value> = kinds
+        .into_iter()
+        .filter(|(_, series, _)| !series.x.is_empty())
+        .map(|(label, series, layout)| view(label, lines(drawing, series), hovering(layout)))
+        .collect();
+    (!views.is_empty()).then(|| {
+        figure(
+            format!("spectra-{joint}"),
+            "Spectrum and whiteness of the residual".to_owned(),
+            "Lines at one frequency are resonances or interference; lines at one order of the position \
+             are ripple. White noise stays inside the band of the autocorrelation."
+                .to_owned(),
+            300,
+            views,
+        )
+    })
+}
+
+fn hovering(mut layout: Value) -> Value {
+    layout["hovermode"] = json!("x unified");
+    layout
+}
+
+fn lines(drawing: &Drawing, series: &Series) -> Vec<Value> {
+    let models = drawing.models.len();
+    (drawing.models.iter().zip(&series.values).enumerate())
+        .map(|(m, (name, y))| {
+            json!({
+                "type": "scatter", "mode": "lines", "name": name, "x": series.x, "y": y,
+                "line": { "color": colour(m, models), "dash": dash(m, models), "width": 1.3 },
+                "hovertemplate": "%{y:.3g}"
+            })
+        })
+        .collect()
+}
+
+/// Root mean square residuals of all joints over time, in standard deviations of each joint's effort.
+pub(crate) fn over_time(drawing: &Drawing) -> Option<Figure> {
+    let x = &drawing.residuals.iter().find(|r| !r.time.x.is_empty())?.time.x;
+    let names: Vec<&str> = drawing.joints.iter().map(|j| j.name.as_str()).collect();
+    let rows = |m: usize| -> Vec<Vec<Option<f64>>> {
+        drawing
+            .residuals
+            .iter()
+            .map(|r| {
+                let row = r.time.values.first().and_then(|rows| rows.get(m));
+                let percent = |v: f64| (1e4 * v / r.effort_deviation).round() / 1e2;
+                row.map_or_else(Vec::new, |row| {
+                    row.iter().map(|v| v.map(percent).filter(|p| p.is_finite())).collect()
+                })
+            })
+            .collect()
+    };
+    let views = (0..drawing.models.len())
+        .rev()
+        .map(|m| {
+            let data = json!({
+                "type": "heatmap", "x": x, "y": names, "z": rows(m), "colorscale": "Cividis", "zmin": 0,
+                "colorbar": { "title": { "text": "%", "side": "right" }, "thickness": 12 },
+                "hovertemplate": "%{y}<br>%{x:.3g} s<br>%{z:.3g} % of its effort<extra></extra>"
+            });
+            let layout = json!({
+                "xaxis": axis("time [s]"), "hovermode": "closest",
+                "yaxis": { "automargin": true, "autorange": "reversed" }
+            });
+            view(&drawing.models[m], vec![data], layout)
+        })
+        .collect();
+    Some(figure(
+        "over-time".to_owned(),
+        "When the models err".to_owned(),
+        "Root mean square residual of each joint over the fitted recordings, as a share of the standard \
+         deviation of its effort."
+            .to_owned(),
+        90 + 30 * names.len() as u32,
+        views,
+    ))
+}
+
+/// What a finding explains.
+pub(crate) fn finding(drawing: &Drawing, index: usize, of: &FindingTraces) -> Option<Figure> {
+    let views: Vec<Value> = of
+        .views
+        .iter()
+        .map(|v| {
+            let unit = drawing.joints.get(v.joint).map_or("", |j| j.effort_unit.as_str());
+            let (mut x, mut low, mut high) = (Vec::new(), Vec::new(), Vec::new());
+            for (at, ends) in v.x.iter().zip(&v.spread) {
+                if let Some([a, b]) = ends {
+                    x.push(*at);
+                    low.push(*a);
+                    high.push(*b);
+                }
+            }
+            x.extend(x.clone().into_iter().rev());
+            high.extend(low.into_iter().rev());
+            let line = |y: &[Option<f64>], name: &str, colour: &str, dash: &str| {
+                json!({
+                    "type": "scatter", "mode": "lines+markers", "name": name, "x": v.x, "y": y,
+                    "line": { "color": colour, "dash": dash, "width": 1.8 }, "marker": { "size": 4 },
+                    "connectgaps": false, "hovertemplate": "%{y:.3g}"
+                })
+            };
+            let data = vec![
+                json!({
+                    "type": "scatter", "mode": "lines", "x": x, "y": high, "fill": "toself",
+                    "fillcolor": "@spread", "line": { "width": 0, "color": "@before" },
+                    "name": "80 % of the samples", "hoverinfo": "skip"
+                }),
+                line(&v.without, "left without it", "@before", "solid"),
+                line(&v.law, "the law", "@between", "dash"),
+                line(&v.with, "left with it", "@after", "solid"),
+            ];
+            let layout = json!({
+                "hovermode": "x unified", "xaxis": axis(&v.over),
+                "yaxis": { "title": { "text": format!("mean residual [{unit}]") }, "automargin": true,
+                           "zeroline": true }
+            });
+            view(&v.over, data, layout)
+        })
+        .collect();
+    (!views.is_empty()).then(|| {
+        figure(
+            format!("finding-{index}"),
+            "What the recordings show of it".to_owned(),
+            "Recorded effort less the model of everything else: the law should lie on it, and nothing \
+             should be left with it. Other views show that it is no function of something else."
+                .to_owned(),
+            320,
+            views,
+        )
+    })
+}
+
+/// The arm in motion; drawn by the page's script, which projects the points.
+pub(crate) fn skeleton(
+    drawing: &Drawing,
+    of: &Skeleton,
+    blamed_joints: &[usize],
+    blamed_links: &[usize],
+) -> Figure {
+    let share = |m: usize| -> Vec<Option<f64>> {
+        drawing
+            .residuals
+            .iter()
+            .map(|r| {
+                let share = r.rms.get(m)? / r.effort_deviation;
+                share.is_finite().then(|| (1e4 * share).round() / 1e4)
+            })
+            .collect()
+    };
+    let shares: Vec<Value> = drawing
+        .models
+        .iter()
+        .enumerate()
+        .map(|(m, name)| json!({ "label": name, "share": share(m) }))
+        .collect();
+    let marked = if blamed_joints.is_empty() && blamed_links.is_empty() {
+        String::new()
+    } else {
+        " Rings mark joints with a finding, thick orange lines links with one.".to_owned()
+    };
+    Figure {
+        id: "skeleton".to_owned(),
+        title: "The arm in the recorded motion".to_owned(),
+        legend: format!(
+            "Joints where the URDF has them, coloured by the share of their effort that the model leaves \
+             unexplained.{marked} Recording: {}.",
+            of.source
+        ),
+        height: 520,
+        content: json!({
+            "skeleton": {
+                "time_s": of.time_s, "points_m": of.points_m, "shares": shares,
+                "joints": drawing.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>(),
+                "links": drawing.joints.iter().map(|j| j.link.as_str()).collect::<Vec<_>>(),
+                "blamed_joints": blamed_joints, "blamed_links": blamed_links,
+            }
+        }),
+    }
+}
+
+/// Which estimates cannot be told apart.
+pub(crate) fn correlation(of: &Correlation) -> Figure {
+    let data = json!({
+        "type": "heatmap", "x": of.labels, "y": of.labels, "z": of.rows, "zmin": -1, "zmax": 1,
+        "colorscale": [[0, "#0072B2"], [0.5, "@middle"], [1, "#D55E00"]],
+        "colorbar": { "thickness": 12 }, "hoverongaps": false,
+        "hovertemplate": "%{x}<br>%{y}<br>%{z:.2f}<extra></extra>"
+    });
+    let layout = json!({
+        "hovermode": "closest",
+        "xaxis": { "automargin": true, "tickangle": -90, "tickfont": { "size": 9 } },
+        "yaxis": { "automargin": true, "autorange": "reversed", "tickfont": { "size": 9 } }
+    });
+    figure(
+        "correlation".to_owned(),
+        "Correlation of the estimates".to_owned(),
+        "Near 1 or -1 the recordings know only the sum or the difference of the two.".to_owned(),
+        (180 + 11 * of.labels.len() as u32).clamp(320, 900),
+        vec![view("", vec![data], layout)],
+    )
+}
+
+/// Estimates with their intervals against the robot description, in standard errors.
+pub(crate) fn intervals(rows: &[(String, f64, f64)]) -> Option<Figure> {
+    if rows.is_empty() {
+        return None;
+    }
+    let labels: Vec<&str> = rows.iter().map(|r| r.0.as_str()).collect();
+    let deviations: Vec<f64> = rows.iter().map(|r| ((r.1 / r.2) * 100.0).round() / 100.0).collect();
+    let data = json!({
+        "type": "bar", "orientation": "h", "y": labels, "x": deviations,
+        "marker": { "color": "@after" }, "hovertemplate": "%{y}<br>%{x:.1f} standard errors<extra></extra>"
+    });
+    let layout = json!({
+        "hovermode": "closest", "showlegend": false,
+        "xaxis": axis("estimate less URDF [standard errors]"),
+        "yaxis": { "automargin": true, "autorange": "reversed", "tickfont": { "size": 10 } },
+        "shapes": [{ "type": "rect", "yref": "paper", "y0": 0, "y1": 1, "x0": -1.96, "x1": 1.96,
+                     "fillcolor": "@band", "line": { "width": 0 }, "layer": "below" }]
+    });
+    Some(figure(
+        "intervals".to_owned(),
+        "How far the estimates are from the URDF".to_owned(),
+        "Inside the band the recordings agree with the URDF.".to_owned(),
+        (140 + 15 * rows.len() as u32).clamp(220, 1200),
+        vec![view("", vec![data], layout)],
+    ))
+}
+
+/// Errors of all joints, one group of bars a joint.
+pub(crate) fn errors(joints: &[String], models: &[(String, Vec<Option<f64>>)]) -> Option<Figure> {
+    let data: Vec<Value> = models
+        .iter()
+        .enumerate()
+        .map(|(m, (name, values))| {
+            json!({
+                "type": "bar", "name": name, "x": joints, "y": values,
+                "marker": { "color": colour(m, models.len()) }, "hovertemplate": "%{y:.3g}"
+            })
+        })
+        .collect();
+    let layout = json!({
+        "hovermode": "x unified", "barmode": "group",
+        "xaxis": { "automargin": true },
+        "yaxis": { "title": { "text": "RMS error [N m or N]" }, "type": "log", "automargin": true }
+    });
+    (!data.is_empty() && !joints.is_empty()).then(|| {
+        figure(
+            "errors".to_owned(),
+            "Error by joint".to_owned(),
+            "Logarithmic: equal steps are equal ratios.".to_owned(),
+            300,
+            vec![view("", data, layout)],
+        )
+    })
+}
+
+/// How much of a joint's residual goes with single variables and functions of the motion.
+pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> Option<Figure> {
+    if rows.is_empty() {
+        return None;
+    }
+    let names: Vec<&str> = rows.iter().map(|r| r.0.as_str()).collect();
+    let bars = |name: &str, colour: &str, of: fn(&(String, f64, f64)) -> f64| {
+        let shares: Vec<f64> = rows.iter().map(|r| (1000.0 * of(r)).round() / 10.0).collect();
+        json!({
+            "type": "bar", "orientation": "h", "name": name, "y": names, "x": shares,
+            "marker": { "color": colour }, "hovertemplate": "%{x:.1f} %"
+        })
+    };
+    let data = vec![bars("before", "@before", |r| r.1), bars("after", "@after", |r| r.2)];
+    let layout = json!({
+        "hovermode": "y unified", "barmode": "group",
+        "xaxis": { "title": { "text": "share of the residual's variance [%]" }, "automargin": true,
+                   "rangemode": "tozero" },
+        "yaxis": { "automargin": true, "autorange": "reversed" }
+    });
+    Some(figure(
+        format!("depends-{joint}"),
+        "What the residual goes with".to_owned(),
+        said.trim().to_owned(),
+        110 + 26 * rows.len() as u32,
+        vec![view("", data, layout)],
+    ))
+}

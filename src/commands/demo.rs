@@ -1,0 +1,157 @@
+//! `armident demo`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use armident_effects::EffectOnJoint;
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+use armident_recording::{
+    FileFormat, JointChannels, Motion, MotionSettings, Recording, encode, read_csv_from,
+};
+use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
+use clap::Parser;
+
+use crate::args::{Cli, Command, DemoArgs};
+use crate::failure::{Failure, Outcome};
+use crate::output;
+
+const URDF: &str = include_str!("../../urdf/ur5.urdf");
+/// Motions to repeat: of the bundled recordings only the positions are used.
+const MOTIONS: [(&str, &str); 2] = [
+    ("train.csv", include_str!("../../examples/ur5/train.csv")),
+    ("holdout.csv", include_str!("../../examples/ur5/holdout.csv")),
+];
+/// What the URDF does not know: effect, joint, parameters.
+const CONCEALED: [(&str, &str, &[f64]); 3] = [
+    ("payload", "", &[0.8, 0.0, 0.0, 0.06]),
+    ("coulomb_friction", "elbow_joint", &[3.3]),
+    ("torque_ripple", "shoulder_pan_joint", &[1.5, 16.0, 0.4, 0.0, 0.0]),
+];
+/// Noise of the efforts from base to tip \[N m\].
+const EFFORT_NOISE: [f64; 6] = [0.1, 0.1, 0.06, 0.02, 0.02, 0.02];
+
+pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
+    let folder = &args.output_folder;
+    if !is_free(folder) {
+        return Err(Failure::new(
+            "the folder holds other files",
+            folder.display(),
+            Some("name a new folder: armident demo -o FOLDER"),
+        ));
+    }
+    output::create_folder(folder)?;
+    output::write_file(&folder.join("ur5.urdf"), URDF.as_bytes())?;
+    let robot = parse_urdf(URDF, "ur5.urdf")?;
+    let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+    let chain = DrivingAxisChain::from_chain(&chain);
+    let effects: Vec<EffectOnJoint> = CONCEALED
+        .iter()
+        .map(|(effect, joint, parameters)| EffectOnJoint::new(*effect, *joint, *parameters))
+        .collect();
+    let arm = SimulatedArm::on_chain(&chain, &effects)?;
+    let noise: BTreeMap<String, f64> = chain
+        .joint_names()
+        .iter()
+        .zip(EFFORT_NOISE)
+        .map(|(joint, noise)| (joint.to_string(), noise))
+        .collect();
+    for (k, (file, text)) in MOTIONS.iter().enumerate() {
+        let sensors = Sensors {
+            effort_noise: Some(EffortNoise::Absolute(noise.clone())),
+            encoder_bits: Some(19),
+            seed: args.seed.wrapping_mul(1_000_003).wrapping_add(k as u64),
+        };
+        let exact = inverse(&arm, &motion(&chain, text, file)?)?;
+        let recording = logged(sensors.apply(&arm, &exact)?);
+        let path = folder.join(file);
+        output::write_file(&path, &encode(&recording, FileFormat::of(&path))?.bytes)?;
+    }
+    let path = |file: &str| folder.join(file).display().to_string();
+    let report = path("report.html");
+    let command = [
+        "armident".to_owned(),
+        "diagnose".to_owned(),
+        path("ur5.urdf"),
+        path("train.csv"),
+        "--holdout".to_owned(),
+        path("holdout.csv"),
+        "--save-model".to_owned(),
+        path("model.json"),
+        "--report".to_owned(),
+        report.clone(),
+    ];
+    let concealed: Vec<String> = effects.iter().map(said).collect();
+    say(&format!(
+        "A simulated UR5 has what its URDF does not know: {}.\n\n$ {}\n",
+        concealed.join(", "),
+        command.join(" ")
+    ))?;
+    let Ok(Cli { command: Command::Diagnose(mut diagnose) }) = Cli::try_parse_from(&command) else {
+        return Err(Failure::new(
+            "the folder cannot be named in a command",
+            folder.display(),
+            None::<String>,
+        ));
+    };
+    diagnose.page.command = Some(command.to_vec());
+    let outcome = super::diagnose::run(&diagnose)?;
+    say(&format!(
+        "\n(A load and a wrong last link are one thing.)\n\nThe report is {report}: open it in a browser. The model is beside it:\n\n$ armident predict {} {} -o {}\n",
+        path("model.json"),
+        path("holdout.csv"),
+        path("predicted.csv")
+    ))?;
+    Ok(outcome)
+}
+
+fn say(text: &str) -> Result<(), Failure> {
+    output::write_stdout(text.as_bytes())
+}
+
+/// The motion of a recording, low-passed: what an arm can be told to do.
+fn motion(chain: &DrivingAxisChain, text: &str, source: &str) -> Result<Trajectory, Failure> {
+    let recording = read_csv_from(text.as_bytes(), source)?;
+    let joints = chain.joint_names();
+    let smooth = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
+    let column = |columns: &[Vec<f64>], j: usize| Some(columns[j].clone());
+    let channels = joints
+        .iter()
+        .enumerate()
+        .map(|(j, name)| JointChannels {
+            position: column(&smooth.position, j),
+            velocity: column(&smooth.velocity, j),
+            acceleration: column(&smooth.acceleration, j),
+            ..JointChannels::new(*name)
+        })
+        .collect();
+    let planned = Recording::new(source, smooth.time_s, channels)?;
+    let names: Vec<String> = joints.iter().map(ToString::to_string).collect();
+    Ok(Trajectory::from_recording(&planned, &names, &BTreeMap::new())?)
+}
+
+/// Positions and efforts alone, as a robot logs them.
+fn logged(mut recording: Recording) -> Recording {
+    for joint in &mut recording.joints {
+        joint.velocity = None;
+        joint.acceleration = None;
+    }
+    recording
+}
+
+/// An effect in words.
+fn said(on_joint: &EffectOnJoint) -> String {
+    let title = armident_effects::effect(&on_joint.effect).map_or("", |e| e.law().title);
+    let size = on_joint.parameters.first().copied().unwrap_or_default();
+    let unit = armident_effects::effect(&on_joint.effect)
+        .and_then(|e| e.law().parameters.first())
+        .map_or("", |p| p.unit_rotational);
+    let place =
+        if on_joint.joint.is_empty() { String::new() } else { format!(" on {}", on_joint.joint) };
+    format!("{title}{place} ({size} {unit})")
+}
+
+/// Whether a folder is one that the demo may write to: new, empty, or its own.
+fn is_free(folder: &Path) -> bool {
+    let Ok(mut entries) = folder.read_dir() else { return true };
+    entries.next().is_none() || folder.join("report.html").exists()
+}

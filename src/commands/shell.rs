@@ -1,0 +1,22 @@
+//! `armident completions` and `armident man`: what shells and manuals know of the command line.
+
+use clap::CommandFactory;
+
+use crate::args::{Cli, CompletionsArgs, ManArgs};
+use crate::failure::{Failure, Outcome};
+use crate::output;
+
+pub(crate) fn completions(args: &CompletionsArgs) -> Result<Outcome, Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "armident", &mut script);
+    output::write_stdout(&script)?;
+    Ok(Outcome::Done)
+}
+
+pub(crate) fn man(args: &ManArgs) -> Result<Outcome, Failure> {
+    let folder = &args.output_folder;
+    output::create_folder(folder)?;
+    clap_mangen::generate_to(Cli::command(), folder)
+        .map_err(|error| Failure::unwritable(folder, &error))?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,197 @@
+//! Pages: what `--report` and `--traces` add to a result.
+
+use std::path::{Path, PathBuf};
+
+use armident_diagnose::{DiagnosedModel, Diagnosis, Finding};
+use armident_ident::ArmModel;
+use armident_page::{Canvas, Compared, Drawing, FindingPlace, PageError, Provenance, Role};
+use armident_recording::{Motion, MotionSettings, Recording};
+use serde::Serialize;
+
+use crate::args::{OutputArgs, PageArgs};
+use crate::failure::{Failure, Outcome};
+use crate::output;
+
+/// Periods of the cut-off at both ends in which residuals are not counted, as in `identify`.
+const EDGE_PERIODS: f64 = 1.5;
+
+/// A result with what is drawn beside it.
+#[derive(Serialize)]
+struct Drawn<'a, T> {
+    #[serde(flatten)]
+    result: &'a T,
+    drawing: &'a Drawing,
+}
+
+impl PageArgs {
+    /// Whether anything is to be drawn.
+    pub(crate) fn wanted(&self) -> bool {
+        self.report.is_some() || self.traces
+    }
+
+    /// Refuses what cannot be written, before the work is done.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        match &self.report {
+            Some(path) if output::is_stdout(path) => Err(Failure::new(
+                "the page cannot go to stdout, where the result goes",
+                "--report",
+                Some("name a file, for example --report report.html"),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Writes a result and its page. `drawing` is what is drawn, if anything is.
+pub(crate) fn write_result<T: Serialize>(
+    pages: &PageArgs,
+    args: &OutputArgs,
+    text: &str,
+    result: &T,
+    warnings: &[String],
+    drawing: Option<&Drawing>,
+) -> Result<Outcome, Failure> {
+    let Some(drawing) = drawing else {
+        return output::write_result(args, text, result, warnings);
+    };
+    let drawn = Drawn { result, drawing };
+    let outcome = if pages.traces {
+        output::write_result(args, text, &drawn, warnings)?
+    } else {
+        output::write_result(args, text, result, warnings)?
+    };
+    if let Some(path) = &pages.report {
+        let document = serde_json::to_string(&drawn).map_err(|error| {
+            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+        })?;
+        let page = armident_page::html(&document).map_err(|e| failure(path, &e))?;
+        output::write_file(path, page.as_bytes())?;
+        let megabytes = page.len() as f64 / 1e6;
+        output::say_all(
+            args,
+            "note",
+            &[format!("page of {megabytes:.1} MB written to {}", path.display())],
+        );
+    }
+    Ok(outcome)
+}
+
+/// A page that could not be made of a file.
+pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
+    let place = match error {
+        PageError::NotJson { line, .. } => format!("{}, line {line}", path.display()),
+        _ => path.display().to_string(),
+    };
+    Failure::new(
+        error,
+        place,
+        Some("give a file written by --json of check, identify, validate or diagnose"),
+    )
+}
+
+/// The command line, and the files that were read for it.
+pub(crate) fn provenance<'a>(
+    pages: &PageArgs,
+    files: impl IntoIterator<Item = &'a PathBuf>,
+) -> Provenance {
+    let own = || std::iter::once("armident".to_owned()).chain(std::env::args().skip(1)).collect();
+    let command = pages.command.clone().unwrap_or_else(own);
+    Provenance::of(command, files.into_iter().map(PathBuf::as_path))
+}
+
+/// Sentences on the low-pass of a command that has one.
+pub(crate) fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
+    vec![match cutoff_hz {
+        Some(hz) => format!(
+            "Positions and efforts pass a low-pass of {hz:.2} Hz (Butterworth, 4th order, forward and backward)."
+        ),
+        None => "No filter: recorded velocities and accelerations are used.".to_owned(),
+    }]
+}
+
+/// Recordings with the predictions of some models.
+pub(crate) fn compared<'a>(
+    models: &[&ArmModel],
+    recordings: &'a [Recording],
+    role: Role,
+    cutoff_hz: Option<f64>,
+) -> Result<Vec<Compared<'a>>, Failure> {
+    let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
+    recordings
+        .iter()
+        .map(|recording| {
+            let predicted = models
+                .iter()
+                .map(|model| {
+                    let joints = model.chain.joint_names();
+                    let motion = Motion::from_recording(recording, &joints, &settings)?;
+                    let motion = model.motion_of(motion, recording);
+                    let efforts = model.predict(&motion)?;
+                    Ok(efforts.iter().map(|e| motion.at_stamps(e)).collect())
+                })
+                .collect::<Result<_, Failure>>()?;
+            // as many periods as a fit leaves out at the ends
+            let edge_s = cutoff_hz.map_or(0.0, |hz| EDGE_PERIODS / hz);
+            Ok(Compared { recording, role, predicted, edge_s })
+        })
+        .collect()
+}
+
+/// What is drawn of a diagnosis.
+pub(crate) fn of_diagnosis(
+    before: &DiagnosedModel,
+    diagnosis: &Diagnosis,
+    train: &[Recording],
+    holdout: &[Recording],
+) -> Result<Drawing, Failure> {
+    let models = [before, &diagnosis.rigid, &diagnosis.model];
+    let mut all = Vec::new();
+    for (recordings, role) in [(train, Role::Training), (holdout, Role::Holdout)] {
+        for recording in recordings {
+            let predicted =
+                models.iter().map(|m| m.predict(recording)).collect::<Result<_, _>>()?;
+            all.push(Compared { recording, role, predicted, edge_s: 0.0 });
+        }
+    }
+    let chain = &before.arm.chain;
+    let canvas = Canvas::new(chain, &["before", "rigid", "after"], &all)?;
+    let mut drawing = canvas.drawing();
+    for finding in &diagnosis.findings {
+        let model = diagnosis.model.without(finding, before);
+        // a finding is looked at on what it was found in
+        let without = all
+            .iter()
+            .map(|c| match c.role {
+                Role::Training => model.predict(c.recording),
+                Role::Holdout => Ok(Vec::new()),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        drawing.findings.push(canvas.finding(&place(finding, before), &without));
+    }
+    drawing.filters = vec![format!(
+        "Positions pass a low-pass of 25 Hz before they are differentiated; the rigid part of the predictions one \
+         of {} Hz, chosen by the fitted recordings. Errors are those of the efforts as recorded.",
+        diagnosis.model.learned.rigid_cutoff_hz
+    )];
+    Ok(drawing)
+}
+
+fn place(finding: &Finding, before: &DiagnosedModel) -> FindingPlace {
+    let joints = &before.arm.chain.joints;
+    let three = |names: [&str; 3]| -> Option<[f64; 3]> {
+        let of = |name: &str| finding.parameters.get(name).map(|v| v.value);
+        Some([of(names[0])?, of(names[1])?, of(names[2])?])
+    };
+    FindingPlace {
+        effect: finding.effect.clone(),
+        joint: joints.iter().position(|j| j.name == finding.evidence.joint).unwrap_or(0),
+        link: finding
+            .link
+            .as_ref()
+            .and_then(|link| joints.iter().position(|j| j.child_link == *link)),
+        window_s: finding.window,
+        recording: finding.recording.clone(),
+        force_n: three(["force_x", "force_y", "force_z"]),
+        centre_m: three(["com_x", "com_y", "com_z"]),
+    }
+}

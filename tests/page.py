@@ -1,0 +1,193 @@
+"""Opens pages in headless Chromium and tells what happened, one line a page, as JSON.
+
+page.py FOLDER PAGE...: pages in the folder. Needs chromium and chromedriver on the path, nothing else.
+Pictures of each page go beside it: NAME.png, NAME.dark.png, NAME.phone.png, NAME.pdf.
+"""
+
+import base64
+import json
+import pathlib
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+
+FLAGS = [
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+
+
+class Browser:
+    """A WebDriver session."""
+
+    def __init__(self, profile):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.driver = subprocess.Popen(
+            ["chromedriver", f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        self.root = f"http://127.0.0.1:{port}"
+        for _ in range(150):
+            try:
+                if self.call("GET", "/status")["ready"]:
+                    break
+            except (urllib.error.URLError, ConnectionError):
+                time.sleep(0.2)
+        options = {"args": [*FLAGS, f"--user-data-dir={profile}", "--window-size=1200,900"]}
+        wanted = {
+            "goog:chromeOptions": options,
+            "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
+        }
+        session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
+        self.root += "/session/" + session["sessionId"]
+        self.call("POST", "/timeouts", {"script": 120000, "pageLoad": 120000})
+
+    def call(self, method, path, body=None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(
+            self.root + path, data, {"Content-Type": "application/json"}, method=method
+        )
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+        try:
+            with opener.open(request, timeout=300) as answer:
+                return json.load(answer)["value"]
+        except urllib.error.HTTPError as error:
+            raise RuntimeError(error.read().decode()[:500]) from None
+
+    def run(self, script, *arguments):
+        return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
+
+    def devtools(self, command, **parameters):
+        body = {"cmd": command, "params": parameters}
+        return self.call("POST", "/goog/cdp/execute", body)
+
+    def log(self, kind):
+        return self.call("POST", "/se/log", {"type": kind})
+
+    def close(self):
+        try:
+            self.call("DELETE", "")
+        finally:
+            self.driver.terminate()
+            self.driver.wait()
+
+
+def wait(browser, script, seconds=90):
+    """Whether a condition comes true."""
+    end = time.time() + seconds
+    while time.time() < end:
+        if browser.run("return " + script):
+            return True
+        time.sleep(0.2)
+    return False
+
+
+def picture(browser, path, width, height, dark=False):
+    media = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
+    browser.devtools("Emulation.setEmulatedMedia", features=media)
+    browser.devtools(
+        "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
+    )
+    time.sleep(0.7)
+    data = browser.devtools("Page.captureScreenshot", format="png")["data"]
+    path.write_bytes(base64.b64decode(data))
+
+
+VISIBLE = "[...document.querySelectorAll('.chart')].filter((c) => c.offsetParent)"
+
+
+def look(browser, page):
+    browser.log("browser")
+    browser.log("performance")
+    start = time.time()
+    browser.call("POST", "/url", {"url": page.as_uri()})
+    ready = wait(browser, "document.documentElement.dataset.ready === 'true'")
+    seconds = time.time() - start
+    folder, name = page.parent, page.stem
+    picture(browser, folder / f"{name}.png", 1200, 1600)
+    picture(browser, folder / f"{name}.dark.png", 1200, 1600, dark=True)
+    picture(browser, folder / f"{name}.phone.png", 390, 1600)
+    # what is wider than the screen of a phone makes the page scroll sideways
+    overflow = browser.run("return document.documentElement.scrollWidth - innerWidth")
+    browser.devtools("Emulation.setDeviceMetricsOverride", width=1200, height=900, deviceScaleFactor=1, mobile=False)
+    closed = browser.run("return document.querySelectorAll('details:not([open])').length")
+    browser.run("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+    for number in range(browser.run(f"return {VISIBLE}.length")):
+        browser.run(f"{VISIBLE}[{number}].scrollIntoView({{block: 'center', behavior: 'instant'}})")
+        wait(browser, f"{VISIBLE}[{number}].querySelector('.main-svg')", 20)
+    charts = browser.run(f"return {VISIBLE}.length")
+    drawn = browser.run(f"return {VISIBLE}.filter((c) => c.querySelector('.main-svg .trace, .main-svg .hm, .main-svg image')).length")
+    # every view of every chart is drawn once
+    views = browser.run(
+        "let n = 0; for (const s of document.querySelectorAll('.control select')) {"
+        " for (const o of s.options) { s.value = o.value; s.dispatchEvent(new Event('change')); n += 1; } }"
+        " return n"
+    )
+    for slider in range(browser.run("return document.querySelectorAll('.control input').length")):
+        browser.run(
+            f"const s = document.querySelectorAll('.control input')[{slider}];"
+            " s.value = s.max / 2; s.dispatchEvent(new Event('input'))"
+        )
+    hovered = hover(browser)
+    if browser.run("return !!document.getElementById('skeleton')"):
+        browser.run("document.getElementById('skeleton').scrollIntoView({block: 'center', behavior: 'instant'})")
+        picture(browser, folder / f"{name}.arm.png", 1200, 900)
+    pdf = browser.call("POST", "/print", {"background": True})
+    (folder / f"{name}.pdf").write_bytes(base64.b64decode(pdf))
+    errors = [e["message"] for e in browser.log("browser") if e["level"] in ("SEVERE", "WARNING")]
+    requests = []
+    for entry in browser.log("performance"):
+        event = json.loads(entry["message"])["message"]
+        if event["method"] == "Network.requestWillBeSent":
+            url = event["params"]["request"]["url"]
+            if url != page.as_uri() and not url.startswith(("data:", "blob:", "chrome:")):
+                requests.append(url)
+    return {
+        "page": page.name, "ready": ready, "seconds": round(seconds, 2), "charts": charts, "drawn": drawn,
+        "views": views, "closed": closed, "hovered": hovered, "overflow": overflow, "errors": errors,
+        "requests": requests,
+    }  # fmt: skip
+
+
+def hover(browser):
+    """Whether the first chart with lines says its values under the pointer."""
+    found = browser.run(
+        f"const c = {VISIBLE}.find((c) => c.querySelector('.scatterlayer .trace'));"
+        " if (!c) return false; c.scrollIntoView({block: 'center', behavior: 'instant'}); c.dataset.hovering = '1';"
+        " return true"
+    )
+    if not found:
+        return None
+    time.sleep(0.5)
+    found = browser.run(
+        "const r = document.querySelector('[data-hovering] .nsewdrag').getBoundingClientRect();"
+        " return [r.x + r.width / 2, r.y + r.height / 2]"
+    )
+    for step in range(3):
+        x, y = round(found[0]) + step, round(found[1])
+        moves = [{"type": "pointerMove", "duration": 100, "x": x, "y": y}]
+        pointer = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": moves}
+        browser.call("POST", "/actions", {"actions": [pointer]})
+    return wait(browser, "!!document.querySelector('[data-hovering] .hoverlayer').childElementCount", 5)
+
+
+def main():
+    folder = pathlib.Path(sys.argv[1]).resolve()
+    profile = tempfile.mkdtemp(prefix="armident-chromium-")
+    browser = Browser(profile)
+    try:
+        for name in sys.argv[2:]:
+            print(json.dumps(look(browser, folder / name)), flush=True)
+    finally:
+        browser.close()
+        shutil.rmtree(profile, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()

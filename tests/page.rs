@@ -1,0 +1,204 @@
+//! Pages in a browser: they open without a network and without an error, and every chart is drawn.
+//!
+//! Needs Chromium with its driver and Python. Without them the browser's part is skipped, and says so.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::shared::{project, skipped};
+use crate::tool::{list, number, read_json, run, scratch, string, text};
+
+const TRAIN: &str = "examples/ur5/train.csv";
+const HOLDOUT: &str = "examples/ur5/holdout.csv";
+
+/// Whether a program starts.
+fn there(program: &str) -> bool {
+    let version = Command::new(program).arg("--version").stdin(Stdio::null()).output();
+    version.is_ok_and(|v| v.status.success())
+}
+
+/// A page of every kind, in one folder.
+fn pages(folder: &Path) -> Vec<String> {
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let urdf = "urdf/ur5.urdf";
+    let model = path("ur5.json");
+    let (diagnosis, params) = (path("diagnosis.json"), path("params.json"));
+    run(&[
+        "identify",
+        urdf,
+        TRAIN,
+        "--holdout",
+        HOLDOUT,
+        "--save-model",
+        &model,
+        "--report",
+        &path("identify.html"),
+    ])
+    .fine();
+    run(&["validate", &model, HOLDOUT, "--no-replay", "--report", &path("validate.html")]).fine();
+    let wrong = "examples/ur5/wrong.toml";
+    run(&["check", urdf, TRAIN, "--mapping", wrong, "--report", &path("check.html")]).fine();
+    run(&[
+        "diagnose",
+        urdf,
+        TRAIN,
+        "--holdout",
+        HOLDOUT,
+        "--json",
+        &diagnosis,
+        "--traces",
+        "--report",
+        &path("diagnose.html"),
+    ])
+    .fine();
+    // a result without what is drawn, and one that has no page of its own
+    let mut plain = read_json(Path::new(&diagnosis));
+    plain.as_object_mut().unwrap().remove("drawing").unwrap();
+    std::fs::write(path("plain.json"), plain.to_string()).unwrap();
+    run(&["params", urdf, "--json", &params]).fine();
+    for (result, page) in [("plain.json", "plain.html"), ("params.json", "params.html")] {
+        run(&["report", &path(result), "-o", &path(page)]).fine();
+    }
+    ["identify", "validate", "check", "diagnose", "plain", "params"]
+        .map(|name| format!("{name}.html"))
+        .to_vec()
+}
+
+fn size(path: &Path) -> u64 {
+    path.metadata().unwrap().len()
+}
+
+#[test]
+fn every_kind_opens_in_a_browser() {
+    let folder = scratch("page");
+    let pages = pages(&folder);
+    for page in &pages {
+        let path = folder.join(page);
+        assert!((1_500_000..3_000_000).contains(&size(&path)), "{page}: {}", size(&path));
+        let html = std::fs::read_to_string(&path).unwrap();
+        // nothing is loaded from anywhere
+        for attribute in ["src=", "href=\"http", "url(", "@import"] {
+            assert!(!html.contains(attribute), "{page} holds {attribute}");
+        }
+    }
+    let missing: Vec<&str> =
+        ["chromium", "chromedriver", "python3"].into_iter().filter(|p| !there(p)).collect();
+    if !missing.is_empty() {
+        skipped("page", &format!("no {} here", missing.join(", ")));
+        return;
+    }
+    let output = Command::new("python3")
+        .arg(project("tests/page.py"))
+        .arg(&folder)
+        .args(&pages)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
+    let seen: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(seen.len(), pages.len(), "{said}");
+    for page in &seen {
+        assert_eq!(page["ready"], true, "{page}");
+        assert!(list(&page["errors"]).is_empty(), "{page}");
+        assert!(list(&page["requests"]).is_empty(), "{page}");
+        assert_eq!(page["drawn"], page["charts"], "{page}");
+        // nothing is wider than a phone
+        assert!(number(&page["overflow"]) <= 0.0, "{page}");
+        let charts = number(&page["charts"]);
+        match string(&page["page"]) {
+            "params.html" => assert_eq!(charts, 0.0, "{page}"),
+            // errors, and what the residual of each joint goes with
+            "plain.html" => assert_eq!(charts, 7.0, "{page}"),
+            // six joints with at least three charts each, the arm, the errors over time
+            _ => {
+                assert!(charts >= 20.0, "{page}");
+                assert_eq!(page["hovered"], true, "{page}");
+            }
+        }
+    }
+}
+
+/// `--report` and `report` of the same result with its traces draw the same page.
+#[test]
+fn one_page_from_both_ways() {
+    let folder = scratch("page_both");
+    let path = |name: &str| -> PathBuf { folder.join(name) };
+    let (json, at_once, later) = (path("v.json"), path("at_once.html"), path("later.html"));
+    run(&[
+        "validate",
+        "urdf/ur5.urdf",
+        HOLDOUT,
+        "--no-replay",
+        "--json",
+        text(&json),
+        "--traces",
+        "--report",
+        text(&at_once),
+    ])
+    .fine();
+    let said = run(&["report", text(&json), "-o", text(&later)]).fine();
+    assert!(said.stdout.starts_with("page of "), "{}", said.stdout);
+    assert_eq!(std::fs::read(at_once).unwrap(), std::fs::read(later).unwrap());
+    let drawing = &read_json(&json)["drawing"];
+    // the bytes that were read are named by their digest
+    let inputs = list(&drawing["provenance"]["inputs"]);
+    assert_eq!(inputs.len(), 2);
+    assert!(inputs.iter().all(|i| string(&i["sha256"]).len() == 64));
+}
+
+/// The page names the heavier forearm and how large it is, and no peak of the recording is lost in it.
+#[test]
+fn the_drawing_holds_the_recording() {
+    let folder = scratch("page_drawing");
+    let json = folder.join("d.json");
+    run(&["diagnose", "urdf/ur5.urdf", TRAIN, "--json", text(&json), "--traces"]).fine();
+    let result = read_json(&json);
+    let drawing = &result["drawing"];
+    let findings = list(&result["findings"]);
+    assert_eq!(list(&drawing["findings"]).len(), findings.len());
+    let forearm = findings.iter().position(|f| f["link"] == "link_3").unwrap();
+    let traces = &drawing["findings"][forearm];
+    // the elbow's efforts show the missing 0.6 kg as the slope over the effort of one kilogram
+    let view = &list(&traces["views"])[0];
+    let column =
+        |name: &str| -> Vec<Option<f64>> { list(&view[name]).iter().map(Value::as_f64).collect() };
+    let points: Vec<(f64, f64)> =
+        column("x").iter().zip(column("law")).filter_map(|(x, y)| Some(((*x)?, y?))).collect();
+    let count = points.len() as f64;
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    let slope = mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2));
+    assert!((0.3..0.9).contains(&slope), "{slope}");
+    let [without, with] = [0, 1].map(|k| number(&traces["joints"][2][k]));
+    assert!(without > 5.0 * with, "{without} {with}");
+    // the largest recorded effort of every joint is in the drawing
+    let recorded = armident_recording::read_csv(project(TRAIN)).unwrap();
+    for (joint, drawn) in recorded.joints.iter().zip(list(&drawing["recordings"][0]["joints"])) {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let kept: Vec<f64> = list(&drawn["measured"]).iter().map(number).collect();
+        let recorded = largest(joint.effort.as_ref().unwrap());
+        assert!((largest(&kept) / recorded - 1.0).abs() < 1e-4, "{}", joint.name);
+    }
+}
+
+#[test]
+fn what_is_no_result_is_refused() {
+    let folder = scratch("page_refused");
+    let (bad, other) = (folder.join("bad.json"), folder.join("other.json"));
+    std::fs::write(&bad, "{\n\"a\": \n").unwrap();
+    std::fs::write(&other, "{\"schema\": \"somebody/1\"}").unwrap();
+    for (file, expected) in [(&bad, "bad.json, line"), (&other, "`somebody/1`")] {
+        let failed = run(&["report", text(file), "-o", text(&folder.join("page.html"))]);
+        assert_eq!(failed.code, 1);
+        assert!(failed.stderr.contains(expected), "{}", failed.stderr);
+        assert_eq!(failed.stderr.lines().count(), 3, "{}", failed.stderr);
+    }
+    // a field of another form is told, and no page is written
+    std::fs::write(&other, "{\"schema\": \"armident.validate/1\", \"joints\": 3}").unwrap();
+    let failed = run(&["report", text(&other), "-o", text(&folder.join("page.html"))]);
+    assert!(failed.stderr.contains("not of the form"), "{}", failed.stderr);
+    assert!(!folder.join("page.html").exists());
+}
