@@ -40,7 +40,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
 
     // gains of drives come from recordings of the arm as it is believed to be
-    let books = Books::of(&model, if reference.is_empty() { &train } else { &reference })?;
+    let mut books = Books::of(&model, if reference.is_empty() { &train } else { &reference })?;
     let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
         recordings.iter().map(|r| books.in_effort(r)).collect()
     };
@@ -52,6 +52,20 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         reference_recordings: sources(&reference),
         warnings: warnings.clone(),
     };
+    let mut placebo = None;
+    let diagnosed = if !reference.is_empty() {
+        diagnose_change(&model, &reference, &train)
+    } else if let Some(terms) = args.placebo {
+        diagnose_with_placebo(&model, &train, terms).map(|(diagnosis, tried)| {
+            placebo = Some(tried);
+            (DiagnosedModel::believed(&model), diagnosis)
+        })
+    } else {
+        diagnose(&model, &train).map(|diagnosis| (DiagnosedModel::believed(&model), diagnosis))
+    };
+    if let Ok((_, diagnosis)) = &diagnosed {
+        books.take_back(diagnosis);
+    }
     if !books.faults.is_empty() && !args.trust_columns {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
         // the efforts against the robot show what the columns are
@@ -74,16 +88,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
             drawing.as_ref(),
         );
     }
-    let mut placebo = None;
-    let (before, mut diagnosis) = if !reference.is_empty() {
-        diagnose_change(&model, &reference, &train)?
-    } else if let Some(terms) = args.placebo {
-        let (diagnosis, tried) = diagnose_with_placebo(&model, &train, terms)?;
-        placebo = Some(tried);
-        (DiagnosedModel::believed(&model), diagnosis)
-    } else {
-        (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
-    };
+    let (before, mut diagnosis) = diagnosed?;
     diagnosis.doubt_gains(&books.drive_gains);
     if !holdout.is_empty() {
         diagnosis.confirm(&holdout)?;

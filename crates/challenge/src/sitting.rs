@@ -66,7 +66,7 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     let selection = ChainSelection { recorded_joints: Some(recorded), ..ChainSelection::default() };
     let chain = SerialChain::from_description(&description, &selection).map_err(|e| told(&e))?;
     let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-    let books = Books::of(&believed, &paper.train).map_err(|e| told(&e))?;
+    let mut books = Books::of(&believed, &paper.train).map_err(|e| told(&e))?;
     let train: Vec<Recording> = paper.train.iter().map(|r| books.in_effort(r)).collect();
     let holdout = books.in_effort(&paper.holdout);
     let inputs = DiagnoseInputs {
@@ -79,10 +79,14 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         let out_json = serde_json::to_string_pretty(report).map_err(|e| told(&e))? + "\n";
         Ok(Sitting { out_json, learned, seconds: started.elapsed().as_secs_f64() })
     };
+    let diagnosed = diagnose(&believed, &train);
+    if let Ok(diagnosis) = &diagnosed {
+        books.take_back(diagnosis);
+    }
     if !books.faults.is_empty() {
         return handed_in(&DiagnoseReport::of_wrong_books(&believed.chain, &books, inputs), None);
     }
-    let mut diagnosis = diagnose(&believed, &train).map_err(|e| told(&e))?;
+    let mut diagnosis = diagnosed.map_err(|e| told(&e))?;
     diagnosis.doubt_gains(&books.drive_gains);
     diagnosis.confirm(std::slice::from_ref(&holdout)).map_err(|e| told(&e))?;
     let before = DiagnosedModel::believed(&believed);

@@ -64,7 +64,13 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
         let taken = rest.iter().any(|r| *r == g || groups[*r].excludes(candidate));
         // a law that contains the other explains no less; that is no reason to doubt the simpler one
         let nested = contains(&groups[group], candidate) || contains(candidate, &groups[group]);
-        if same || unnamed || windowed || taken || nested {
+        // where all links are uncertain, any link takes up a little: only the joint's own is a rival
+        let other_link = metric.scale > 0.0
+            && problem.rows.changed_from == 0
+            && candidate.transform.is_some()
+            && groups[group].transform.is_none()
+            && candidate.site.joints != groups[group].site.joints;
+        if same || unnamed || windowed || taken || nested || other_link {
             continue;
         }
         let added: Vec<usize> =

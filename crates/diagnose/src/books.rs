@@ -10,7 +10,8 @@ use armident_ident::check::{
 use armident_recording::{Motion, MotionSettings, Quantity, Recording, common_cutoff_hz};
 use serde::Serialize;
 
-use crate::diagnosis::{DiagnoseError, usable_signals};
+use crate::diagnosis::{DiagnoseError, Diagnosis, usable_signals};
+use crate::findings::Finding;
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
@@ -28,6 +29,10 @@ pub struct DriveGain {
     pub determined: bool,
 }
 
+/// Multiple of the noise in the band below which a joint's efforts are explained.
+const EXPLAINED: f64 = 3.0;
+/// Relative error of all links beyond which they may be anything.
+const MOST_BELIEVED: f64 = 0.2;
 /// A probability that leaves no doubt.
 const SURE: f64 = 0.99;
 /// Share of the believed effort that must be gravity for a gain to be told from an inertia.
@@ -153,6 +158,21 @@ impl Books {
             faults: found.checks.into_iter().filter(of_columns).collect(),
             unchecked: None,
         })
+    }
+
+    /// Takes back what physics explains: where the diagnosed model leaves over little more than noise, the
+    /// columns are what they are called. Only links turned inside out and gains could turn a column of
+    /// another joint, sign or unit into that: where these are found, the fault stands.
+    pub fn take_back(&mut self, diagnosis: &Diagnosis) {
+        let turned = |f: &Finding| f.link.is_some() || f.effect == "torque_scale";
+        if diagnosis.findings.iter().any(turned) || diagnosis.inertial_error > MOST_BELIEVED {
+            return;
+        }
+        let explained = |joint: Option<&String>| {
+            let of = diagnosis.atlas.iter().filter(|a| joint.is_none_or(|j| a.joint == *j));
+            of.map(|a| a.after / a.noise.max(f64::MIN_POSITIVE)).fold(0.0, f64::max) < EXPLAINED
+        };
+        self.faults.retain(|fault| !explained(fault.joint.as_ref()));
     }
 
     /// A recording with efforts in the place of currents and voltages, where gains are determined.

@@ -128,8 +128,11 @@ pub(crate) fn claims(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Clai
         }
         let wide: Vec<usize> = selection.wide.iter().copied().filter(|l| *l != link).collect();
         let others = selection.problem.whitened(selection.scale, &wide);
+        let change = &errors[10 * link..10 * (link + 1)];
+        let covariance =
+            metric.inertial_covariance(&(10 * link..10 * link + 4).collect::<Vec<_>>());
         found.push(Claim {
-            finding: wrong_body(evidence, link, &errors[10 * link..10 * (link + 1)], &size),
+            finding: wrong_body(evidence, link, change, &covariance, &size),
             without: answer(&others, selection.answer.set.clone()).map(|answer| (answer, wide)),
             rivals: Vec::new(),
         });
@@ -212,13 +215,33 @@ fn described_anyway(problem: &Problem, answer: &Answer, group: &Group) -> bool {
 }
 
 /// A link whose inertial errors stand out from those of all others.
-fn wrong_body(evidence: &Evidence<'_>, link: usize, change: &[f64], size: &Materiality) -> Finding {
+fn wrong_body(
+    evidence: &Evidence<'_>,
+    link: usize,
+    change: &[f64],
+    covariance: &[Vec<f64>],
+    size: &Materiality,
+) -> Finding {
     let joint = &evidence.chain.joints[link];
     let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
     let units = ["kg", "kg m", "kg m", "kg m"];
     let in_link = in_link_frame(evidence, link, change);
     let parameters = (0..4)
-        .map(|p| (names[p], Value { value: in_link[p], stderr: None, unit: units[p] }))
+        .map(|p| {
+            // the frames' change is linear
+            let slopes: Vec<f64> = (0..4)
+                .map(|k| {
+                    let unit: Vec<f64> = (0..10).map(|i| f64::from(u8::from(i == k))).collect();
+                    in_link_frame(evidence, link, &unit)[p]
+                })
+                .collect();
+            let variance: f64 = (0..4)
+                .flat_map(|a| (0..4).map(move |b| (a, b)))
+                .map(|(a, b)| slopes[a] * slopes[b] * covariance[a][b])
+                .sum();
+            let stderr = (variance > 0.0).then(|| variance.sqrt());
+            (names[p], Value { value: in_link[p], stderr, unit: units[p] })
+        })
         .collect();
     Finding {
         effect: "link_inertia_error".to_owned(),

@@ -408,6 +408,17 @@ impl Whitened<'_> {
         change
     }
 
+    /// Posterior covariance of some standard parameters' errors, the fit of the laws as it is.
+    pub(crate) fn inertial_covariance(&self, parameters: &[usize]) -> Vec<Vec<f64>> {
+        let Some(Prior { cholesky, directions, .. }) = &self.prior else {
+            return vec![vec![0.0; parameters.len()]; parameters.len()];
+        };
+        let rows: Vec<Vec<f64>> =
+            parameters.iter().map(|p| directions.iter().map(|d| d[*p]).collect()).collect();
+        let solved: Vec<Vec<f64>> = rows.iter().map(|row| cholesky.solve(row)).collect();
+        rows.iter().map(|row| solved.iter().map(|s| dot(row, s)).collect()).collect()
+    }
+
     /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
     pub(crate) fn residual(&self, fit: &Fit) -> Blocks {
         let problem = self.problem;
