@@ -169,6 +169,7 @@ fn true_values(
     let of_term = |term: &Term| match *term {
         Term::Constant(k) => constants[k],
         Term::Effect { joint, effect, .. } => of_effect(joint, effect),
+        Term::Shared { .. } | Term::Load { .. } => 0.0,
     };
     let mut values: Vec<f64> = problem.terms.iter().map(of_term).collect();
     for merged in &problem.merged {

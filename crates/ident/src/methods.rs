@@ -371,7 +371,7 @@ impl BatchProblem<'_> {
 }
 
 /// The triangle of all blocks but one, for each one.
-fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
+pub(crate) fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
     let empty = AccumulatedQr::new(blocks[0].unknowns());
     let joined = |a: &AccumulatedQr, b: &AccumulatedQr| {
         let mut both = a.clone();

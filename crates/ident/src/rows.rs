@@ -130,7 +130,7 @@ impl BatchProblem<'_> {
             .iter()
             .filter_map(|&k| match self.terms[k] {
                 Term::Constant(c) => Some(c),
-                Term::Effect { .. } => None,
+                Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => None,
             })
             .collect();
         let mut columns = self.set().columns().of_motion(
@@ -164,6 +164,10 @@ impl BatchProblem<'_> {
                 columns.push(effects[effect].1[parameter].clone());
             }
         }
+        let mut further = self.shared_columns(joint, motion);
+        further.extend(self.load_columns(joint, motion));
+        further.sort_by_key(|(k, _)| *k);
+        columns.extend(further.into_iter().map(|(_, column)| column));
         motion.filter_columns(&mut columns);
         columns
     }
@@ -188,14 +192,24 @@ pub(crate) fn effect_columns(
             DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt()
         }
     };
-    let joint_motion = JointMotion {
+    let direction = directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE));
+    effect.columns(shape, &joint_motion(kind, joint, motion, &direction))
+}
+
+/// The motion of one joint as laws take it.
+pub(crate) fn joint_motion<'a>(
+    kind: JointKind,
+    joint: usize,
+    motion: &'a Motion,
+    direction: &'a [f64],
+) -> JointMotion<'a> {
+    JointMotion {
         kind,
         time_s: &motion.time_s,
         position: &motion.position[joint],
-        velocity,
+        velocity: &motion.velocity[joint],
         acceleration: &motion.acceleration[joint],
-        direction: &directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE)),
+        direction,
         rigid_effort: &[],
-    };
-    effect.columns(shape, &joint_motion)
+    }
 }
