@@ -7,7 +7,7 @@ use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, Consistent, Coupling,
+    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, Chosen, Consistent, Coupling,
     CouplingFound, DriveGain, DriveGains, JointFit, KnownLoad, MinimalSet, Recorded, Term,
     without_loads,
 };
@@ -81,23 +81,22 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     };
     let method = args.method.method();
     let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
-    if args.coupling == CouplingArg::Auto {
-        let motions: Vec<&Motion> = train_motions.iter().collect();
-        let shown = problem.couplings_shown(&motions, &settings)?;
-        for CouplingFound { coupling, gain } in &shown {
-            let [a, b] = coupling.joints().map(|joint| joints[joint]);
-            notes.push(format!(
-                "{a} and {b} share a transmission (ratio {}): the error of stretches left out of the \
-                 fit is {:.0} % lower with it",
-                coupling.ratio,
-                100.0 * gain
-            ));
-        }
-        if !shown.is_empty() {
-            let found: Vec<Coupling> = shown.iter().map(|found| found.coupling).collect();
-            problem = problem.with_couplings(&found);
-            problem.choose_speed_resolution(&motions)?;
-        }
+    let motions: Vec<&Motion> = train_motions.iter().collect();
+    let Chosen { couplings, settings } =
+        problem.choose(&motions, &settings, args.coupling == CouplingArg::Auto)?;
+    for CouplingFound { coupling, gain } in &couplings {
+        let [a, b] = coupling.joints().map(|joint| joints[joint]);
+        notes.push(format!(
+            "{a} and {b} share a transmission (ratio {}): the error of stretches left out of the fit is \
+             {:.0} % lower with it",
+            coupling.ratio,
+            100.0 * gain
+        ));
+    }
+    if !couplings.is_empty() {
+        let found: Vec<Coupling> = couplings.iter().map(|found| found.coupling).collect();
+        problem = problem.with_couplings(&found);
+        problem.choose_speed_resolution(&motions)?;
     }
     let fitted = BatchFit::of(
         &problem,

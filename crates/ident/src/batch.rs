@@ -24,7 +24,7 @@ use crate::link_prior::LinkPrior;
 use crate::minimal_set::{MinimalSet, random_states};
 use crate::payload::KnownLoad;
 use crate::quantiles::student_t_975;
-use crate::rows::JointRows;
+use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
 /// Relative rank cut of unit columns: only what is exactly undetermined is cut, what is badly
 /// determined shows in its standard error.
@@ -36,8 +36,8 @@ const DEPENDENT: f64 = 1e-8;
 /// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the
 /// velocity out. A drive train that winds up first reverses its friction over some hundredths of the
 /// working speed; a column that jumps there puts the difference into viscous friction and inertia.
-/// Which of the two a joint has, its own recording says.
-const SPEED_RESOLUTIONS: [f64; 4] = [0.005, 0.02, 0.05, 0.1];
+/// Which of the two a joint has, its own recording says. The usual one comes first.
+const SPEED_RESOLUTIONS: [f64; 4] = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1];
 /// Reweighting ends when no joint's noise level moves by more than this share.
 const WEIGHT_TOLERANCE: f64 = 1e-6;
 const MOST_REWEIGHTINGS: usize = 50;
@@ -312,8 +312,9 @@ impl<'a> BatchProblem<'a> {
         }
     }
 
-    /// Chooses each joint's speed resolution: the one of four with which the joint's own efforts are
-    /// explained best, all its terms fitted to them alone. Costs four accumulations.
+    /// Chooses each joint's speed resolution: the one of four with which its efforts are predicted best on
+    /// stretches of time that were not fitted; the usual one unless another is clearly better. Costs four
+    /// accumulations.
     ///
     /// # Errors
     /// [`NumericError`] when a number is not finite.
@@ -333,19 +334,7 @@ impl<'a> BatchProblem<'a> {
                 (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
             })
             .collect();
-        let mut best = vec![(f64::INFINITY, 0.0); n];
-        for share in SPEED_RESOLUTIONS {
-            self.speed_resolution = Some(rms.iter().map(|r| share * r).collect());
-            let rows = self.accumulate(motions);
-            for (joint, best) in best.iter_mut().enumerate() {
-                let left = rows.triangles[joint].solve(RANK_CUT)?.residual_sum_of_squares;
-                if left < best.0 {
-                    *best = (left, share * rms[joint]);
-                }
-            }
-        }
-        self.speed_resolution = Some(best.into_iter().map(|(_, resolution)| resolution).collect());
-        Ok(())
+        self.choose_resolution_among(&SPEED_RESOLUTIONS, &rms, motions)
     }
 
     /// Solves for all terms, each joint weighted by its own noise, with the default settings.

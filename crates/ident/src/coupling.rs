@@ -7,16 +7,15 @@
 
 use armident_effects::{Effect, EffectOnJoint, JointCoupling, MotionScale};
 use armident_kinematics::JointKind;
-use armident_numeric::NumericError;
+use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::Motion;
 
-use crate::batch::{BatchProblem, BatchSettings, Beliefs, RANK_CUT, Term};
+use crate::batch::{BatchProblem, BatchSettings, Term};
+use crate::left_out::{clear_gain, errors_left_out, noise_alone, noise_of};
 use crate::rows::{JointRows, joint_motion};
 
 /// The law of a shared transmission.
 pub(crate) const SHARED: &dyn Effect = &JointCoupling;
-/// Stretches of time that are left out in turn.
-const FOLDS: usize = 5;
 /// Share by which the error of what was left out must fall (geometric mean of both joints),
 const LEAST_GAIN: f64 = 0.1;
 /// and over its standard error, from the folds.
@@ -71,20 +70,9 @@ impl BatchProblem<'_> {
         problem
     }
 
-    /// The couplings of neighbours that these motions show, the clearest first. Costs one accumulation
-    /// with a few columns more.
-    ///
-    /// # Errors
-    /// [`NumericError`] when a number is not finite.
-    ///
-    /// # Panics
-    /// When a motion has no effort or other joints than the arm.
-    pub fn couplings_shown(
-        &self,
-        motions: &[&Motion],
-        settings: &BatchSettings,
-    ) -> Result<Vec<CouplingFound>, NumericError> {
-        let candidates: Vec<Coupling> = (1..self.by_joint.len())
+    /// All couplings of neighbours that the law offers.
+    pub(crate) fn possible_couplings(&self) -> Vec<Coupling> {
+        (1..self.by_joint.len())
             .flat_map(|second| {
                 let kind = self.arm().joints[second].kind;
                 let scale =
@@ -92,49 +80,44 @@ impl BatchProblem<'_> {
                 let shapes = SHARED.shapes(&scale).into_iter();
                 shapes.map(move |shape| Coupling { first: second - 1, ratio: shape[0] })
             })
-            .collect();
-        let all = self.with_couplings(&candidates);
-        let rows = all.accumulate(motions);
-        let blocks = rows.blocks.iter().map(Vec::len).min().unwrap_or(0);
+            .collect()
+    }
+
+    /// The couplings that rows with the columns of all possible ones show, the clearest first.
+    pub(crate) fn couplings_shown(
+        &self,
+        all: &BatchProblem<'_>,
+        rows: &JointRows,
+        settings: &BatchSettings,
+    ) -> Result<Vec<CouplingFound>, NumericError> {
+        let candidates = self.possible_couplings();
         let mut found: Vec<CouplingFound> = Vec::new();
-        if blocks < FOLDS {
-            return Ok(found);
-        }
-        let beliefs_of = |problem: &BatchProblem<'_>| problem.beliefs(settings);
         loop {
             let chosen: Vec<Coupling> = found.iter().map(|f| f.coupling).collect();
+            let without = self.with_couplings(&chosen);
+            let mut before: Option<Vec<Vec<f64>>> = None;
             let mut best: Option<CouplingFound> = None;
-            for first in 0..self.by_joint.len() - 1 {
+            for first in 0..self.by_joint.len().saturating_sub(1) {
                 if chosen.iter().any(|c| c.first == first) {
                     continue;
                 }
-                let of_pair = candidates.iter().filter(|c| c.first == first);
-                let mut nearest: Option<(f64, Coupling)> = None;
-                for &coupling in of_pair {
-                    let with = self.with_couplings(&[&chosen[..], &[coupling]].concat());
-                    let picked = rows_of(&rows, &all, &with);
-                    let left = error_of_both(&with, &picked, coupling, &beliefs_of(&with)?)?;
-                    if nearest.is_none_or(|(least, _)| left < least) {
-                        nearest = Some((left, coupling));
-                    }
+                let of_pair: Vec<Coupling> =
+                    candidates.iter().copied().filter(|c| c.first == first).collect();
+                let Some(coupling) = self.nearest_ratio(all, rows, settings, &chosen, &of_pair)?
+                else {
+                    continue;
+                };
+                if before.is_none() {
+                    let of_without = rows_of(rows, all, &without);
+                    before = Some(errors_left_out(&without, &of_without, settings)?);
                 }
-                let Some((_, coupling)) = nearest else { continue };
-                let without = self.with_couplings(&chosen);
                 let with = self.with_couplings(&[&chosen[..], &[coupling]].concat());
-                let before = errors_left_out(&without, &rows_of(&rows, &all, &without), settings)?;
-                let after = errors_left_out(&with, &rows_of(&rows, &all, &with), settings)?;
-                let gains: Vec<f64> = (before.iter().zip(&after))
-                    .map(|(before, after)| {
-                        let of_joint = |joint: usize| 0.5 * (before[joint] / after[joint]).ln();
-                        0.5 * coupling.joints().map(of_joint).iter().sum::<f64>()
-                    })
-                    .collect();
-                let mean = gains.iter().sum::<f64>() / FOLDS as f64;
-                let scatter: f64 = gains.iter().map(|g| (g - mean).powi(2)).sum();
-                let error = (scatter / (FOLDS * (FOLDS - 1)) as f64).sqrt();
-                let gain = 1.0 - (-mean).exp();
-                let clear = gain > LEAST_GAIN && mean > LEAST_GAIN_IN_ERRORS * error;
-                if clear && best.is_none_or(|best| gain > best.gain) {
+                let after = errors_left_out(&with, &rows_of(rows, all, &with), settings)?;
+                let gain = before.as_deref().and_then(|before| {
+                    clear_gain(before, &after, &coupling.joints(), LEAST_GAIN_IN_ERRORS)
+                });
+                let Some(gain) = gain else { continue };
+                if gain > LEAST_GAIN && best.is_none_or(|best| gain > best.gain) {
                     best = Some(CouplingFound { coupling, gain });
                 }
             }
@@ -143,6 +126,43 @@ impl BatchProblem<'_> {
                 None => return Ok(found),
             }
         }
+    }
+
+    /// The coupling of a pair that lowers the error of both joints most where it is fitted; none where
+    /// that is too little already.
+    fn nearest_ratio(
+        &self,
+        all: &BatchProblem<'_>,
+        rows: &JointRows,
+        settings: &BatchSettings,
+        chosen: &[Coupling],
+        of_pair: &[Coupling],
+    ) -> Result<Option<Coupling>, NumericError> {
+        let Some(first) = of_pair.first() else { return Ok(None) };
+        let alone = |couplings: &[Coupling]| -> Result<f64, NumericError> {
+            let problem = self.with_couplings(couplings);
+            let mut left = 0.0;
+            for joint in first.joints() {
+                let triangle = triangle_of(rows, all, &problem, joint);
+                left += 0.5 * noise_of(&triangle, rows, joint)?.ln();
+            }
+            Ok(left)
+        };
+        let before = alone(chosen)?;
+        let mut nearest: Option<(f64, Coupling)> = None;
+        for &coupling in of_pair {
+            let couplings = [chosen, &[coupling]].concat();
+            // each joint with coefficients of its own: the most there is to gain
+            if before - alone(&couplings)? < -(-LEAST_GAIN).ln_1p() {
+                continue;
+            }
+            let with = self.with_couplings(&couplings);
+            let left = error_of_both(&with, &rows_of(rows, all, &with), coupling, settings)?;
+            if nearest.is_none_or(|(least, _)| left < least) {
+                nearest = Some((left, coupling));
+            }
+        }
+        Ok(nearest.map(|(_, coupling)| coupling))
     }
 
     /// Columns of the shared transmissions of a joint, not filtered, with the indices of their terms.
@@ -200,85 +220,53 @@ pub(crate) fn pair_columns(
     effect.pair_columns(shape, &a, &b)
 }
 
+/// Columns of a joint in rows with the columns of many candidates, that a problem with some of them has.
+fn places_of(all: &BatchProblem<'_>, wanted: &BatchProblem<'_>, joint: usize) -> Vec<usize> {
+    let place = |&k: &usize| {
+        let term = wanted.terms[k];
+        all.by_joint[joint].iter().position(|&of_all| all.terms[of_all] == term)
+    };
+    wanted.by_joint[joint].iter().filter_map(place).collect()
+}
+
+fn triangle_of(
+    rows: &JointRows,
+    all: &BatchProblem<'_>,
+    wanted: &BatchProblem<'_>,
+    joint: usize,
+) -> AccumulatedQr {
+    rows.triangles[joint].with_unknowns(&places_of(all, wanted, joint))
+}
+
 /// Of rows with the columns of many candidates, those of a problem with some of them.
-fn rows_of(rows: &JointRows, all: &BatchProblem<'_>, wanted: &BatchProblem<'_>) -> JointRows {
-    let places: Vec<Vec<usize>> = (wanted.by_joint.iter().zip(&all.by_joint))
-        .map(|(wanted_terms, all_terms)| {
-            let place = |&k: &usize| {
-                let term = wanted.terms[k];
-                all_terms.iter().position(|&of_all| all.terms[of_all] == term)
-            };
-            wanted_terms.iter().filter_map(place).collect()
-        })
-        .collect();
+pub(crate) fn rows_of(
+    rows: &JointRows,
+    all: &BatchProblem<'_>,
+    wanted: &BatchProblem<'_>,
+) -> JointRows {
+    let joints = 0..wanted.by_joint.len();
     JointRows {
-        triangles: (rows.triangles.iter().zip(&places))
-            .map(|(triangle, places)| triangle.with_unknowns(places))
-            .collect(),
-        blocks: (rows.blocks.iter().zip(&places))
-            .map(|(blocks, places)| blocks.iter().map(|b| b.with_unknowns(places)).collect())
+        triangles: joints.clone().map(|j| triangle_of(rows, all, wanted, j)).collect(),
+        blocks: joints
+            .map(|joint| {
+                let places = places_of(all, wanted, joint);
+                rows.blocks[joint].iter().map(|b| b.with_unknowns(&places)).collect()
+            })
             .collect(),
         ..rows.clone_without_rows()
     }
 }
 
-/// Mean logarithm of the errors of both joints of a coupling.
+/// Sum of the logarithms of the errors of both joints of a coupling.
 fn error_of_both(
     problem: &BatchProblem<'_>,
     rows: &JointRows,
     coupling: Coupling,
-    beliefs: &Beliefs,
+    settings: &BatchSettings,
 ) -> Result<f64, NumericError> {
-    let noise: Vec<f64> = (0..problem.by_joint.len())
-        .map(|joint| noise_alone(rows, joint))
-        .collect::<Result<_, _>>()?;
-    let values = problem.weighted(rows, &noise, beliefs)?.answer.solution;
+    let noise = noise_alone(rows)?;
+    let beliefs = problem.beliefs(settings)?;
+    let values = problem.weighted(rows, &noise, &beliefs)?.answer.solution;
     let fits = problem.fit(rows, &values);
     Ok(coupling.joints().map(|joint| fits[joint].rmse.ln()).iter().sum::<f64>())
-}
-
-/// Root mean square of what the columns of a joint alone leave of its effort.
-fn noise_alone(rows: &JointRows, joint: usize) -> Result<f64, NumericError> {
-    let left = rows.triangles[joint].solve(RANK_CUT)?.residual_sum_of_squares;
-    let floor = f64::EPSILON * rows.effort[joint].2.sqrt() + f64::MIN_POSITIVE;
-    Ok((left / rows.effort[joint].0 as f64).sqrt().max(floor))
-}
-
-/// Squared error of every joint on each stretch of time, fitted to the others.
-fn errors_left_out(
-    problem: &BatchProblem<'_>,
-    rows: &JointRows,
-    settings: &BatchSettings,
-) -> Result<Vec<Vec<f64>>, NumericError> {
-    let beliefs = problem.beliefs(settings)?;
-    let joints = 0..problem.by_joint.len();
-    let noise: Vec<f64> =
-        joints.clone().map(|joint| noise_alone(rows, joint)).collect::<Result<_, _>>()?;
-    let blocks = rows.blocks.iter().map(Vec::len).min().unwrap_or(0);
-    (0..FOLDS)
-        .map(|fold| {
-            let left_out = |b: usize| b * FOLDS / blocks == fold;
-            let merged = |joint: usize, wanted: &dyn Fn(usize) -> bool| {
-                let of_joint = &rows.blocks[joint];
-                let mut sum = armident_numeric::AccumulatedQr::new(of_joint[0].unknowns());
-                for (b, block) in of_joint.iter().enumerate().filter(|(b, _)| wanted(*b)) {
-                    debug_assert!(b < blocks);
-                    sum.merge(block);
-                }
-                sum
-            };
-            let fitted = JointRows {
-                triangles: joints.clone().map(|j| merged(j, &|b| !left_out(b))).collect(),
-                ..rows.clone_without_rows()
-            };
-            let values = problem.weighted(&fitted, &noise, &beliefs)?.answer.solution;
-            Ok(joints
-                .clone()
-                .map(|joint| {
-                    let x: Vec<f64> = problem.by_joint[joint].iter().map(|&k| values[k]).collect();
-                    merged(joint, &left_out).residual_sum_of_squares(&x).max(f64::MIN_POSITIVE)
-                })
-                .collect())
-        })
-        .collect()
 }
