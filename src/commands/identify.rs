@@ -67,11 +67,10 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let drives = drive_gains(&mut problem, &loads, cutoff_hz, &joints, [&mut train, &mut holdout])?;
     let without_loads = |recordings: &[Recording]| -> Result<Vec<Motion>, Failure> {
         let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz)?;
-        Ok(motions.into_iter().map(|m| without_loads(&arm, m, &loads)).collect())
+        Ok(motions.into_iter().map(|m| without_loads(&arm, m, &loads).thinned()).collect())
     };
     let train_motions = without_loads(&train)?;
     let holdout_motions = without_loads(&holdout)?;
-    problem.choose_speed_resolution(&train_motions.iter().collect::<Vec<_>>())?;
     let settings = BatchSettings {
         link_prior: match args.prior {
             PriorArg::Urdf => BatchSettings::default().link_prior,
@@ -92,11 +91,6 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
             coupling.ratio,
             100.0 * gain
         ));
-    }
-    if !couplings.is_empty() {
-        let found: Vec<Coupling> = couplings.iter().map(|found| found.coupling).collect();
-        problem = problem.with_couplings(&found);
-        problem.choose_speed_resolution(&motions)?;
     }
     let fitted = BatchFit::of(
         &problem,
@@ -381,7 +375,10 @@ fn drive_gains(
         }
     };
     fill(train, &|_| 1.0);
-    let motions = recordings::motions_with_effort(train, joints, cutoff_hz)?;
+    let motions: Vec<Motion> = recordings::motions_with_effort(train, joints, cutoff_hz)?
+        .into_iter()
+        .map(Motion::thinned)
+        .collect();
     let motions: Vec<&Motion> = motions.iter().collect();
     problem.choose_speed_resolution(&motions)?;
     let gains = problem.drive_gains(&motions, &is_current, loads)?;

@@ -17,27 +17,19 @@ use armident_effects::{
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
 };
-use armident_recording::Motion;
 
 use crate::coupling::{Coupling, SHARED};
 use crate::link_prior::LinkPrior;
 use crate::minimal_set::{MinimalSet, random_states};
 use crate::payload::KnownLoad;
 use crate::quantiles::student_t_975;
-use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
+use crate::rows::JointRows;
 
 /// Relative rank cut of unit columns: only what is exactly undetermined is cut, what is badly
 /// determined shows in its standard error.
 pub(crate) const RANK_CUT: f64 = 1e-9;
 /// Cut of the structural elimination at random states.
 const DEPENDENT: f64 = 1e-8;
-/// Speed resolutions tried, as shares of a joint's RMS speed; below it the direction fades to zero.
-///
-/// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the
-/// velocity out. A drive train that winds up first reverses its friction over some hundredths of the
-/// working speed; a column that jumps there puts the difference into viscous friction and inertia.
-/// Which of the two a joint has, its own recording says. The usual one comes first.
-const SPEED_RESOLUTIONS: [f64; 4] = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1];
 /// Reweighting ends when no joint's noise level moves by more than this share.
 const WEIGHT_TOLERANCE: f64 = 1e-6;
 const MOST_REWEIGHTINGS: usize = 50;
@@ -310,31 +302,6 @@ impl<'a> BatchProblem<'a> {
                 format!("{}.{name}({a}, {b})", SHARED.law().slug)
             }
         }
-    }
-
-    /// Chooses each joint's speed resolution: the one of four with which its efforts are predicted best on
-    /// stretches of time that were not fitted; the usual one unless another is clearly better. Costs four
-    /// accumulations.
-    ///
-    /// # Errors
-    /// [`NumericError`] when a number is not finite.
-    ///
-    /// # Panics
-    /// When a motion has no effort or other joints than the arm.
-    pub fn choose_speed_resolution(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
-        let n = self.arm.dof();
-        if motions.iter().all(|m| m.filter.is_none()) {
-            return Ok(());
-        }
-        let rms: Vec<f64> = (0..n)
-            .map(|joint| {
-                let squares: f64 =
-                    motions.iter().flat_map(|m| &m.velocity[joint]).map(|v| v * v).sum();
-                let count: usize = motions.iter().map(|m| m.len()).sum();
-                (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
-            })
-            .collect();
-        self.choose_resolution_among(&SPEED_RESOLUTIONS, &rms, motions)
     }
 
     /// Solves for all terms, each joint weighted by its own noise, with the default settings.

@@ -245,16 +245,8 @@ pub(crate) fn rows_of(
     wanted: &BatchProblem<'_>,
 ) -> JointRows {
     let joints = 0..wanted.by_joint.len();
-    JointRows {
-        triangles: joints.clone().map(|j| triangle_of(rows, all, wanted, j)).collect(),
-        blocks: joints
-            .map(|joint| {
-                let places = places_of(all, wanted, joint);
-                rows.blocks[joint].iter().map(|b| b.with_unknowns(&places)).collect()
-            })
-            .collect(),
-        ..rows.clone_without_rows()
-    }
+    let places: Vec<Vec<usize>> = joints.map(|joint| places_of(all, wanted, joint)).collect();
+    rows.with_places(&places)
 }
 
 /// Sum of the logarithms of the errors of both joints of a coupling.

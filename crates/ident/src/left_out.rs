@@ -5,12 +5,13 @@
 //! how far the robot description is believed. Errors of a model on motions it was fitted to would decide
 //! for whatever has more to fit with.
 
+use armident_effects::{EVERYDAY, Place};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::Motion;
 
-use crate::batch::{BatchProblem, BatchSettings, RANK_CUT};
+use crate::batch::{BatchProblem, BatchSettings, RANK_CUT, Term};
 use crate::coupling::{CouplingFound, rows_of};
-use crate::rows::JointRows;
+use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;
@@ -29,8 +30,9 @@ pub struct Chosen {
 }
 
 impl BatchProblem<'_> {
-    /// Chooses couplings, if `couplings`, and how far the description is believed, where the settings
-    /// believe it at all. Costs one accumulation with a few columns more.
+    /// Chooses each joint's speed resolution and, if `couplings`, the transmissions that neighbours share,
+    /// which become unknowns of this problem; and how far the description is believed, where the settings
+    /// believe it at all. Costs one accumulation with some columns more.
     ///
     /// # Errors
     /// [`NumericError`] when a number is not finite.
@@ -38,7 +40,7 @@ impl BatchProblem<'_> {
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
     pub fn choose(
-        &self,
+        &mut self,
         motions: &[&Motion],
         settings: &BatchSettings,
         couplings: bool,
@@ -46,15 +48,24 @@ impl BatchProblem<'_> {
         let mut chosen = Chosen { couplings: Vec::new(), settings: *settings };
         let candidates = if couplings { self.possible_couplings() } else { Vec::new() };
         let all = self.with_couplings(&candidates);
-        let rows = all.accumulate(motions);
+        let resolutions = Resolutions::of(motions);
+        self.speed_resolution = resolutions.usual();
+        let rows = all.with_all_directions(motions, &resolutions);
         if !has_folds(&rows) {
             return Ok(chosen);
         }
-        chosen.couplings = self.couplings_shown(&all, &rows, settings)?;
-        if let Some(usual) = settings.link_prior {
+        let mut with = self.clone();
+        let mut resolved = all.resolved(&rows, &with, &resolutions, settings)?;
+        if couplings {
+            chosen.couplings = self.couplings_shown(&all, &resolved.rows, settings)?;
+        }
+        if !chosen.couplings.is_empty() {
             let found: Vec<_> = chosen.couplings.iter().map(|f| f.coupling).collect();
-            let with = self.with_couplings(&found);
-            let rows = rows_of(&rows, &all, &with);
+            with = self.with_couplings(&found);
+            resolved = all.resolved(&rows, &with, &resolutions, settings)?;
+        }
+        if let Some(usual) = settings.link_prior {
+            let rows = rows_of(&resolved.rows, &all, &with);
             let joints: Vec<usize> = (0..with.by_joint.len()).collect();
             let before = errors_left_out(&with, &rows, settings)?;
             let mut best = 0.0;
@@ -68,27 +79,80 @@ impl BatchProblem<'_> {
                 }
             }
         }
+        with.speed_resolution = resolved.resolution;
+        *self = with;
         Ok(chosen)
     }
 
-    /// Chooses each joint's speed resolution among shares of its RMS speed, the first being the usual one.
-    pub(crate) fn choose_resolution_among(
-        &mut self,
-        shares: &[f64],
-        rms_speed: &[f64],
-        motions: &[&Motion],
-    ) -> Result<(), NumericError> {
-        let settings = BatchSettings::default();
-        let mut best: Vec<(f64, f64)> =
-            rms_speed.iter().map(|rms| (0.0, shares[0] * rms)).collect();
+    /// Chooses each joint's speed resolution alone.
+    ///
+    /// # Errors
+    /// [`NumericError`] when a number is not finite.
+    ///
+    /// # Panics
+    /// When a motion has no effort or other joints than the arm.
+    pub fn choose_speed_resolution(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
+        let resolutions = Resolutions::of(motions);
+        self.speed_resolution = resolutions.usual();
+        let rows = self.with_all_directions(motions, &resolutions);
+        if has_folds(&rows) && resolutions.shares.len() > 1 {
+            let settings = BatchSettings::default();
+            let resolved = self.resolved(&rows, self, &resolutions, &settings)?;
+            self.speed_resolution = resolved.resolution;
+        }
+        Ok(())
+    }
+
+    /// Rows with the usual resolution, and behind their columns the directions of the others.
+    fn with_all_directions(&self, motions: &[&Motion], resolutions: &Resolutions) -> JointRows {
+        let mut usual = self.clone();
+        usual.speed_resolution = resolutions.usual();
+        let others = resolutions.shares.get(1..).unwrap_or_default();
+        usual.accumulate_with(
+            motions,
+            |index, joint, columns, _| {
+                for share in others {
+                    let at = share * resolutions.rms_speed[joint];
+                    columns.push(usual.direction_column(joint, motions[index], at));
+                }
+            },
+            |problem, joint| problem.by_joint[joint].len() + others.len(),
+        )
+    }
+
+    /// From rows with the directions of all resolutions behind the columns of this problem: the
+    /// resolutions with which `wanted` predicts best, and the rows that have them.
+    fn resolved(
+        &self,
+        rows: &JointRows,
+        wanted: &BatchProblem<'_>,
+        resolutions: &Resolutions,
+        settings: &BatchSettings,
+    ) -> Result<Resolved, NumericError> {
+        let n = self.by_joint.len();
+        let with = |which: &[usize]| -> JointRows {
+            let places: Vec<Vec<usize>> = (0..n)
+                .map(|joint| {
+                    let terms = &self.by_joint[joint];
+                    let of_term = |(place, &k): (usize, &usize)| match self.terms[k] {
+                        Term::Effect { effect, .. }
+                            if which[joint] > 0
+                                && EVERYDAY[effect].law().places.contains(&Place::Dry) =>
+                        {
+                            terms.len() + which[joint] - 1
+                        }
+                        _ => place,
+                    };
+                    terms.iter().enumerate().map(of_term).collect()
+                })
+                .collect();
+            rows.with_places(&places)
+        };
+        let mut best = vec![(0.0, 0_usize); n];
         let mut before: Option<Vec<Vec<f64>>> = None;
-        for share in shares {
-            self.speed_resolution = Some(rms_speed.iter().map(|rms| share * rms).collect());
-            let rows = self.accumulate(motions);
-            if !has_folds(&rows) {
-                break;
-            }
-            let errors = errors_left_out(self, &rows, &settings)?;
+        for which in 0..resolutions.shares.len() {
+            let rows = rows_of(&with(&vec![which; n]), self, wanted);
+            let errors = errors_left_out(wanted, &rows, settings)?;
             let Some(before) = &before else {
                 before = Some(errors);
                 continue;
@@ -96,12 +160,55 @@ impl BatchProblem<'_> {
             for (joint, best) in best.iter_mut().enumerate() {
                 let gain = clear_gain(before, &errors, &[joint], LEAST_GAIN_IN_ERRORS);
                 if let Some(gain) = gain.filter(|gain| *gain > best.0) {
-                    *best = (gain, share * rms_speed[joint]);
+                    *best = (gain, which);
                 }
             }
         }
-        self.speed_resolution = Some(best.into_iter().map(|(_, resolution)| resolution).collect());
-        Ok(())
+        let which: Vec<usize> = best.into_iter().map(|(_, which)| which).collect();
+        let chosen = |(&which, rms): (&usize, &f64)| resolutions.shares[which] * rms;
+        let resolution = (!resolutions.shares.is_empty())
+            .then(|| which.iter().zip(&resolutions.rms_speed).map(chosen).collect());
+        Ok(Resolved { resolution, rows: with(&which) })
+    }
+}
+
+struct Resolved {
+    resolution: Option<Vec<f64>>,
+    rows: JointRows,
+}
+
+/// Speed resolutions that are tried, as shares of a joint's RMS speed; below it the direction fades to
+/// zero. The usual one comes first.
+///
+/// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the
+/// velocity out. A drive train that winds up first reverses its friction over some hundredths of the
+/// working speed; a column that jumps there puts the difference into viscous friction and inertia.
+/// Which of the two a joint has, its own recording says.
+struct Resolutions {
+    /// none where velocities are exact
+    shares: Vec<f64>,
+    rms_speed: Vec<f64>,
+}
+
+impl Resolutions {
+    fn of(motions: &[&Motion]) -> Self {
+        let joints = motions.first().map_or(0, |m| m.velocity.len());
+        let rms_speed = (0..joints)
+            .map(|joint| {
+                let squares: f64 =
+                    motions.iter().flat_map(|m| &m.velocity[joint]).map(|v| v * v).sum();
+                let count: usize = motions.iter().map(|m| m.len()).sum();
+                (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        let exact = motions.iter().all(|m| m.filter.is_none());
+        let shares = if exact { &[][..] } else { &[DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1] };
+        Self { shares: shares.to_vec(), rms_speed }
+    }
+
+    fn usual(&self) -> Option<Vec<f64>> {
+        let usual = self.shares.first()?;
+        Some(self.rms_speed.iter().map(|rms| usual * rms).collect())
     }
 }
 

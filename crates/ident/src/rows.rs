@@ -1,6 +1,6 @@
 //! From motions to rows: the columns of every joint, reduced to triangles.
 
-use armident_effects::{EVERYDAY, Effect, JointMotion, directions_with};
+use armident_effects::{EVERYDAY, Effect, JointMotion, Place, directions_with};
 use armident_kinematics::JointKind;
 use armident_numeric::AccumulatedQr;
 use armident_recording::Motion;
@@ -36,6 +36,20 @@ impl JointRows {
     /// Counts and shares without triangles.
     pub(crate) fn clone_without_rows(&self) -> Self {
         Self { triangles: Vec::new(), blocks: Vec::new(), effort: self.effort.clone(), ..*self }
+    }
+
+    /// The same rows with some of the columns of each joint, in the order given.
+    pub(crate) fn with_places(&self, places: &[Vec<usize>]) -> Self {
+        let joints = 0..places.len();
+        let triangle = |joint: usize| self.triangles[joint].with_unknowns(&places[joint]);
+        let blocks = |joint: usize| {
+            self.blocks[joint].iter().map(|b| b.with_unknowns(&places[joint])).collect()
+        };
+        Self {
+            triangles: joints.clone().map(triangle).collect(),
+            blocks: joints.map(blocks).collect(),
+            ..self.clone_without_rows()
+        }
     }
 }
 
@@ -141,35 +155,60 @@ impl BatchProblem<'_> {
             &motion.acceleration,
             &wanted,
         );
-        let effects: Vec<(usize, Vec<Vec<f64>>)> = EVERYDAY
-            .iter()
-            .enumerate()
-            .map(|(e, law)| {
-                let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
-                (
-                    e,
-                    effect_columns(
-                        *law,
-                        &[],
-                        self.arm().joints[joint].kind,
-                        joint,
-                        motion,
-                        resolution,
-                    ),
-                )
-            })
-            .collect();
+        motion.filter_columns(&mut columns);
+        // what follows the sign of a speed jumps between samples
+        let fine = motion.fine();
+        let resolution = self.resolution(joint);
+        let mut of_effect: Vec<Option<Vec<Vec<f64>>>> = vec![None; EVERYDAY.len()];
         for &k in &self.by_joint[joint] {
-            if let Term::Effect { effect, parameter, .. } = self.terms[k] {
-                columns.push(effects[effect].1[parameter].clone());
-            }
+            let Term::Effect { effect, parameter, .. } = self.terms[k] else { continue };
+            let law = EVERYDAY[effect];
+            let formed = of_effect[effect].get_or_insert_with(|| {
+                let kind = self.arm().joints[joint].kind;
+                let jumps = law.law().places.contains(&Place::Dry);
+                let from = if jumps { fine } else { motion };
+                let mut formed = effect_columns(law, &[], kind, joint, from, resolution);
+                if jumps {
+                    formed = formed.into_iter().map(|c| motion.filtered_fine(c)).collect();
+                } else {
+                    motion.filter_columns(&mut formed);
+                }
+                formed
+            });
+            columns.push(formed[parameter].clone());
         }
-        let mut further = self.shared_columns(joint, motion);
-        further.extend(self.load_columns(joint, motion));
+        let mut further: Vec<(usize, Vec<f64>)> = (self.shared_columns(joint, fine).into_iter())
+            .map(|(k, column)| (k, motion.filtered_fine(column)))
+            .collect();
+        for (k, column) in self.load_columns(joint, motion) {
+            let mut column = [column];
+            motion.filter_columns(&mut column);
+            let [column] = column;
+            further.push((k, column));
+        }
         further.sort_by_key(|(k, _)| *k);
         columns.extend(further.into_iter().map(|(_, column)| column));
-        motion.filter_columns(&mut columns);
         columns
+    }
+
+    fn resolution(&self, joint: usize) -> Option<f64> {
+        self.speed_resolution.as_ref().map(|r| r[joint])
+    }
+
+    /// The column of the direction of motion of a joint at another speed resolution, as
+    /// [`Self::columns`] has it.
+    pub(crate) fn direction_column(
+        &self,
+        joint: usize,
+        motion: &Motion,
+        resolution: f64,
+    ) -> Vec<f64> {
+        let kind = self.arm().joints[joint].kind;
+        let jumping = EVERYDAY.iter().find(|law| law.law().places.contains(&Place::Dry));
+        let formed = jumping.and_then(|law| {
+            effect_columns(*law, &[], kind, joint, motion.fine(), Some(resolution)).pop()
+        });
+        motion.filtered_fine(formed.unwrap_or_else(|| vec![0.0; motion.fine().len()]))
     }
 }
 
