@@ -18,7 +18,7 @@
 //! Statistics 17 (1989); for t quantiles with blocks, C. A. Bester, T. G. Conley, C. B. Hansen, Journal of
 //! Econometrics 165 (2011).
 
-use std::cell::Cell;
+use std::sync::Mutex;
 
 use armident_numeric::{AccumulatedQr, Mat, NumericError};
 use armident_recording::{DerivativeSource, Motion, MotionSettings};
@@ -175,27 +175,35 @@ impl BatchProblem<'_> {
             if pass < SCALE_PASSES {
                 scales = self.scales(motions, &values);
             }
-            let (weights, within, count) = (Cell::new(0.0), Cell::new(0.0), Cell::new(0.0));
+            // sum of the weights, samples within the scale, and all; per joint, as threads share them
+            let sums = Mutex::new(vec![(0.0_f64, 0.0_f64, 0.0_f64); self.by_joint.len()]);
             rows = self.accumulate_with(
                 motions,
                 |index, joint, columns, y| {
+                    let mut own = (0.0, 0.0, 0.0);
                     for t in kept(motions[index]) {
                         let fitted = self.fitted(joint, columns, &values, t);
                         let off = (y[t] - fitted).abs() / (HUBER * scales[joint]);
-                        count.set(count.get() + 1.0);
-                        weights.set(weights.get() + off.max(1.0).recip());
+                        own.2 += 1.0;
+                        own.0 += off.max(1.0).recip();
                         if off <= 1.0 {
-                            within.set(within.get() + 1.0);
+                            own.1 += 1.0;
                         } else {
                             let weight = off.recip().sqrt();
                             columns.iter_mut().for_each(|c| c[t] *= weight);
                             y[t] *= weight;
                         }
                     }
+                    if let Ok(mut sums) = sums.lock() {
+                        let sum = &mut sums[joint];
+                        *sum = (sum.0 + own.0, sum.1 + own.1, sum.2 + own.2);
+                    }
                 },
                 |problem, joint| problem.by_joint[joint].len(),
             );
-            widening = weights.get() / f64::max(within.get(), 0.5 * count.get());
+            let sums = sums.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let total = |pick: fn(&(f64, f64, f64)) -> f64| sums.iter().map(pick).sum::<f64>();
+            widening = total(|s| s.0) / f64::max(total(|s| s.1), 0.5 * total(|s| s.2));
             found = self.estimate_with(&rows, settings)?;
             let moved = (0..values.len())
                 .filter_map(|k| {

@@ -1,5 +1,8 @@
 //! From motions to rows: the columns of every joint, reduced to triangles.
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use armident_effects::{EVERYDAY, Effect, JointMotion, Place, directions_with};
 use armident_kinematics::JointKind;
 use armident_numeric::AccumulatedQr;
@@ -30,6 +33,14 @@ pub struct JointRows {
     pub(crate) share: f64,
     /// per joint, stretches of time one after the other that make up its triangle
     pub(crate) blocks: Vec<Vec<AccumulatedQr>>,
+}
+
+/// Rows of one joint of all recordings.
+#[derive(Clone)]
+struct RowsOfJoint {
+    triangle: AccumulatedQr,
+    effort: (usize, f64, f64),
+    blocks: Vec<AccumulatedQr>,
 }
 
 impl JointRows {
@@ -82,7 +93,7 @@ fn blocks_of(motion: &Motion, total_s: f64) -> Vec<std::ops::Range<usize>> {
 
 impl BatchProblem<'_> {
     /// Reduces recordings to one triangle per joint. Memory: the columns of one joint of one
-    /// recording at a time.
+    /// recording at a time on each thread.
     ///
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
@@ -95,45 +106,88 @@ impl BatchProblem<'_> {
     pub(crate) fn accumulate_with(
         &self,
         motions: &[&Motion],
-        prepare: impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>),
+        prepare: impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>) + Sync,
         width: impl Fn(&Self, usize) -> usize,
     ) -> JointRows {
         let n = self.by_joint.len();
-        let mut rows = JointRows {
-            triangles: (0..n).map(|joint| AccumulatedQr::new(width(self, joint))).collect(),
-            effort: vec![(0, 0.0, 0.0); n],
-            share: 1.0,
-            blocks: vec![Vec::new(); n],
-        };
+        let widths: Vec<usize> = (0..n).map(|joint| width(self, joint)).collect();
         let total_s: f64 = motions.iter().map(|m| kept(m).len() as f64 / m.rate_hz).sum();
         let (mut independent, mut samples) = (0.0, 0.0);
+        for motion in motions {
+            let count = kept(motion).len() as f64;
+            independent += motion.independent_share() * count;
+            samples += count;
+        }
+        // joints are dealt out to threads; each is summed in the order of its recordings, so that the
+        // result does not depend on who was first
+        let next = AtomicUsize::new(0);
+        let done: Mutex<Vec<Option<RowsOfJoint>>> = Mutex::new(vec![None; n]);
+        let work = || {
+            loop {
+                let joint = next.fetch_add(1, Ordering::Relaxed);
+                if joint >= n {
+                    break;
+                }
+                let rows = self.rows_of_joint(joint, widths[joint], motions, total_s, &prepare);
+                if let Ok(mut done) = done.lock() {
+                    done[joint] = Some(rows);
+                }
+            }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        std::thread::scope(|scope| {
+            for _ in 1..threads.min(n) {
+                scope.spawn(work);
+            }
+            work();
+        });
+        let done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut rows = JointRows {
+            triangles: Vec::with_capacity(n),
+            effort: Vec::with_capacity(n),
+            share: if samples > 0.0 { independent / samples } else { 1.0 },
+            blocks: Vec::with_capacity(n),
+        };
+        for of_joint in done.into_iter().flatten() {
+            rows.triangles.push(of_joint.triangle);
+            rows.effort.push(of_joint.effort);
+            rows.blocks.push(of_joint.blocks);
+        }
+        rows
+    }
+
+    fn rows_of_joint(
+        &self,
+        joint: usize,
+        width: usize,
+        motions: &[&Motion],
+        total_s: f64,
+        prepare: &impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>),
+    ) -> RowsOfJoint {
+        let mut rows = RowsOfJoint {
+            triangle: AccumulatedQr::new(width),
+            effort: (0, 0.0, 0.0),
+            blocks: Vec::new(),
+        };
         for (index, motion) in motions.iter().enumerate() {
             #[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
             let effort = motion.effort_filtered.as_ref().expect("a motion with efforts");
-            let kept = kept(motion);
-            let blocks = blocks_of(motion, total_s);
-            independent += motion.independent_share() * kept.len() as f64;
-            samples += kept.len() as f64;
-            for joint in 0..n {
-                let total = &mut rows.effort[joint];
-                let own = &effort[joint][kept.clone()];
-                total.0 += own.len();
-                total.1 += own.iter().sum::<f64>();
-                total.2 += own.iter().map(|e| e * e).sum::<f64>();
-                let mut columns = self.columns(joint, motion);
-                let mut y = effort[joint].clone();
-                prepare(index, joint, &mut columns, &mut y);
-                for block in &blocks {
-                    let part: Vec<Vec<f64>> =
-                        columns.iter().map(|c| c[block.clone()].to_vec()).collect();
-                    let mut triangle = AccumulatedQr::new(columns.len());
-                    triangle.push_columns(&part, &y[block.clone()]);
-                    rows.triangles[joint].merge(&triangle);
-                    rows.blocks[joint].push(triangle);
-                }
+            let own = &effort[joint][kept(motion)];
+            rows.effort.0 += own.len();
+            rows.effort.1 += own.iter().sum::<f64>();
+            rows.effort.2 += own.iter().map(|e| e * e).sum::<f64>();
+            let mut columns = self.columns(joint, motion);
+            let mut y = effort[joint].clone();
+            prepare(index, joint, &mut columns, &mut y);
+            for block in blocks_of(motion, total_s) {
+                let part: Vec<Vec<f64>> =
+                    columns.iter().map(|c| c[block.clone()].to_vec()).collect();
+                let mut triangle = AccumulatedQr::new(columns.len());
+                triangle.push_columns(&part, &y[block]);
+                rows.triangle.merge(&triangle);
+                rows.blocks.push(triangle);
             }
         }
-        rows.share = if samples > 0.0 { independent / samples } else { 1.0 };
         rows
     }
 
