@@ -5,6 +5,7 @@ mod args;
 mod commands;
 mod failure;
 mod output;
+mod progress;
 mod robot;
 
 use std::process::ExitCode;

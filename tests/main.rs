@@ -39,6 +39,8 @@ mod formats;
 mod peers;
 /// plan, simulate, identify, predict: what was put in comes out
 mod pipeline;
+/// a fixed small sample of the study of the intervals
+mod coverage;
 /// public recordings of real arms: rank, error against a plain baseline, refusals
 mod real_data;
 

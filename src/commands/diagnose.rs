@@ -9,6 +9,7 @@ use armident_report::DiagnoseReport;
 use super::recordings;
 use crate::args::DiagnoseArgs;
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, robot};
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
@@ -23,11 +24,13 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let reference =
         recordings::read_all(&recordings::expand(&args.reference)?, &args.reading, &args.output)?;
+    let progress = Progress::of(&args.output, "diagnosing");
     let (before, diagnosis) = if reference.is_empty() {
         (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
     } else {
         diagnose_change(&model, &reference, &train)?
     };
+    drop(progress);
     let on_holdout: Vec<Errors> =
         holdout.iter().map(|r| diagnosis.errors(&before, r)).collect::<Result<_, _>>()?;
     let on_train: Vec<Errors> =

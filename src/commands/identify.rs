@@ -20,6 +20,7 @@ use armident_report::{
 use super::recordings;
 use crate::args::{CouplingArg, IdentifyArgs, PriorArg};
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, robot};
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
@@ -64,6 +65,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let arm = model.rigid_arm();
     let set = MinimalSet::of(&arm)?;
     let mut problem = BatchProblem::new(&arm, &set).with_loads(&loads);
+    let progress = Progress::of(&args.output, "forming motions");
     let drives = drive_gains(&mut problem, &loads, cutoff_hz, &joints, [&mut train, &mut holdout])?;
     let without_loads = |recordings: &[Recording]| -> Result<Vec<Motion>, Failure> {
         let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz)?;
@@ -80,6 +82,8 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     };
     let method = args.method.method();
     let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
+    drop(progress);
+    let progress = Progress::of(&args.output, "choosing by stretches left out");
     let motions: Vec<&Motion> = train_motions.iter().collect();
     let Chosen { couplings, settings } =
         problem.choose(&motions, &settings, args.coupling == CouplingArg::Auto)?;
@@ -92,6 +96,8 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
             100.0 * gain
         ));
     }
+    drop(progress);
+    let progress = Progress::of(&args.output, "fitting");
     let fitted = BatchFit::of(
         &problem,
         &model,
@@ -116,11 +122,14 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
         ));
     }
     let BatchFit { rows, estimate, holdout_rows, .. } = &fitted;
+    drop(progress);
+    let progress = Progress::of(&args.output, "seeking the nearest real links");
 
     let consistent =
         if args.raw_estimate { None } else { Some(problem.nearest_consistent(estimate)?) };
     let values = consistent.as_ref().map_or(&estimate.values, |c| &c.estimated);
 
+    drop(progress);
     let of_urdf = set.values(&arm.constants());
     let urdf_terms: Vec<f64> = problem
         .terms

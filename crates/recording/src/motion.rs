@@ -216,6 +216,13 @@ impl Motion {
         }
     }
 
+    /// The motion of these samples and no others.
+    #[must_use]
+    pub fn without_fine(mut self) -> Self {
+        self.fine = None;
+        self
+    }
+
     /// The motion with all samples.
     pub fn fine(&self) -> &Self {
         self.fine.as_ref().map_or(self, |(fine, _)| fine)
