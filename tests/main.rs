@@ -29,6 +29,8 @@ mod no_panic;
 
 /// recordings as they are and spoiled: what `check` says of them
 mod check;
+/// a fixed small sample of the study of the intervals
+mod coverage;
 /// one concealed effect is named and located, what is not there is not, and the model predicts
 mod diagnose;
 /// models as URDF and MJCF, and what these formats cannot hold
@@ -39,8 +41,6 @@ mod formats;
 mod peers;
 /// plan, simulate, identify, predict: what was put in comes out
 mod pipeline;
-/// a fixed small sample of the study of the intervals
-mod coverage;
 /// public recordings of real arms: rank, error against a plain baseline, refusals
 mod real_data;
 
