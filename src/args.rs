@@ -356,6 +356,16 @@ pub(crate) struct DiagnoseArgs {
     /// Write the model with what was found, for predict and simulate
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
+    /// Where recordings cannot tell effects apart: write the motion that would, next_motion.csv, into
+    /// this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) next_motion: Option<PathBuf>,
+    /// Do not simulate the hold-out from its recorded efforts
+    #[arg(long)]
+    pub(crate) no_replay: bool,
+    /// Diagnose although columns look wrong (another unit, sign or joint)
+    #[arg(long)]
+    pub(crate) trust_columns: bool,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]

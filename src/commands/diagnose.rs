@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_diagnose::{DiagnosedModel, Errors, diagnose, diagnose_change};
-use armident_report::DiagnoseReport;
+use armident_diagnose::{Books, DiagnosedModel, Diagnosis, Errors, diagnose, diagnose_change};
+use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_recording::Recording;
+use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 
 use super::recordings;
 use crate::args::DiagnoseArgs;
@@ -15,69 +17,140 @@ use crate::{output, robot};
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let train_files = recordings::expand(&args.recordings)?;
     let holdout_files = recordings::expand(&args.holdout)?;
-    let inputs =
-        train_files.iter().chain(&holdout_files).chain([&args.robot]).map(PathBuf::as_path);
-    output::protect(inputs, [args.output.json.as_ref(), args.save_model.as_ref()])?;
+    let reference_files = recordings::expand(&args.reference)?;
+    let next_motion = args.next_motion.as_ref().map(|folder| folder.join("next_motion.csv"));
+    let recorded = train_files.iter().chain(&holdout_files).chain(&reference_files);
+    let inputs = recorded.chain([&args.robot]).map(PathBuf::as_path);
+    let outputs = [args.output.json.as_ref(), args.save_model.as_ref(), next_motion.as_ref()];
+    output::protect(inputs, outputs)?;
+    not_twice(&train_files, &holdout_files)?;
     let train = recordings::read_all(&train_files, &args.reading, &args.output)?;
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
-    let recorded = recordings::joints_with_position(&train);
-    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
-    let reference =
-        recordings::read_all(&recordings::expand(&args.reference)?, &args.reading, &args.output)?;
+    let reference = recordings::read_all(&reference_files, &args.reading, &args.output)?;
+    let names = recordings::joints_with_position(&train);
+    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
+    let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
+
+    // gains of drives come from recordings of the arm as it is believed to be
+    let books = Books::of(&model, if reference.is_empty() { &train } else { &reference })?;
+    let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
+        recordings.iter().map(|r| books.in_effort(r)).collect()
+    };
+    let [train, holdout, reference] = [&train, &holdout, &reference].map(|r| in_effort(r));
+    let sources = |recordings: &[Recording]| recordings.iter().map(|r| r.source.clone()).collect();
+    let inputs = DiagnoseInputs {
+        recordings: sources(&train),
+        holdout_recordings: sources(&holdout),
+        reference_recordings: sources(&reference),
+        warnings: warnings.clone(),
+    };
+    if !books.faults.is_empty() && !args.trust_columns {
+        let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
+        return output::write_result(&args.output, &report.text(), &report, &warnings);
+    }
     let progress = Progress::of(&args.output, "diagnosing");
-    let (before, diagnosis) = if reference.is_empty() {
+    let (before, mut diagnosis) = if reference.is_empty() {
         (DiagnosedModel::believed(&model), diagnose(&model, &train)?)
     } else {
         diagnose_change(&model, &reference, &train)?
     };
+    diagnosis.doubt_gains(&books.drive_gains);
+    if !holdout.is_empty() {
+        diagnosis.confirm(&holdout)?;
+    }
     drop(progress);
-    let on_holdout: Vec<Errors> =
-        holdout.iter().map(|r| diagnosis.errors(&before, r)).collect::<Result<_, _>>()?;
-    let on_train: Vec<Errors> =
-        train.iter().map(|r| diagnosis.errors(&before, r)).collect::<Result<_, _>>()?;
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
             Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
         })?;
         output::write_file(path, text.as_bytes())?;
     }
-    let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
-    let report = DiagnoseReport::new(
-        &model.chain,
-        &diagnosis,
-        train.iter().map(|r| r.source.clone()).collect(),
-        holdout.iter().map(|r| r.source.clone()).collect(),
-        pooled(
-            &on_train,
-            &train.iter().map(armident_recording::Recording::len).collect::<Vec<_>>(),
-        ),
-        pooled(
-            &on_holdout,
-            &holdout.iter().map(armident_recording::Recording::len).collect::<Vec<_>>(),
-        ),
-        warnings.clone(),
-    );
+    let next = match &next_motion {
+        Some(path) => {
+            if let Some(folder) = path.parent() {
+                output::create_folder(folder)?;
+            }
+            let next = diagnosis.next_motion()?;
+            if let Some(next) = &next {
+                output::write_file(path, &recordings::encoded(&next.motion, path, &args.output)?)?;
+            }
+            next.map(|next| (path.display().to_string(), next))
+        }
+        None => None,
+    };
+    let fits = Fits {
+        train: pooled(&diagnosis, &before, &train)?,
+        holdout: pooled(&diagnosis, &before, &holdout)?,
+    };
+    let whiteness = diagnosis.whiteness(&holdout)?;
+    let replay = if holdout.is_empty() || args.no_replay {
+        None
+    } else {
+        replayed(&before, &diagnosis.model, &holdout)
+    };
+    let report = DiagnoseReport::new(&model.chain, &diagnosis, inputs, fits)
+        .with_proof(whiteness, replay)
+        .with_books(&books)
+        .with_next_motion(args.next_motion.is_some(), next);
     output::write_result(&args.output, &report.text(), &report, &warnings)
 }
 
-/// Errors of several recordings taken together, by their numbers of samples.
-fn pooled(errors: &[Errors], samples: &[usize]) -> Option<Errors> {
-    if errors.is_empty() {
-        return None;
+/// A recording cannot be fitted and kept out of the fit.
+fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
+    match holdout.iter().find(|file| train.iter().any(|t| output::same_file(t, file))) {
+        Some(file) => Err(Failure::new(
+            "a recording is given for the fit and for the hold-out",
+            file.display(),
+            Some(
+                "keep a recording of another motion out of the fit: on its own data every model is good",
+            ),
+        )),
+        None => Ok(()),
     }
-    let total: usize = samples.iter().sum();
+}
+
+/// The motion that the recorded efforts cause in simulation, with the model as it was and as it is; none
+/// where one of the two cannot be simulated.
+fn replayed(
+    before: &DiagnosedModel,
+    after: &DiagnosedModel,
+    recordings: &[Recording],
+) -> Option<ReplayPair> {
+    let joints = after.arm.chain.joint_names();
+    let cutoff_hz = armident_recording::common_cutoff_hz(recordings, &joints, None).ok()?;
+    let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz).ok()?;
+    let of = |model: &DiagnosedModel| -> Option<BTreeMap<String, f64>> {
+        let moved = replay(&model.as_simulated().0, &motions).ok().filter(|m| m.windows > 0)?;
+        let errors = moved.joints.iter().map(|j| j.position_rms);
+        Some(joints.iter().map(ToString::to_string).zip(errors).collect())
+    };
+    Some(ReplayPair { window_s: REPLAY_WINDOW_S, before: of(before)?, after: of(after)? })
+}
+
+/// Errors over several recordings, by their numbers of samples; none without recordings.
+fn pooled(
+    diagnosis: &Diagnosis,
+    before: &DiagnosedModel,
+    recordings: &[Recording],
+) -> Result<Option<Errors>, Failure> {
+    if recordings.is_empty() {
+        return Ok(None);
+    }
+    let errors: Vec<Errors> =
+        recordings.iter().map(|r| diagnosis.errors(before, r)).collect::<Result<_, _>>()?;
+    let total: usize = recordings.iter().map(Recording::len).sum();
     let pool = |of: &dyn Fn(&Errors) -> &BTreeMap<String, f64>| -> BTreeMap<String, f64> {
         let mut squares: BTreeMap<String, f64> = BTreeMap::new();
-        for (errors, n) in errors.iter().zip(samples) {
+        for (errors, recording) in errors.iter().zip(recordings) {
             for (joint, rmse) in of(errors) {
-                *squares.entry(joint.clone()).or_default() += rmse * rmse * *n as f64;
+                *squares.entry(joint.clone()).or_default() += rmse * rmse * recording.len() as f64;
             }
         }
         squares.into_iter().map(|(joint, s)| (joint, (s / total as f64).sqrt())).collect()
     };
-    Some(Errors {
+    Ok(Some(Errors {
         before: pool(&|e| &e.before),
         rigid: pool(&|e| &e.rigid),
         after: pool(&|e| &e.after),
-    })
+    }))
 }

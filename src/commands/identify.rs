@@ -59,7 +59,7 @@ fn batch(args: &IdentifyArgs) -> Result<(IdentifyReport, ArmModel), Failure> {
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = recordings::common_cutoff(&train, &joints, args.cutoff_hz)?;
+    let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, args.cutoff_hz)?;
     let loads = payloads(args, &model, &[(&train_files, &train), (&holdout_files, &holdout)])?;
 
     let arm = model.rigid_arm();
@@ -478,7 +478,7 @@ fn by_algorithm2(
     let files: Vec<PathBuf> =
         plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
     let recordings: Vec<Recording> = recordings::read_all(&files, &args.reading, &args.output)?;
-    let cutoff_hz = recordings::common_cutoff(&recordings, &joints, args.cutoff_hz)?;
+    let cutoff_hz = armident_recording::common_cutoff_hz(&recordings, &joints, args.cutoff_hz)?;
     let motions = recordings::motions_with_effort(&recordings, &joints, cutoff_hz)?;
 
     let arm = model.rigid_arm();

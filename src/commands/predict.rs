@@ -62,7 +62,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
             (result, None, recording.notes.clone())
         }
         None => {
-            let cutoff_hz = recordings::common_cutoff(
+            let cutoff_hz = armident_recording::common_cutoff_hz(
                 std::slice::from_ref(&recording),
                 &joints,
                 args.cutoff_hz.or(model.cutoff_hz),

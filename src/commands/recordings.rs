@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armident_recording::{
     Action, Encoded, FileFormat, FindingKind, Mapping, Motion, MotionSettings, Quantity,
-    ReadSettings, Recording, default_cutoff_hz, encode, quality, read_recording,
+    ReadSettings, Recording, encode, quality, read_recording,
 };
 
 use crate::args::{OutputArgs, ReadingArgs};
@@ -131,37 +131,6 @@ pub(crate) fn joints_with_position(recordings: &[Recording]) -> Vec<String> {
         .filter(|name| recordings.iter().all(|r| has(r, name)))
         .map(ToOwned::to_owned)
         .collect()
-}
-
-/// One cut-off for all recordings of a fit: as given, or the largest that their spectra ask for;
-/// none where exact accelerations are recorded.
-pub(crate) fn common_cutoff(
-    recordings: &[Recording],
-    joints: &[&str],
-    given: Option<f64>,
-) -> Result<Option<f64>, Failure> {
-    let exact = |r: &Recording| {
-        joints.iter().all(|j| {
-            r.joint(j).is_some_and(|j| {
-                j.channel(Quantity::Velocity).is_some()
-                    && j.channel(Quantity::Acceleration).is_some()
-            })
-        })
-    };
-    if given.is_some() || recordings.iter().all(exact) {
-        return Ok(given);
-    }
-    let mut largest = 0.0_f64;
-    for recording in recordings {
-        let grid = armident_recording::EvenGrid::new(&recording.time_s, &recording.source)?;
-        let positions: Vec<Vec<f64>> = joints
-            .iter()
-            .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))
-            .map(|column| grid.resample(column))
-            .collect();
-        largest = largest.max(default_cutoff_hz(&positions, grid.rate_hz()));
-    }
-    Ok(Some(largest))
 }
 
 /// Motions of the joints with efforts, through one low-pass.

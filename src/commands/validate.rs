@@ -30,8 +30,11 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let model = robot::load(&args.robot, &args.chain, Some(&names))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz =
-        recordings::common_cutoff(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
+    let cutoff_hz = armident_recording::common_cutoff_hz(
+        &recorded,
+        &joints,
+        args.cutoff_hz.or(model.cutoff_hz),
+    )?;
     let motions: Vec<Motion> = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?
         .into_iter()
         .zip(&recorded)

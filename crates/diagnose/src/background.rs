@@ -41,5 +41,22 @@ pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Backgro
             push(InertialParameters::from_com(mass, com, inertia + change), STEP);
         }
     }
-    Background { directions }
+    Background { directions, links: links.len(), free: 0 }
+}
+
+impl Background {
+    /// With further columns whose coefficients have these deviations, whatever the inertial errors.
+    pub(crate) fn extend(&mut self, deviations: &[f64]) {
+        let before = self.directions.first().map_or(0, Vec::len);
+        let length = before + deviations.len();
+        for direction in &mut self.directions {
+            direction.resize(length, 0.0);
+        }
+        for (k, deviation) in deviations.iter().enumerate() {
+            let mut direction = vec![0.0; length];
+            direction[before + k] = *deviation;
+            self.directions.push(direction);
+        }
+        self.free = deviations.len();
+    }
 }

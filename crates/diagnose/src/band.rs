@@ -4,9 +4,12 @@ use std::f64::consts::PI;
 
 /// Cut-off (-6 dB) of the band \[Hz\]: motions of arms and their friction live below; the noise of
 /// efforts and of differentiated encoders mostly above.
-pub(crate) const BAND_HZ: f64 = 10.0;
-/// Rows kept per second: a little above twice the cut-off.
-pub(crate) const ROWS_HZ: f64 = 25.0;
+const BAND_HZ: f64 = 10.0;
+/// Share of the sample rate that the cut-off may be: there differences of fourth order lose 4 % of a
+/// derivative, and less below.
+const BAND_SHARE: f64 = 1.0 / 6.0;
+/// Rows kept per cycle of the cut-off: a little above twice.
+const ROWS_PER_CYCLE: f64 = 2.5;
 /// Half the length of the kernel \[s\]: a transition of 4 Hz on either side.
 const HALF_LENGTH_S: f64 = 0.25;
 /// Samples closer to an end than this \[s\] are not used: the kernel and the low-pass of the
@@ -23,12 +26,16 @@ pub(crate) struct Band {
     /// rows per second
     pub(crate) rows_hz: f64,
     rate_hz: f64,
+    cutoff_hz: f64,
 }
 
 impl Band {
     pub(crate) fn new(rate_hz: f64, samples: usize) -> Self {
-        let cutoff = BAND_HZ.min(0.4 * rate_hz) / rate_hz;
-        let half = (HALF_LENGTH_S * rate_hz).round().max(1.0) as usize;
+        let cutoff_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
+        let cutoff = cutoff_hz / rate_hz;
+        // as many cycles of the cut-off whatever it is
+        let longer = BAND_HZ / cutoff_hz;
+        let half = (HALF_LENGTH_S * longer * rate_hz).round().max(1.0) as usize;
         let mut taps: Vec<f64> = (0..=2 * half)
             .map(|k| {
                 let t = k as f64 - half as f64;
@@ -39,16 +46,29 @@ impl Band {
             .collect();
         let sum: f64 = taps.iter().sum();
         taps.iter_mut().for_each(|tap| *tap /= sum);
-        let step = (rate_hz / ROWS_HZ).round().max(1.0) as usize;
-        let edge = ((EDGE_S * rate_hz).ceil() as usize).max(half);
+        let step = (rate_hz / (ROWS_PER_CYCLE * cutoff_hz)).round().max(1.0) as usize;
+        let edge = ((EDGE_S * longer * rate_hz).ceil() as usize).max(half);
         let kept = (edge..samples.saturating_sub(edge)).step_by(step).collect();
-        Self { taps, kept, rows_hz: rate_hz / step as f64, rate_hz }
+        Self { taps, kept, rows_hz: rate_hz / step as f64, rate_hz, cutoff_hz }
     }
 
     /// The rows of a column given at every sample.
     pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
+        self.at(column, &self.kept)
+    }
+
+    /// Rows so far apart that white noise is white in them again: at twice the cut-off.
+    pub(crate) fn independent_rows(&self, column: &[f64]) -> Vec<f64> {
+        let step = (self.rate_hz / (2.0 * self.cutoff_hz)).ceil().max(1.0) as usize;
+        let (Some(&first), Some(&last)) = (self.kept.first(), self.kept.last()) else {
+            return Vec::new();
+        };
+        self.at(column, &(first..=last).step_by(step).collect::<Vec<_>>())
+    }
+
+    fn at(&self, column: &[f64], places: &[usize]) -> Vec<f64> {
         let half = self.taps.len() / 2;
-        self.kept
+        places
             .iter()
             .map(|&i| {
                 let window = &column[i - half..i - half + self.taps.len()];

@@ -46,7 +46,7 @@ impl ContactColumns {
         residual: &[Vec<f64>],
     ) -> Vec<(f64, usize, [f64; 2])> {
         let mut best = Vec::new();
-        for (r, signals) in evidence.signals.iter().enumerate() {
+        for (r, signals) in evidence.signals.iter().enumerate().skip(evidence.rows.changed_from) {
             let (first, end) = (evidence.rows.starts[r], evidence.rows.starts[r + 1]);
             let mut products = vec![Matrix3::<f64>::zeros()];
             let mut moments = vec![Vector3::<f64>::zeros()];

@@ -1,11 +1,13 @@
 //! Blocked cross-validation: what an effect explains must also be explained in stretches of the
 //! recordings that its coefficients have not seen.
 
+use armident_effects::EVERYDAY;
+
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
-use crate::problem::{Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::rows::Blocks;
-use crate::search::{Answer, answer};
+use crate::search::{Answer, all_admissible, answer};
 
 /// Stretches that each recording is cut into.
 const BLOCKS_PER_RECORDING: usize = 3;
@@ -28,7 +30,7 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
         let small_id = |g: usize| originals.iter().position(|o| *o == g).map(|k| ids[k]);
         let set: Vec<usize> = of.set.iter().filter_map(|g| small_id(*g)).collect();
         let errors = |set: &[usize]| -> Vec<Vec<f64>> {
-            folds.iter().map(|f| f.errors(set, metric)).collect()
+            folds.iter().map(|f| f.errors(set, metric.scale, &metric.wide)).collect()
         };
         let with = errors(&set);
         let mut worst: Option<(f64, usize)> = None;
@@ -57,11 +59,7 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
             if gains.len() < 2 {
                 continue;
             }
-            let count = gains.len() as f64;
-            let mean = gains.iter().sum::<f64>() / count;
-            let variance =
-                gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-            let ratio = mean / (variance / count).sqrt().max(f64::MIN_POSITIVE);
+            let ratio = in_standard_errors(&gains);
             if ratio < 1.0 && worst.is_none_or(|w| ratio < w.0) {
                 worst = Some((ratio, g));
             }
@@ -72,6 +70,154 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
         match answer(metric, rest).or_else(|| answer(metric, plain)) {
             Some(next) => of = next,
             None => return of,
+        }
+    }
+}
+
+/// What predicts best, of what was named and of the terms every joint has.
+pub(crate) struct Predictor {
+    pub(crate) answer: Answer,
+    pub(crate) scale: f64,
+}
+
+impl Predictor {
+    /// Another answer with the terms that this one has beside what was named.
+    pub(crate) fn beside(
+        &self,
+        metric: &Whitened<'_>,
+        named: &Answer,
+        other: &Answer,
+    ) -> Option<Answer> {
+        let groups = &metric.problem.groups;
+        let mut set = other.set.clone();
+        for &g in self.answer.set.iter().filter(|g| !named.set.contains(g)) {
+            if set.iter().all(|o| *o != g && !groups[*o].excludes(&groups[g])) {
+                set.push(g);
+            }
+        }
+        admissible_part(metric, set, &other.set)
+    }
+}
+
+/// Relative inertial errors tried for the prediction, beside the one of the selection.
+const SCALES: [f64; 4] = [0.05, 0.2, 0.8, 3.2];
+
+/// The answer with terms that are too small to be named and with inertial errors of another size, where
+/// stretches that were not fitted are then predicted better by more than the standard error of that: a
+/// name needs to matter, a prediction needs every term that helps.
+pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
+    let problem = metric.problem;
+    let extended = with_everyday(problem, &named.set);
+    let (small, ids) = problem.restricted(&extended);
+    let folds = folds(&small);
+    let small_id = |g: &usize| extended.iter().position(|o| o == g).map(|k| ids[k]);
+    let mut scales = vec![metric.scale];
+    scales.extend(SCALES.iter().filter(|s| **s != metric.scale));
+    // logarithms of squared errors, `[fold][joint]`: no stretch and no joint outweighs the others
+    let errors = |found: &Answer, scale: f64| -> Vec<Vec<f64>> {
+        let set: Vec<usize> = found.set.iter().filter_map(&small_id).collect();
+        let of = |fold: &Fold| fold.errors(&set, scale, &metric.wide);
+        folds
+            .iter()
+            .map(|f| of(f).iter().map(|e| e.max(f64::MIN_POSITIVE).ln()).collect())
+            .collect()
+    };
+    // by joint, or over all joints
+    let gains = |before: &[Vec<f64>], after: &[Vec<f64>], joint: Option<usize>| -> Vec<f64> {
+        before
+            .iter()
+            .zip(after)
+            .map(|(b, a)| match joint {
+                Some(j) => b[j] - a[j],
+                None => b.iter().zip(a).map(|(b, a)| b - a).sum(),
+            })
+            .collect()
+    };
+    let mut best: Option<(Predictor, Vec<Vec<f64>>)> = None;
+    for scale in scales {
+        let full = problem.whitened(scale, &metric.wide);
+        let of = |set: Vec<usize>| admissible_part(&full, set, &named.set);
+        let Some(short) = of(named.set.clone()) else { continue };
+        let of_short = errors(&short, scale);
+        let mut found = (short, of_short);
+        if let Some(long) = of(extended.clone()) {
+            // terms of those joints only that are the better for it
+            let of_long = errors(&long, scale);
+            let helped: Vec<bool> = (0..problem.rows.joints())
+                .map(|j| gains(&found.1, &of_long, Some(j)).iter().sum::<f64>() > 0.0)
+                .collect();
+            let set = long
+                .set
+                .iter()
+                .copied()
+                .filter(|g| named.set.contains(g) || helped[problem.groups[*g].site.joints[0]])
+                .collect();
+            if let Some(chosen) = of(set) {
+                let of_chosen = errors(&chosen, scale);
+                if gains(&found.1, &of_chosen, None).iter().sum::<f64>() > 0.0 {
+                    found = (chosen, of_chosen);
+                }
+            }
+        }
+        let better = best
+            .as_ref()
+            .is_none_or(|(_, before)| in_standard_errors(&gains(before, &found.1, None)) > 1.0);
+        if better {
+            best = Some((Predictor { answer: found.0, scale }, found.1));
+        }
+    }
+    best.map_or_else(
+        || Predictor { answer: named.clone(), scale: metric.scale },
+        |(predictor, _)| predictor,
+    )
+}
+
+/// Mean of some numbers over its standard error.
+fn in_standard_errors(gains: &[f64]) -> f64 {
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// What an answer leaves with the terms of a plain identification beside it.
+pub(crate) fn with_everyday_terms(metric: &Whitened<'_>, named: &Answer) -> Blocks {
+    let extended = with_everyday(metric.problem, &named.set);
+    let found = admissible_part(metric, extended, &named.set);
+    metric.residual(&found.as_ref().unwrap_or(named).fit)
+}
+
+/// A set with the terms of a plain identification on every joint, where nothing named takes their place.
+fn with_everyday(problem: &Problem, set: &[usize]) -> Vec<usize> {
+    let groups = &problem.groups;
+    let mut all = set.to_vec();
+    // a description without a name has terms of its own
+    let described = |group: &Group| {
+        set.iter().any(|g| {
+            groups[*g].site == group.site && matches!(groups[*g].meaning, Meaning::Flexible(_))
+        })
+    };
+    for (g, group) in groups.iter().enumerate() {
+        if described(group) {
+            continue;
+        }
+        let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
+        if everyday && all.iter().all(|o| *o != g && !groups[*o].excludes(group)) {
+            all.push(g);
+        }
+    }
+    all
+}
+
+/// The answer of a set without those terms beside `named` that have the wrong sign.
+fn admissible_part(metric: &Whitened<'_>, mut set: Vec<usize>, named: &[usize]) -> Option<Answer> {
+    loop {
+        let columns = metric.columns_of(&set);
+        let fit = metric.fit(columns)?;
+        let before = set.len();
+        set.retain(|g| named.contains(g) || all_admissible(metric.problem, &[*g], &fit));
+        if set.len() == before {
+            return answer(metric, set);
         }
     }
 }
@@ -90,7 +236,7 @@ fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
 /// One fold for every stretch.
 fn folds(problem: &Problem) -> Vec<Fold> {
     let mut folds = Vec::new();
-    for pair in problem.rows.starts.windows(2) {
+    for pair in problem.rows.starts.windows(2).skip(problem.rows.changed_from) {
         let length = pair[1] - pair[0];
         for block in 0..BLOCKS_PER_RECORDING {
             let at = |k: usize| pair[0] + k * length / BLOCKS_PER_RECORDING;
@@ -106,8 +252,8 @@ fn folds(problem: &Problem) -> Vec<Fold> {
 
 impl Fold {
     /// Sum of weighted squares of the stretch that was not fitted, by joint.
-    fn errors(&self, set: &[usize], like: &Whitened<'_>) -> Vec<f64> {
-        let metric = self.fitted.whitened(like.scale, &like.wide);
+    fn errors(&self, set: &[usize], scale: f64, wide: &[usize]) -> Vec<f64> {
+        let metric = self.fitted.whitened(scale, wide);
         let joints = self.predicted.effort.len();
         let Some(fit) = metric.fit(metric.columns_of(set)) else {
             return vec![f64::INFINITY; joints];

@@ -2,7 +2,7 @@
 
 use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix, inverse_dynamics_of_motion};
 use armident_effects::{
-    ArmMotion, Effect, JointMotion, LIBRARY, MotionScale, Place, Scope, effect, tilted,
+    ArmMotion, EVERYDAY, Effect, JointMotion, LIBRARY, MotionScale, Place, Scope, effect, tilted,
 };
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_numeric::{Mat, symmetric_eigen};
@@ -46,6 +46,8 @@ pub(crate) struct At<'a> {
     pub(crate) arm: RigidArm,
     pub(crate) position: Vec<Vec<f64>>,
     pub(crate) rigid: Vec<Vec<f64>>,
+    /// lag of the efforts \[s\]
+    pub(crate) delay_s: f64,
 }
 
 impl<'a> At<'a> {
@@ -63,7 +65,7 @@ impl<'a> At<'a> {
             signals.position.iter().zip(&point.offset).map(moved).collect();
         let rigid =
             inverse_dynamics_of_motion(&arm, &position, &signals.velocity, &signals.acceleration);
-        Self { signals, arm, position, rigid }
+        Self { signals, arm, position, rigid, delay_s: point.delay_s }
     }
 
     pub(crate) fn joint(&self, j: usize) -> JointMotion<'_> {
@@ -132,7 +134,16 @@ impl<'a> Evidence<'a> {
     /// Recordings at an operating point with other links.
     pub(crate) fn at(&self, point: &OperatingPoint) -> Vec<At<'_>> {
         let arm = RigidArm::from_chain(self.chain);
-        self.signals.iter().map(|s| At::new(self.chain, &arm, s, point)).collect()
+        let none = OperatingPoint::of(self.joints());
+        let point_of = |r: usize| if r < self.rows.changed_from { &none } else { point };
+        let signals = self.signals.iter().enumerate();
+        signals.map(|(r, s)| At::new(self.chain, &arm, s, point_of(r))).collect()
+    }
+
+    /// Only what changed from this recording on is sought; the recordings before it show the arm as it was,
+    /// and hold its links and everyday friction.
+    pub(crate) fn seek_change(&mut self, first: usize) {
+        self.rows.changed_from = first;
     }
 
     /// Blocks of an arm column given for each recording as `[joint][sample]`.
@@ -142,7 +153,7 @@ impl<'a> Evidence<'a> {
                 if by_recording.iter().all(|c| c[j].iter().all(|x| *x == 0.0)) {
                     return Vec::new();
                 }
-                self.rows.form(&self.signals, j, by_recording.iter().map(|c| c[j].as_slice()))
+                self.rows.form_law(&self.signals, j, by_recording.iter().map(|c| c[j].as_slice()))
             })
             .collect()
     }
@@ -151,7 +162,7 @@ impl<'a> Evidence<'a> {
     pub(crate) fn joint_blocks(&self, joint: usize, by_recording: &[Vec<f64>]) -> Blocks {
         let mut blocks = vec![Vec::new(); self.joints()];
         blocks[joint] =
-            self.rows.form(&self.signals, joint, by_recording.iter().map(Vec::as_slice));
+            self.rows.form_law(&self.signals, joint, by_recording.iter().map(Vec::as_slice));
         blocks
     }
 
@@ -160,22 +171,31 @@ impl<'a> Evidence<'a> {
         let at = self.at(point);
         let n = self.joints();
         let efforts: Vec<Vec<Vec<f64>>> =
-            self.signals.iter().map(|s| s.effort_before(point.delay_s)).collect();
+            at.iter().map(|at| at.signals.effort_before(at.delay_s)).collect();
         let effort: Blocks = (0..n)
             .map(|j| {
                 let difference: Vec<Vec<f64>> = at
                     .iter()
                     .zip(&efforts)
                     .map(|(at, effort)| {
+                        if effort[j].is_empty() {
+                            // without a record the rows weigh nothing
+                            return vec![0.0; at.rigid[j].len()];
+                        }
                         at.rigid[j].iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
                     })
                     .collect();
                 self.rows.form(&self.signals, j, difference.iter().map(Vec::as_slice))
             })
             .collect();
-        let rigid = self.rigid_columns(&at);
+        let mut rigid = self.rigid_columns(&at);
         let arm = RigidArm::from_chain(self.chain);
-        let background = inertial_error_directions(&arm.links);
+        let mut background = inertial_error_directions(&arm.links);
+        if self.rows.changed_from > 0 {
+            let (columns, deviations) = self.everyday_columns(&at, &effort);
+            rigid.extend(columns);
+            background.extend(&deviations);
+        }
         let mut problem = Problem::new(self.rows.clone(), effort, rigid, background);
         for j in 0..n {
             for law in LIBRARY.iter().filter(|law| law.law().scope == Scope::Joint) {
@@ -194,6 +214,28 @@ impl<'a> Evidence<'a> {
         self.push_arm_laws(&mut problem, &at, &efforts);
         self.push_links(&mut problem);
         problem
+    }
+
+    /// The terms of a plain identification on every joint, the same before and after a change, and a
+    /// deviation of their coefficients that leaves them free: such that a column is as large as what is
+    /// to be explained on its joint.
+    fn everyday_columns(&self, at: &[At<'_>], effort: &Blocks) -> (Vec<Blocks>, Vec<f64>) {
+        let (mut columns, mut deviations) = (Vec::new(), Vec::new());
+        for j in 0..self.joints() {
+            for law in EVERYDAY {
+                let pieces: Vec<Vec<f64>> = at
+                    .iter()
+                    .filter_map(|at| law.columns(&[], &at.joint(j)).into_iter().next())
+                    .collect();
+                let rows = self.rows.form(&self.signals, j, pieces.iter().map(Vec::as_slice));
+                let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+                deviations.push((square(&effort[j]) / square(&rows).max(f64::MIN_POSITIVE)).sqrt());
+                let mut blocks = vec![Vec::new(); self.joints()];
+                blocks[j] = rows;
+                columns.push(blocks);
+            }
+        }
+        (columns, deviations)
     }
 
     /// The `10 n` columns of the standard parameters.
@@ -263,7 +305,7 @@ impl<'a> Evidence<'a> {
             let mut blocks = vec![Vec::new(); self.joints()];
             for side in 0..2 {
                 let pieces = by_recording.iter().map(|c| c[k][side].as_slice());
-                blocks[first + side] = self.rows.form(&self.signals, first + side, pieces);
+                blocks[first + side] = self.rows.form_law(&self.signals, first + side, pieces);
             }
             ids.push(self.share_or_push(problem, blocks));
         }
@@ -359,6 +401,7 @@ impl<'a> Evidence<'a> {
                             *s += x * c;
                         }
                     }
+                    sum[..self.rows.judged_from()].fill(0.0);
                     *block = sum;
                 }
                 ids.push(problem.push_columns(vec![blocks]));
@@ -378,11 +421,27 @@ impl<'a> Evidence<'a> {
                     .iter()
                     .map(|k| (0..10).map(|p| f64::from(u8::from(10 * last + p == *k))).collect())
                     .collect();
+                let columns = if self.rows.changed_from == 0 {
+                    columns
+                } else {
+                    columns.iter().map(|&k| self.push_changed(problem, k)).collect()
+                };
                 let site = Site { joints: vec![last], window: None };
                 let group = push_law(problem, payload, site, &[], columns, 0);
                 problem.groups[group].transform = Some(transform);
             }
         }
+    }
+}
+
+impl Evidence<'_> {
+    /// Adds a column that is another one from the change on.
+    fn push_changed(&self, problem: &mut Problem, column: usize) -> usize {
+        let mut blocks = problem.columns[column].clone();
+        for block in blocks.iter_mut().filter(|b| !b.is_empty()) {
+            block[..self.rows.judged_from()].fill(0.0);
+        }
+        problem.push_columns(vec![blocks])
     }
 }
 

@@ -316,7 +316,7 @@ pub(crate) fn recreate(
 fn beside(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Vec<f64>> {
     let form = |of: &dyn Fn(&At<'_>) -> Vec<f64>| {
         let pieces: Vec<Vec<f64>> = at.iter().map(of).collect();
-        evidence.rows.form(&evidence.signals, joint, pieces.iter().map(Vec::as_slice))
+        evidence.rows.form_law(&evidence.signals, joint, pieces.iter().map(Vec::as_slice))
     };
     vec![
         form(&|at| at.signals.velocity[joint].clone()),
@@ -384,7 +384,7 @@ fn rows_of(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize, basis: &Basis) 
     (0..basis.size())
         .map(|k| {
             let pieces = by_recording.iter().map(|c| c[k].as_slice());
-            evidence.rows.form(&evidence.signals, joint, pieces)
+            evidence.rows.form_law(&evidence.signals, joint, pieces)
         })
         .collect()
 }

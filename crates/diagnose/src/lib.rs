@@ -13,16 +13,22 @@
 //! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
 //! effort in these motions one is named; contacts push on the tip.
 
+mod alternatives;
+mod atlas;
 mod background;
 mod band;
+mod books;
 mod change;
 mod contact;
 mod crossval;
 mod diagnosis;
 mod evidence;
+mod findings;
 mod flexible;
+mod learn;
 mod material;
 mod model;
+mod next_motion;
 mod noise;
 mod problem;
 mod ripple;
@@ -32,12 +38,14 @@ mod select;
 mod signals;
 mod transmission;
 
+pub use atlas::{Bin, JointAtlas, Regime, SymmetryTest};
+pub use books::{Books, DriveGain};
 pub use change::diagnose_change;
-pub use diagnosis::{
-    Alternative, DiagnoseError, Diagnosis, Errors, Finding, FindingEvidence, Value, diagnose,
-};
+pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose};
+pub use findings::{Alternative, Finding, FindingEvidence, Value};
 pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
 pub use model::{DiagnosedModel, Learned};
+pub use next_motion::NextMotion;
 pub use transmission::{Transmission, TransmissionTerm};
 
 /// Name of a finding for structure that no law of the library explains.

@@ -68,7 +68,8 @@ pub(crate) fn materiality(
     let without = reduced(metric, of, group, point);
     let least = if metric.scale > 0.0 { LEAST_BESIDE_INERTIA } else { LEAST };
     let mut worst = Materiality { value: 0.0, least, joint: 0 };
-    if metric.scale > 0.0 && problem.groups[group].transform.is_some() {
+    let absorbed = metric.scale > 0.0 && problem.rows.changed_from == 0;
+    if absorbed && problem.groups[group].transform.is_some() {
         // uncertain inertias would take the place of a load: what counts is its own effort
         let size = own_materiality(metric, of, group, &left);
         return (size, without.map(|w| w.0));

@@ -1,15 +1,16 @@
 //! What was learned, in a form that predicts.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{EffectOnJoint, Scope, effect};
+use armident_effects::{EffectOnJoint, Scope, effect, tilted};
 use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::{At, OperatingPoint};
 use crate::flexible::FlexibleTerm;
 use crate::signals::{Signals, later, low_pass};
-use crate::transmission::TransmissionTerm;
+use crate::transmission::{Transmission, TransmissionTerm};
 
 /// Cut-off for the rigid part of a prediction \[Hz\], unless training recordings ask for a lower one:
 /// above, differentiated encoders are mostly noise.
@@ -146,6 +147,48 @@ impl DiagnosedModel {
             *effort = later(effort, -self.learned.delay_s * signals.rate_hz);
         }
         Ok(effort)
+    }
+
+    /// The arm with all that was learned as effects on it, for simulation and export; and what has no place
+    /// in a simulated arm (structure without a name, lags and gains of channels).
+    pub fn as_simulated(&self) -> (ArmModel, Vec<String>) {
+        let mut arm = self.arm.clone();
+        let names: Vec<String> = arm.chain.joints.iter().map(|j| j.name.clone()).collect();
+        let mut lost = Vec::new();
+        for coupling in &self.learned.couplings {
+            let second = names.iter().position(|n| *n == coupling.joint).map(|j| j + 1);
+            let mut coupling = coupling.clone();
+            coupling.other_joint = second.and_then(|j| names.get(j).cloned());
+            arm.effects.push(coupling);
+        }
+        for term in &self.learned.transmissions {
+            let Transmission { gap, stiffness, damping } = term.transmission;
+            let (slug, parameters) = if gap > 0.0 {
+                ("backlash", vec![gap, stiffness, damping, term.motor_inertia])
+            } else {
+                ("joint_elasticity", vec![stiffness, damping, term.motor_inertia])
+            };
+            arm.effects.push(EffectOnJoint::new(slug, &term.joint, parameters));
+        }
+        let tilt = Vector3::new(self.learned.tilt_rad[0], self.learned.tilt_rad[1], 0.0);
+        arm.chain.gravity_e0 = tilted(&arm.chain.base_from_e0, &arm.chain.gravity_e0, &tilt);
+        for (name, offset) in names.iter().zip(&self.learned.encoder_offset) {
+            if *offset != 0.0 {
+                arm.effects.push(EffectOnJoint::new("encoder_offset", name, vec![*offset]));
+            }
+        }
+        for (name, gain) in names.iter().zip(&self.learned.gain) {
+            if *gain != 1.0 {
+                arm.effects.push(EffectOnJoint::new("torque_scale", name, vec![*gain]));
+            }
+        }
+        if self.learned.delay_s != 0.0 {
+            lost.push(format!("the lag of the efforts, {:.4} s", self.learned.delay_s));
+        }
+        for term in &self.learned.flexible {
+            lost.push(format!("structure without a name on {}", term.joint));
+        }
+        (arm, lost)
     }
 
     /// Writes the model as one JSON file: that of the arm, and a section of what was learned.

@@ -73,9 +73,13 @@ impl Group {
 pub(crate) struct Background {
     /// `D`, `[direction][standard parameter]`
     pub(crate) directions: Vec<Vec<f64>>,
+    pub(crate) links: usize,
+    /// last directions, which are not inertial
+    pub(crate) free: usize,
 }
 
-/// Columns and their products; the first `rigid` columns are the standard parameters.
+/// Columns and their products; the first `rigid` columns are the standard parameters, and the everyday
+/// terms of every joint where a change is sought.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
     pub(crate) rows: Rows,
@@ -193,9 +197,10 @@ impl Problem {
         let mut square = self.square;
         let mut log_determinant = 0.0;
         let mut prior = None;
-        if scale > 0.0 {
+        if scale > 0.0 || self.background.free > 0 {
             let weight = self.rows.share;
-            let per_link = self.background.directions.len() / (self.rigid / 10).max(1);
+            let inertial = self.background.directions.len() - self.background.free;
+            let per_link = (inertial / self.background.links.max(1)).max(1);
             let directions: Vec<Vec<f64>> = self
                 .background
                 .directions
@@ -203,7 +208,11 @@ impl Problem {
                 .enumerate()
                 .map(|(k, d)| {
                     let is_wide = wide.contains(&(k / per_link));
-                    let scale = if is_wide { WIDE * scale } else { scale };
+                    let scale = match (k < inertial, is_wide) {
+                        (true, true) => WIDE * scale,
+                        (true, false) => scale,
+                        (false, _) => 1.0,
+                    };
                     d.iter().map(|x| scale * x).collect()
                 })
                 .collect();

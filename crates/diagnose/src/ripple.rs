@@ -47,7 +47,7 @@ impl RippleColumns {
                         .collect();
                     let rows = |k: usize| {
                         let columns = pieces.iter().map(|p| p[k].as_slice());
-                        evidence.rows.form(&evidence.signals, j, columns)
+                        evidence.rows.form_law(&evidence.signals, j, columns)
                     };
                     (order, rows(0), rows(1))
                 };

@@ -26,8 +26,12 @@ pub(crate) struct Rows {
     pub(crate) starts: Vec<usize>,
     /// independent samples per row
     pub(crate) share: f64,
+    /// rows per second of the first recording
+    pub(crate) rows_hz: f64,
     /// `[joint][row]`
     pub(crate) stuck: Vec<Vec<bool>>,
+    /// first recording in which laws act: those before it show the arm as it was
+    pub(crate) changed_from: usize,
     /// `[joint]`, 1 or more: by what the weights are smaller for the imperfection of the model
     pub(crate) misfit: Vec<f64>,
 }
@@ -53,8 +57,10 @@ impl Rows {
             misfit: vec![1.0; joints],
             share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
                 / signals.len() as f64,
+            rows_hz: signals[0].band.rows_hz,
             noise,
             starts,
+            changed_from: 0,
         };
         for j in 0..joints {
             let mut squares = 0.0;
@@ -115,6 +121,23 @@ impl Rows {
         rows
     }
 
+    /// The same of a law: nothing before the change.
+    pub(crate) fn form_law<'a>(
+        &self,
+        signals: &[Signals],
+        joint: usize,
+        columns: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Vec<f64> {
+        let mut rows = self.form(signals, joint, columns);
+        rows[..self.judged_from()].fill(0.0);
+        rows
+    }
+
+    /// First row of what is judged.
+    pub(crate) fn judged_from(&self) -> usize {
+        self.starts[self.changed_from]
+    }
+
     pub(crate) fn weight(&self, joint: usize) -> &[f64] {
         &self.weight[joint]
     }
@@ -131,7 +154,7 @@ impl Rows {
     /// band, whatever the misfit in the weights.
     pub(crate) fn in_band_noise(&self, joint: usize, rows: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        for (x, stuck) in rows.iter().zip(&self.stuck[joint]) {
+        for (x, stuck) in rows.iter().zip(&self.stuck[joint]).skip(self.judged_from()) {
             if !stuck {
                 sum += (x * self.misfit[joint]).powi(2);
                 count += 1;
@@ -144,7 +167,7 @@ impl Rows {
     /// unit of the effort over the noise of one recorded sample.
     pub(crate) fn in_sample_noise(&self, joint: usize, rows: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        for (k, x) in rows.iter().enumerate() {
+        for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
             if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
                 sum += (x / self.weight[joint][k]).powi(2);
                 count += 1;

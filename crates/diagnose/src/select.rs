@@ -6,11 +6,11 @@ use armident_effects::{Place, Scope, effect};
 
 use armident_numeric::{Cholesky, gram_of_columns};
 
-use crate::band::ROWS_HZ;
 use crate::contact::ContactColumns;
-use crate::crossval::confirm;
+use crate::crossval::{confirm, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
+use crate::learn::View;
 use crate::material::{LEAST, band_noise, excess, held, prune};
 use crate::problem::{Group, Meaning, Problem, Whitened, dot};
 use crate::ripple::RippleColumns;
@@ -57,6 +57,15 @@ pub(crate) struct Selection {
 impl Selection {
     pub(crate) fn metric(&self) -> Whitened<'_> {
         self.problem.whitened(self.scale, &self.wide)
+    }
+
+    /// The answer; the metric is that of the selection.
+    pub(crate) fn view<'a, 'e>(
+        &'a self,
+        evidence: &'a Evidence<'e>,
+        metric: &'a Whitened<'a>,
+    ) -> View<'a, 'e> {
+        View::new(evidence, metric, &self.answer, &self.point)
     }
 }
 
@@ -127,7 +136,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .iter()
             .zip(&problem.rows.misfit)
             .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
-        let residual = problem.whitened(scale, &wide).residual(&found.fit);
+        // of what no term of a plain identification explains: a short answer must not look like few samples
+        let residual = with_everyday_terms(&problem.whitened(scale, &wide), &found);
         let share = independent_share(&problem, &residual).min(problem.rows.share);
         let reweighted = reweighted || share < FEWER_SAMPLES * problem.rows.share;
         let done = (still && !again && !reweighted) || pass + 1 == PASSES;
@@ -201,7 +211,7 @@ fn independent_share(problem: &Problem, residual: &[Vec<f64>]) -> f64 {
                 .sum::<f64>()
                 / square
         };
-        let lags = (1..(LONGEST_S * ROWS_HZ) as usize).map(correlation);
+        let lags = (1..(LONGEST_S * problem.rows.rows_hz) as usize).map(correlation);
         time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
     }
     residual.len() as f64 / time
@@ -478,7 +488,10 @@ fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
         .filter(|&g| {
             let group = &problem.groups[g];
             (group.slug() == "torque_ripple" && memory.no_ripple.contains(&group.site.joints[0]))
-                || (scale > 0.0 && group.slug() == "link_inertia_error")
+                || (scale > 0.0
+                    && problem.rows.changed_from == 0
+                    && group.slug() == "link_inertia_error")
+                || group.site.window.is_some_and(|(r, _)| r < problem.rows.changed_from)
         })
         .collect()
 }
@@ -493,8 +506,9 @@ fn with_wrong_bodies(
     banned: &HashSet<usize>,
 ) -> Best {
     let mut wide = Vec::new();
-    if scale > 0.0 && scale <= ALL_LINKS_WRONG {
-        let links = problem.rigid / 10;
+    // where a change is sought, a link that changed is a law like the others
+    if scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0 {
+        let links = problem.background.links;
         while wide.len() < MOST_WRONG_BODIES {
             let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {
                 let trial = [wide.clone(), vec![link]].concat();

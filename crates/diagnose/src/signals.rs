@@ -23,6 +23,15 @@ const SIGN_SHARE: f64 = 0.002;
 const STICK_SHARE: f64 = 0.006;
 /// ... if it stays there this long \[s\].
 const STICK_S: f64 = 0.03;
+/// Share of the acceleration noise from the position that is clearly better.
+const CLEARLY_BETTER: f64 = 0.5;
+/// Share of the acceleration's noise in it from which on it matters.
+const MATTERS: f64 = 0.02;
+/// A recorded velocity that is off by more than this says something else than the position; and by that
+/// much later, or by that share of a sample \[s\].
+const SAME_SCALE: f64 = 0.05;
+const NO_LAG_S: f64 = 1e-3;
+const NO_LAG_SAMPLES: f64 = 0.05;
 /// Friction fades to nothing in this time \[s\] when a joint stops and goes on the same way.
 const DIP_S: f64 = 0.04;
 
@@ -42,8 +51,17 @@ pub(crate) struct Signals {
     /// empty for a joint whose effort is not recorded
     pub(crate) effort: Vec<Vec<f64>>,
     pub(crate) position_noise: Vec<Noise>,
+    /// noise of the recorded velocity of a joint whose derivatives come from it
+    pub(crate) velocity_noise: Vec<Option<VelocityNoise>>,
     pub(crate) band: Band,
     pub(crate) grid: EvenGrid,
+}
+
+/// Noise of a recorded velocity \[rad/s or m/s\] and of its derivative in the band.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VelocityNoise {
+    deviation: f64,
+    acceleration_in_band: f64,
 }
 
 impl Signals {
@@ -65,12 +83,15 @@ impl Signals {
             .map(|q| if q.is_empty() { vec![0.0; time_s.len()] } else { q })
             .collect();
         let effort: Vec<Vec<f64>> = joints.iter().map(|j| on_grid(j, Quantity::Effort)).collect();
+        let recorded_velocity: Vec<Vec<f64>> =
+            joints.iter().map(|j| on_grid(j, Quantity::Velocity)).collect();
         let low_pass = kinematics_filter(rate_hz)?;
         let mut signals = Self {
             source: recording.source.clone(),
             rate_hz,
             band: Band::new(rate_hz, time_s.len()),
             position_noise: recorded_position.iter().map(|q| noise_of(q, rate_hz)).collect(),
+            velocity_noise: vec![None; joints.len()],
             position: Vec::new(),
             time_s,
             recorded_position,
@@ -81,16 +102,28 @@ impl Signals {
             effort,
             grid,
         };
-        for j in 0..joints.len() {
-            let (extended, margin) = extended(&signals.recorded_position[j], rate_hz);
-            let position = low_pass.filter(&extended);
-            let velocity = differentiate(&position, rate_hz);
-            let acceleration = differentiate(&velocity, rate_hz);
-            let inner = margin..margin + signals.time_s.len();
-            signals.position.push(position[inner.clone()].to_vec());
-            signals.acceleration.push(acceleration[inner.clone()].to_vec());
-            let velocity = velocity[inner].to_vec();
-            let noise = signals.position_noise[j].deviation * signals.kinematics_gain(1);
+        for (j, recorded) in recorded_velocity.iter().enumerate() {
+            let inner = |values: &[f64], margin: usize| {
+                values[margin..margin + signals.time_s.len()].to_vec()
+            };
+            let (position, margin) = extended(&signals.recorded_position[j], rate_hz);
+            let position = low_pass.filter(&position);
+            let mut velocity = differentiate(&position, rate_hz);
+            let mut acceleration = inner(&differentiate(&velocity, rate_hz), margin);
+            velocity = inner(&velocity, margin);
+            let mut noise = signals.position_noise[j].deviation * signals.kinematics_gain(1);
+            if !recorded.is_empty()
+                && let Some(of_recorded) = signals.better_velocity(recorded, &velocity)
+            {
+                let (extended, margin) = extended(recorded, rate_hz);
+                let smooth = low_pass.filter(&extended);
+                acceleration = inner(&differentiate(&smooth, rate_hz), margin);
+                velocity = inner(&smooth, margin);
+                noise = of_recorded.deviation * signals.kinematics_gain(0);
+                signals.velocity_noise[j] = Some(of_recorded);
+            }
+            signals.position.push(inner(&position, margin));
+            signals.acceleration.push(acceleration);
             let (direction, stuck) = directions_and_stops(&velocity, noise, rate_hz);
             signals.velocity.push(velocity);
             signals.direction.push(direction);
@@ -116,8 +149,52 @@ impl Signals {
 
     /// The same of the acceleration, in the band.
     pub(crate) fn acceleration_noise(&self, joint: usize) -> f64 {
-        let variance = self.band.mean_power(|f| kinematics_power(f, 2));
-        self.position_noise[joint].deviation * variance.sqrt()
+        match &self.velocity_noise[joint] {
+            Some(noise) => noise.acceleration_in_band,
+            None => self.acceleration_noise_of(&self.position_noise[joint], 2),
+        }
+    }
+
+    /// Noise in the band of the `order`-th derivative of a channel.
+    fn acceleration_noise_of(&self, channel: &Noise, order: i32) -> f64 {
+        channel.deviation * self.band.mean_power(|f| kinematics_power(f, order)).sqrt()
+    }
+
+    /// Noise of a recorded velocity and of its derivative in the band, if that is clearly less than from
+    /// the position (clocks that jitter, coarse encoders) and if the two say the same of the motion: most
+    /// recorded velocities lag.
+    fn better_velocity(&self, recorded: &[f64], derived: &[f64]) -> Option<VelocityNoise> {
+        let noise = noise_of(recorded, self.rate_hz);
+        let rates = [recorded, derived].map(|v| self.band.rows(&differentiate(v, self.rate_hz)));
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        // two measurements of one motion, each with noise of its own
+        let both = product(&rates[0], &rates[1]);
+        let [of_recorded, of_derived] = rates.each_ref().map(|r| product(r, r) - both);
+        let matters = of_derived > MATTERS.powi(2) * both;
+        if noise.deviation <= 0.0 || !matters || of_recorded > CLEARLY_BETTER.powi(2) * of_derived {
+            return None;
+        }
+        // recorded = scale (derived - lag d(derived)/dt), in the band
+        let recorded = self.band.rows(recorded);
+        let speed = self.band.rows(derived);
+        let rate = self.band.rows(&differentiate(derived, self.rate_hz));
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (ss, sr, rr) = (product(&speed, &speed), product(&speed, &rate), product(&rate, &rate));
+        let (ys, yr) = (product(&recorded, &speed), product(&recorded, &rate));
+        let determinant = ss * rr - sr * sr;
+        if determinant <= 0.0 {
+            return None;
+        }
+        let scale = (ys * rr - yr * sr) / determinant;
+        let lag_s = (ys * sr - yr * ss) / determinant;
+        let no_lag_s = NO_LAG_S.max(NO_LAG_SAMPLES / self.rate_hz);
+        let same = (scale - 1.0).abs() < SAME_SCALE && lag_s.abs() < no_lag_s;
+        let in_band = (of_recorded.max(0.0) / recorded.len().max(1) as f64).sqrt();
+        let white = self.acceleration_noise_of(&noise, 1);
+        same.then_some(VelocityNoise {
+            deviation: noise.deviation,
+            acceleration_in_band: in_band.max(white),
+        })
     }
 }
 
@@ -144,8 +221,9 @@ pub(crate) fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
     // some periods of the low-pass of the kinematics, and what a polynomial follows of a motion
     const MARGIN_S: f64 = 0.12;
     const FITTED_S: f64 = 0.25;
+    const FEWEST: usize = 20;
     let margin = (MARGIN_S * rate_hz).round() as usize;
-    let fitted = ((FITTED_S * rate_hz).round() as usize).max(8).min(values.len());
+    let fitted = ((FITTED_S * rate_hz).round() as usize).max(FEWEST).min(values.len());
     let start: Vec<f64> = values[..fitted].iter().rev().copied().collect();
     let before = continued(&start, margin);
     let after = continued(&values[values.len() - fitted..], margin);

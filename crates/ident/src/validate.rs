@@ -136,8 +136,9 @@ impl Pool {
     }
 }
 
-/// Lag-1 correlation and the p-value of Ljung and Box (1978), pooled over series.
-fn whiteness(series: &[Vec<f64>]) -> (f64, f64) {
+/// Lag-1 correlation and the p-value of Ljung and Box (1978), pooled over series of samples that would be
+/// independent if nothing were left in them.
+pub fn whiteness(series: &[Vec<f64>]) -> (f64, f64) {
     let count: usize = series.iter().map(Vec::len).sum();
     let mean = series.iter().flatten().sum::<f64>() / count as f64;
     let variance: f64 = series.iter().flatten().map(|x| (x - mean).powi(2)).sum();

@@ -4,7 +4,9 @@ use std::f64::consts::{LN_2, PI};
 
 use realfft::RealFftPlanner;
 
-use crate::recording::MIN_SAMPLES;
+use crate::error::RecordingError;
+use crate::recording::{MIN_SAMPLES, Quantity, Recording};
+use crate::resample::EvenGrid;
 
 /// Share of the velocity power that lies below the band edge of a motion.
 pub const POWER_SHARE: f64 = 0.999;
@@ -29,6 +31,40 @@ const HANN_POWER: f64 = 0.375;
 const SMOOTHING_BINS: usize = 4;
 /// Multiple of the noise floor above which the averaged spectrum is motion.
 const MOTION_OVER_NOISE: f64 = 30.0;
+
+/// One cutoff \[Hz\] for all recordings of a fit: as given, or the largest that the spectra of `joints`
+/// ask for; none where exact accelerations are recorded.
+///
+/// # Errors
+/// A recording whose stamps make no grid.
+pub fn common_cutoff_hz(
+    recordings: &[Recording],
+    joints: &[&str],
+    given: Option<f64>,
+) -> Result<Option<f64>, RecordingError> {
+    let exact = |r: &Recording| {
+        joints.iter().all(|j| {
+            r.joint(j).is_some_and(|j| {
+                j.channel(Quantity::Velocity).is_some()
+                    && j.channel(Quantity::Acceleration).is_some()
+            })
+        })
+    };
+    if given.is_some() || recordings.iter().all(exact) {
+        return Ok(given);
+    }
+    let mut largest = 0.0_f64;
+    for recording in recordings {
+        let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        let positions: Vec<Vec<f64>> = joints
+            .iter()
+            .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))
+            .map(|column| grid.resample(column))
+            .collect();
+        largest = largest.max(default_cutoff_hz(&positions, grid.rate_hz()));
+    }
+    Ok(Some(largest))
+}
 
 /// The cutoff \[Hz\] for evenly sampled positions, one column per joint:
 /// [`CUTOFF_OVER_EDGE`] times the highest [`band_edge_hz`] of the joints, not below

@@ -122,7 +122,7 @@ pub use csv::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from};
 pub use csv_write::{write_csv, write_csv_to};
 pub use cutoff::{
     CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, RESTING_RANGE,
-    band_edge_hz, default_cutoff_hz,
+    band_edge_hz, common_cutoff_hz, default_cutoff_hz,
 };
 pub use differentiate::differentiate;
 pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};

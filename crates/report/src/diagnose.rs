@@ -2,34 +2,93 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::{Diagnosis, Errors, Finding};
+use armident_diagnose::{Books, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion};
 use armident_effects::effect;
+use armident_ident::check::Check;
 use armident_kinematics::DrivingAxisChain;
 use serde::Serialize;
 
 use crate::numbers::{significant, uncertain};
 use crate::table::aligned;
 
+/// What was diagnosed.
+#[derive(Debug, Clone, Default)]
+pub struct DiagnoseInputs {
+    /// Recordings that were fitted.
+    pub recordings: Vec<String>,
+    /// Recordings kept out.
+    pub holdout_recordings: Vec<String>,
+    /// Recordings from before a change.
+    pub reference_recordings: Vec<String>,
+    /// What reading the robot had to say.
+    pub warnings: Vec<String>,
+}
+
+/// Errors of the efforts as recorded.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Fits {
+    /// Of the recordings fitted.
+    pub train: Option<Errors>,
+    /// Of those kept out.
+    pub holdout: Option<Errors>,
+}
+
 /// Result of `armident diagnose`.
 #[derive(Debug, Serialize)]
 pub struct DiagnoseReport {
     schema: &'static str,
     verdict: &'static str,
+    sentence: String,
     robot: String,
     recordings: Vec<String>,
     holdout_recordings: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    reference_recordings: Vec<String>,
     joints: Vec<String>,
+    books: BooksSaid,
     findings: Vec<Finding>,
     fit: Fits,
     effort_noise: BTreeMap<String, f64>,
     inertial_error: f64,
+    atlas: Vec<JointAtlas>,
+    /// of the hold-out
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    whiteness_p: BTreeMap<String, f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    replay: Option<ReplayPair>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    next_motion: Option<NextMotionSaid>,
     warnings: Vec<String>,
 }
 
+/// Root mean square position error after recorded efforts drove the simulated arm over short windows,
+/// by joint \[rad or m\].
+#[derive(Debug, Clone, Serialize)]
+pub struct ReplayPair {
+    /// Length of a window.
+    pub window_s: f64,
+    /// With the believed model.
+    pub before: BTreeMap<String, f64>,
+    /// With the diagnosed one.
+    pub after: BTreeMap<String, f64>,
+}
+
+/// What the recordings say of their own columns.
+#[derive(Debug, Default, Serialize)]
+struct BooksSaid {
+    faults: Vec<Check>,
+    drive_gains: Vec<DriveGain>,
+    unchecked: Option<String>,
+}
+
 #[derive(Debug, Serialize)]
-struct Fits {
-    train: Option<Errors>,
-    holdout: Option<Errors>,
+struct NextMotionSaid {
+    file: Option<String>,
+    description: Option<String>,
+    told_apart: usize,
+    pairs: usize,
+    /// standard deviations of one recorded sample
+    separation: Option<f64>,
 }
 
 impl DiagnoseReport {
@@ -37,72 +96,294 @@ impl DiagnoseReport {
     pub fn new(
         chain: &DrivingAxisChain,
         diagnosis: &Diagnosis,
-        recordings: Vec<String>,
-        holdout_recordings: Vec<String>,
-        train: Option<Errors>,
-        holdout: Option<Errors>,
-        warnings: Vec<String>,
+        inputs: DiagnoseInputs,
+        fit: Fits,
     ) -> Self {
-        Self {
-            schema: "armident.diagnosis/1",
+        let mut report = Self {
             verdict: if diagnosis.findings.is_empty() { "match" } else { "mismatch" },
-            robot: chain.robot.clone(),
-            recordings,
-            holdout_recordings,
             joints: diagnosis.joints.clone(),
             findings: diagnosis.findings.clone(),
-            fit: Fits { train, holdout },
+            fit,
             effort_noise: diagnosis.effort_noise.clone(),
             inertial_error: diagnosis.inertial_error,
-            warnings,
+            atlas: diagnosis.atlas.clone(),
+            ..Self::empty(chain, inputs)
+        };
+        report.sentence = report.first_sentence();
+        report
+    }
+
+    /// Of recordings whose columns are not what they are called: there is nothing to say of physics.
+    pub fn of_wrong_books(chain: &DrivingAxisChain, books: &Books, inputs: DiagnoseInputs) -> Self {
+        let count = match books.faults.len() {
+            1 => "a column is".to_owned(),
+            n => format!("{n} columns are"),
+        };
+        Self {
+            verdict: "mismatch",
+            sentence: format!("the books are wrong: {count} not what the header says"),
+            ..Self::empty(chain, inputs)
         }
+        .with_books(books)
+    }
+
+    fn empty(chain: &DrivingAxisChain, inputs: DiagnoseInputs) -> Self {
+        Self {
+            schema: "armident.diagnosis/1",
+            verdict: "match",
+            sentence: String::new(),
+            robot: chain.robot.clone(),
+            recordings: inputs.recordings,
+            holdout_recordings: inputs.holdout_recordings,
+            reference_recordings: inputs.reference_recordings,
+            joints: chain.joints.iter().map(|j| j.name.clone()).collect(),
+            books: BooksSaid::default(),
+            findings: Vec::new(),
+            fit: Fits::default(),
+            effort_noise: BTreeMap::new(),
+            inertial_error: 0.0,
+            atlas: Vec::new(),
+            whiteness_p: BTreeMap::new(),
+            replay: None,
+            next_motion: None,
+            warnings: inputs.warnings,
+        }
+    }
+
+    /// With what the recordings say of their own columns.
+    #[must_use]
+    pub fn with_books(mut self, books: &Books) -> Self {
+        self.books = BooksSaid {
+            faults: books.faults.clone(),
+            drive_gains: books.drive_gains.clone(),
+            unchecked: books.unchecked.clone(),
+        };
+        self
+    }
+
+    /// With what recordings kept out say beside their errors.
+    #[must_use]
+    pub fn with_proof(
+        mut self,
+        whiteness_p: BTreeMap<String, f64>,
+        replay: Option<ReplayPair>,
+    ) -> Self {
+        self.whiteness_p = whiteness_p;
+        self.replay = replay;
+        self
+    }
+
+    /// With the motion that tells findings from their alternatives, and the file it is in, if one was
+    /// asked for.
+    #[must_use]
+    pub fn with_next_motion(mut self, asked: bool, found: Option<(String, NextMotion)>) -> Self {
+        self.next_motion = asked.then(|| match found {
+            Some((file, next)) => NextMotionSaid {
+                file: Some(file),
+                description: Some(next.description),
+                told_apart: next.told_apart,
+                pairs: next.pairs,
+                separation: Some(next.separation),
+            },
+            None => NextMotionSaid {
+                file: None,
+                description: None,
+                told_apart: 0,
+                pairs: 0,
+                separation: None,
+            },
+        });
+        self
     }
 
     /// The page for people.
     pub fn text(&self) -> String {
-        let mut page = format!("{}: {}\n", self.robot, self.sentence());
+        let mut page = format!("{}: {}\n", self.robot, self.sentence);
+        page.push_str(&self.books_text());
         for finding in &self.findings {
             page.push_str(&paragraph(finding));
         }
-        let proof = self.fit.holdout.as_ref().or(self.fit.train.as_ref());
-        if let Some(errors) = proof {
-            let kind = if self.fit.holdout.is_some() { "hold-out" } else { "training" };
-            page.push_str(&format!("\nError of the {kind} efforts as recorded (RMS, N m or N)\n"));
-            let mut rows = Vec::new();
-            for joint in &self.joints {
-                let of = |m: &BTreeMap<String, f64>| {
-                    m.get(joint).map_or_else(|| "-".to_owned(), |x| significant(*x, 3, 0.0))
-                };
-                rows.push(vec![
-                    joint.clone(),
-                    of(&errors.before),
-                    of(&errors.rigid),
-                    of(&errors.after),
-                    of(&self.effort_noise),
-                ]);
-            }
-            page.push_str(&aligned(&["joint", "before", "rigid", "after", "noise"], &rows, 1));
-        }
+        page.push_str(&self.atlas_text());
+        page.push_str(&self.proof_text());
+        page.push_str(&self.next_motion_text());
         page
     }
 
-    fn sentence(&self) -> String {
-        match self.findings.len() {
+    fn first_sentence(&self) -> String {
+        let mut sentence = match self.findings.len() {
             0 => "the recordings show nothing that the model leaves out".to_owned(),
             1 => "the recordings show one effect that the model leaves out".to_owned(),
             n => format!("the recordings show {n} effects that the model leaves out"),
+        };
+        let of =
+            |confirmed| self.findings.iter().filter(|f| f.confirmed == Some(confirmed)).count();
+        let (yes, no) = (of(true), of(false));
+        match (yes, no) {
+            (0, 0) => {}
+            (_, 0) => sentence.push_str(", and the hold-out confirms it"),
+            (0, _) => sentence.push_str("; the hold-out does not confirm it"),
+            (_, no) => sentence.push_str(&format!("; the hold-out confirms all but {no} of them")),
+        }
+        sentence
+    }
+
+    fn books_text(&self) -> String {
+        let mut text = String::new();
+        for fault in &self.books.faults {
+            let place = fault.joint.as_ref().map_or(String::new(), |joint| format!("{joint}: "));
+            text.push_str(&format!("\n{place}{}\n", fault.message));
+            if let Some(advice) = &fault.advice {
+                text.push_str(&format!("  -> {advice}\n"));
+            }
+        }
+        if let Some(why) = &self.books.unchecked {
+            text.push_str(&format!("The columns were not checked: {why}\n"));
+        }
+        if !self.books.drive_gains.is_empty() {
+            text.push_str(
+                "\nGains of drives, as the robot's masses ask for (only ratios of efforts are sure)\n",
+            );
+            let rows: Vec<Vec<String>> = self
+                .books
+                .drive_gains
+                .iter()
+                .map(|g| {
+                    let [low, high] = g.interval_95.map(|x| significant(x, 3, 0.0));
+                    let gain = if g.determined {
+                        significant(g.gain, 3, 0.0)
+                    } else {
+                        "not determined: the joint is left out".to_owned()
+                    };
+                    vec![g.joint.clone(), g.quantity.to_owned(), gain, low, high]
+                })
+                .collect();
+            text.push_str(&aligned(&["joint", "recorded", "gain", "95 % from", "to"], &rows, 2));
+        }
+        text
+    }
+
+    /// Where the mismatch is, one line a joint.
+    fn atlas_text(&self) -> String {
+        if self.atlas.is_empty() {
+            return String::new();
+        }
+        let rows: Vec<Vec<String>> = self
+            .atlas
+            .iter()
+            .map(|joint| {
+                let share = |left: f64| {
+                    let share = 1.0 - (left / joint.before).powi(2);
+                    format!("{:.0} %", 100.0 * share.max(0.0))
+                };
+                let goes_with = match (joint.symmetries.first(), joint.regimes.first()) {
+                    // below a tenth nothing is told
+                    (Some(s), _) if s.share_before > 0.1 => {
+                        format!("{} {:.0} %: {}", s.function, 100.0 * s.share_before, s.points_to)
+                    }
+                    (_, Some(r)) if r.share_before > 0.1 => {
+                        format!("{} {:.0} %", r.variable.replace('_', " "), 100.0 * r.share_before)
+                    }
+                    _ => "-".to_owned(),
+                };
+                vec![
+                    joint.joint.clone(),
+                    significant(joint.before, 3, 0.0),
+                    share(joint.rigid),
+                    share(joint.after),
+                    significant(joint.after / joint.noise.max(f64::MIN_POSITIVE), 3, 0.0),
+                    goes_with,
+                ]
+            })
+            .collect();
+        let head = ["joint", "left over", "by links", "by all", "left/noise", "goes most with"];
+        format!(
+            "\nWhere (training, in the band: what the robot as given leaves over, how much of it its links \
+             and all that was found explain)\n{}",
+            aligned(&head, &rows, 1)
+        )
+    }
+
+    /// Errors on the hold-out, or else on what was fitted.
+    fn proof_text(&self) -> String {
+        let Some(errors) = self.fit.holdout.as_ref().or(self.fit.train.as_ref()) else {
+            return String::new();
+        };
+        let proven = self.fit.holdout.is_some();
+        let kind = if proven { "hold-out" } else { "training" };
+        let mut head = vec!["joint", "before", "rigid", "after", "noise"];
+        if proven {
+            head.push("white, p");
+        }
+        let mut rows = Vec::new();
+        for joint in &self.joints {
+            let of = |m: &BTreeMap<String, f64>, digits: usize| {
+                m.get(joint).map_or_else(|| "-".to_owned(), |x| significant(*x, digits, 0.0))
+            };
+            let maps = [&errors.before, &errors.rigid, &errors.after, &self.effort_noise];
+            let mut row = vec![joint.clone()];
+            row.extend(maps.map(|m| of(m, 3)));
+            if proven {
+                row.push(of(&self.whiteness_p, 2));
+            }
+            rows.push(row);
+        }
+        let mut text = format!(
+            "\nError of the {kind} efforts as recorded (RMS, N m or N)\n{}",
+            aligned(&head, &rows, 1)
+        );
+        if let Some(replay) = &self.replay {
+            let rows: Vec<Vec<String>> = self
+                .joints
+                .iter()
+                .map(|joint| {
+                    let of = |m: &BTreeMap<String, f64>| {
+                        m.get(joint).map_or_else(|| "-".to_owned(), |x| significant(*x, 3, 0.0))
+                    };
+                    vec![joint.clone(), of(&replay.before), of(&replay.after)]
+                })
+                .collect();
+            text.push_str(&format!(
+                "\nPosition error after recorded efforts drive the simulated arm for {} s (RMS, rad or \
+                 m)\n{}",
+                replay.window_s,
+                aligned(&["joint", "before", "after"], &rows, 1)
+            ));
+        }
+        text
+    }
+
+    fn next_motion_text(&self) -> String {
+        match &self.next_motion {
+            None => String::new(),
+            Some(NextMotionSaid {
+                file: Some(file),
+                description: Some(motion),
+                told_apart,
+                pairs,
+                separation: Some(by),
+            }) => format!(
+                "\nThe motion that best tells the findings from their alternatives is in {file}:\n{motion}; \
+                 it tells {told_apart} of {pairs} apart, efforts differ by {} times the noise of a sample \
+                 (median)\n",
+                significant(*by, 2, 0.0),
+            ),
+            Some(_) if self.findings.iter().all(|f| f.alternatives.is_empty()) => {
+                "\nNo further motion is needed: no finding has an alternative\n".to_owned()
+            }
+            Some(_) => "\nNo motion inside the limits tells the findings from their alternatives\n"
+                .to_owned(),
         }
     }
 }
 
 fn paragraph(finding: &Finding) -> String {
-    let title = effect(&finding.effect).map_or("structure without a name", |e| e.law().title);
-    let place = finding.link.clone().unwrap_or_else(|| finding.joints.join(", "));
-    let mut text = format!("\n{title}");
-    if !place.is_empty() {
-        text.push_str(&format!(" on {place}"));
-    }
-    text.push_str(&format!(" (confidence {:.2})\n", finding.confidence));
+    let mut text = format!("\n{}", titled(&finding.effect, &finding.joints, finding.link.as_ref()));
+    let confirmed = match finding.confirmed {
+        Some(true) => ", confirmed",
+        Some(false) => ", NOT confirmed by the hold-out",
+        None => "",
+    };
+    text.push_str(&format!(" (confidence {:.2}{confirmed})\n", finding.confidence));
     for (name, value) in &finding.parameters {
         let number = match value.stderr {
             Some(stderr) => {
@@ -113,5 +394,22 @@ fn paragraph(finding: &Finding) -> String {
         };
         text.push_str(&format!("  {name} {number} {}\n", value.unit));
     }
+    for alternative in &finding.alternatives {
+        text.push_str(&format!(
+            "  or {}",
+            titled(&alternative.effect, &alternative.joints, alternative.link.as_ref())
+        ));
+        match alternative.separated_by {
+            Some(motion) => text.push_str(&format!("; told apart by {motion}\n")),
+            None => text.push_str("; a motion that tells them apart: --next-motion DIR\n"),
+        }
+    }
     text
+}
+
+/// An effect with its place.
+fn titled(slug: &str, joints: &[String], link: Option<&String>) -> String {
+    let title = effect(slug).map_or("structure without a name", |e| e.law().title);
+    let place = link.cloned().unwrap_or_else(|| joints.join(", "));
+    if place.is_empty() { title.to_owned() } else { format!("{title} on {place}") }
 }

@@ -15,7 +15,7 @@ mod validate;
 
 pub use check::{ChannelRow, CheckReport};
 pub use consistency::ConsistencyReport;
-pub use diagnose::DiagnoseReport;
+pub use diagnose::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 pub use identify::{
     ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
     LoadRow, MergedRow, StepRow,

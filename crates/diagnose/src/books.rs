@@ -1,0 +1,158 @@
+//! The books first: a column in another unit, of another joint or with another sign is no physics.
+
+use std::collections::BTreeMap;
+
+use armident_ident::ArmModel;
+use armident_ident::check::{
+    ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
+};
+use armident_recording::{
+    Motion, MotionSettings, Quantity, Recording, RecordingError, common_cutoff_hz,
+};
+use serde::Serialize;
+
+/// Gain of a joint whose effort is known as a current or voltage only.
+#[derive(Debug, Clone, Serialize)]
+pub struct DriveGain {
+    /// Joint.
+    pub joint: String,
+    /// What was recorded: `current` or `voltage`.
+    pub quantity: &'static str,
+    /// Effort over what was recorded \[N m/A, N/A, N m/V or N/V\], as the believed arm's masses ask for.
+    pub gain: f64,
+    /// Its 95 % interval.
+    pub interval_95: [f64; 2],
+    /// Whether the recordings determine it at all: an interval of less than a factor of ten. Without it
+    /// nothing is said about the joint.
+    pub determined: bool,
+}
+
+/// A probability that leaves no doubt.
+const SURE: f64 = 0.99;
+/// Ends of an interval whose ratio is larger say nothing.
+const NOT_DETERMINED: f64 = 10.0;
+
+impl DriveGain {
+    /// Relative standard error.
+    pub fn relative_stderr(&self) -> f64 {
+        (self.interval_95[1] / self.interval_95[0]).abs().ln().abs() / (2.0 * 1.96)
+    }
+}
+
+/// What recordings say of their own columns.
+#[derive(Debug, Clone, Default)]
+pub struct Books {
+    /// Columns that are wrong beyond a thousand to one, with what to do.
+    pub faults: Vec<Check>,
+    /// Joints of which only a drive signal is recorded.
+    pub drive_gains: Vec<DriveGain>,
+    /// Why nothing was checked.
+    pub unchecked: Option<String>,
+}
+
+impl Books {
+    /// Checks the effort columns of recordings against an arm ([`armident_ident::check`]).
+    ///
+    /// # Errors
+    /// A recording that cannot be used.
+    pub fn of(model: &ArmModel, recordings: &[Recording]) -> Result<Self, RecordingError> {
+        let mut signals: BTreeMap<String, Quantity> = BTreeMap::new();
+        let filled: Vec<Recording> = recordings
+            .iter()
+            .map(|recording| {
+                let (filled, of_recording) = with_drive_signals(recording);
+                signals.extend(of_recording);
+                filled
+            })
+            .collect();
+        let joints = model.chain.joint_names();
+        let joints_of_model: Vec<String> = joints.iter().map(ToString::to_string).collect();
+        let cutoff_hz = common_cutoff_hz(&filled, &joints, model.cutoff_hz)?;
+        let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
+        let motions: Vec<Motion> = filled
+            .iter()
+            .map(|recording| Motion::from_recording(recording, &joints, &settings))
+            .collect::<Result<_, _>>()?;
+        if motions.iter().any(|m| m.effort.is_none()) {
+            let without: Vec<&str> = joints
+                .into_iter()
+                .filter(|j| filled.iter().any(|r| r.joint(j).is_none_or(|c| c.effort.is_none())))
+                .collect();
+            return Ok(Self {
+                unchecked: Some(format!("no effort of {} is recorded", without.join(", "))),
+                ..Self::default()
+            });
+        }
+        let found = match check(model, &filled, &motions, &signals) {
+            Ok(found) => found,
+            Err(error) => {
+                return Ok(Self { unchecked: Some(error.to_string()), ..Self::default() });
+            }
+        };
+        // a log has its gravity taken off as a whole: where one joint surely has it, another that seems not to
+        // has something else
+        let kind = |c: &ChannelEvidence, kind: ChannelKind| {
+            ChannelKind::ALL.iter().position(|k| *k == kind).map_or(0.0, |k| c.probability[k])
+        };
+        let gravity_is_there = found.channels.iter().any(|c| {
+            kind(c, ChannelKind::JointEffort) > SURE
+                && kind(c, ChannelKind::WithoutGravity) < 1.0 - SURE
+        });
+        let seems_without_gravity = |name: &str| {
+            let place = joints_of_model.iter().position(|j| j == name);
+            place.is_some_and(|j| kind(&found.channels[j], ChannelKind::WithoutGravity) > 0.5)
+        };
+        let of_columns = |c: &Check| {
+            if gravity_is_there && c.joint.as_deref().is_some_and(seems_without_gravity) {
+                return false;
+            }
+            let drive_signal = c.joint.as_ref().is_some_and(|j| signals.contains_key(j));
+            c.verdict == Verdict::Wrong
+                && match c.topic {
+                    // a current is a multiple of the effort, and that is no fault
+                    Topic::Channel => !drive_signal,
+                    Topic::Order | Topic::Quality => true,
+                    _ => false,
+                }
+        };
+        let gain = |(joint, channel): (&&str, &ChannelEvidence)| {
+            let quantity = signals.get(*joint)?;
+            let [low, high] = channel.gain_95.map(|g| 1.0 / g);
+            Some(DriveGain {
+                joint: (*joint).to_owned(),
+                quantity: if *quantity == Quantity::Current { "current" } else { "voltage" },
+                gain: 1.0 / channel.gain,
+                interval_95: [low.min(high), low.max(high)],
+                determined: (low / high).abs().ln().abs() < NOT_DETERMINED.ln(),
+            })
+        };
+        Ok(Self {
+            drive_gains: model
+                .chain
+                .joint_names()
+                .iter()
+                .zip(&found.channels)
+                .filter_map(gain)
+                .collect(),
+            faults: found.checks.into_iter().filter(of_columns).collect(),
+            unchecked: None,
+        })
+    }
+
+    /// A recording with efforts in the place of currents and voltages, where gains are determined.
+    pub fn in_effort(&self, recording: &Recording) -> Recording {
+        let mut converted = recording.clone();
+        for joint in &mut converted.joints {
+            let Some(gain) = self.drive_gains.iter().find(|g| g.joint == joint.name) else {
+                continue;
+            };
+            let signal = [Quantity::Current, Quantity::Voltage]
+                .into_iter()
+                .find_map(|quantity| joint.channel(quantity).map(<[f64]>::to_vec));
+            if joint.effort.is_none() && gain.determined {
+                joint.effort = signal.map(|values| values.iter().map(|x| x * gain.gain).collect());
+            }
+        }
+        converted
+    }
+}

@@ -1,0 +1,310 @@
+//! What is said of an answer: effects with places, parameters and standard errors.
+
+use std::collections::BTreeMap;
+
+use armident_effects::{Place, effect};
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use crate::alternatives::{Rival, rivals, separated_by};
+use crate::evidence::Evidence;
+use crate::learn::{View, law_parameters};
+use crate::material::{Materiality, link_materiality, materiality};
+use crate::problem::{Group, Meaning, Problem};
+use crate::search::{Answer, answer};
+use crate::select::Selection;
+use crate::transmission::{mean_inertia, of_shape};
+
+/// A number with its standard error.
+#[derive(Debug, Clone, Serialize)]
+pub struct Value {
+    /// Estimate.
+    pub value: f64,
+    /// Standard error, if it is known.
+    pub stderr: Option<f64>,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// What else the recordings cannot tell from a finding.
+#[derive(Debug, Clone, Serialize)]
+pub struct Alternative {
+    /// Slug.
+    pub effect: String,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Link.
+    pub link: Option<String>,
+    /// Root mean square effort that it leaves over more than the finding does, in standard deviations
+    /// of one recorded sample.
+    pub left_more: f64,
+    /// The motion that would tell the two apart, in words, if the library knows one.
+    pub separated_by: Option<&'static str>,
+}
+
+/// What a finding stands on.
+#[derive(Debug, Clone, Serialize)]
+pub struct FindingEvidence {
+    /// Root mean square effort that comes back without the finding, in standard deviations of one
+    /// recorded sample, on the joint where it matters most.
+    pub materiality: f64,
+    /// What must come back there for a name.
+    pub least_materiality: f64,
+    /// That joint.
+    pub joint: String,
+    /// Columns that an unnamed structure depends on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub variables: Vec<String>,
+}
+
+/// One effect that the model leaves out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// Slug of the library, or `unmodelled`.
+    pub effect: String,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Link, for inertial effects.
+    pub link: Option<String>,
+    /// Window \[s\], for contacts.
+    pub window: Option<[f64; 2]>,
+    /// Recording of the window.
+    pub recording: Option<String>,
+    /// Parameters of the law.
+    pub parameters: BTreeMap<&'static str, Value>,
+    /// 0.5 where it just matters, 0.95 where it matters twice as much as it must.
+    pub confidence: f64,
+    /// Whether the model with it predicts recordings kept out better than the model without it; none
+    /// without such recordings, or where they cannot say (a contact happened once).
+    pub confirmed: Option<bool>,
+    /// Why.
+    pub evidence: FindingEvidence,
+    /// What it may be instead.
+    pub alternatives: Vec<Alternative>,
+}
+
+fn confidence(size: &Materiality) -> f64 {
+    1.0 / (1.0 + (-3.0 * (size.ratio() - 1.0)).exp())
+}
+
+/// A finding and the answers beside it.
+pub(crate) struct Claim {
+    pub(crate) finding: Finding,
+    /// without it, and the links with a wrong body; none where there is no such answer
+    pub(crate) without: Option<(Answer, Vec<usize>)>,
+    /// with each alternative in its place
+    pub(crate) rivals: Vec<Answer>,
+}
+
+/// What is claimed, the most material first.
+pub(crate) fn claims(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Claim> {
+    let metric = selection.metric();
+    let view = selection.view(evidence, &metric);
+    let mut found: Vec<Claim> = selection
+        .answer
+        .set
+        .iter()
+        .map(|&g| {
+            let (size, without) = materiality(&metric, &selection.answer, g, &selection.point);
+            let mut finding = finding_of_group(&view, g, &size);
+            let rivals = rivals(&metric, &selection.answer, g, &selection.point);
+            finding.alternatives = rivals.iter().map(|r| alternative(&view, g, r)).collect();
+            Claim {
+                finding,
+                without: without.map(|answer| (answer, selection.wide.clone())),
+                rivals: rivals.into_iter().map(|r| r.answer).collect(),
+            }
+        })
+        .collect();
+    let errors = metric.inertial_errors(&selection.answer.fit);
+    for &link in &selection.wide {
+        let size = link_materiality(&metric, &selection.answer, link);
+        if size.ratio() < 1.0 {
+            continue;
+        }
+        let wide: Vec<usize> = selection.wide.iter().copied().filter(|l| *l != link).collect();
+        let others = selection.problem.whitened(selection.scale, &wide);
+        found.push(Claim {
+            finding: wrong_body(evidence, link, &errors[10 * link..10 * (link + 1)], &size),
+            without: answer(&others, selection.answer.set.clone()).map(|answer| (answer, wide)),
+            rivals: Vec::new(),
+        });
+    }
+    found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
+    found
+}
+
+fn alternative(view: &View<'_, '_>, group: usize, rival: &Rival) -> Alternative {
+    let groups = &view.metric.problem.groups;
+    let other = &groups[rival.group];
+    let evidence = view.evidence;
+    Alternative {
+        effect: other.slug().to_owned(),
+        joints: other.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
+        link: link_of(evidence, other),
+        left_more: rival.left,
+        separated_by: separated_by(groups[group].slug(), other.slug()),
+    }
+}
+
+/// The link of an inertial effect.
+fn link_of(evidence: &Evidence<'_>, group: &Group) -> Option<String> {
+    group
+        .transform
+        .is_some()
+        .then(|| evidence.chain.joints[group.site.joints[0]].child_link.clone())
+}
+
+fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Finding {
+    let View { evidence, metric, answer, .. } = *view;
+    let group = &metric.problem.groups[group];
+    let names = |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
+    let confidence = confidence(size);
+    let described = described_anyway(metric.problem, answer, group);
+    Finding {
+        effect: group.slug().to_owned(),
+        joints: names(&group.site.joints),
+        link: link_of(evidence, group),
+        window: group.site.window.map(|w| w.1),
+        recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
+        parameters: parameters(view, group),
+        confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
+        confirmed: None,
+        evidence: FindingEvidence {
+            materiality: size.value,
+            least_materiality: size.least,
+            joint: evidence.names[size.joint].clone(),
+            variables: match &group.meaning {
+                Meaning::Flexible(flexible) => flexible.basis.variables(),
+                Meaning::Law(_) => Vec::new(),
+            },
+        },
+        alternatives: Vec::new(),
+    }
+}
+
+/// Change of mass and first moment of a link, in the frame of its URDF link.
+fn in_link_frame(evidence: &Evidence<'_>, link: usize, change: &[f64]) -> [f64; 4] {
+    let pose = evidence.chain.joints[link].child_link_in_e;
+    let moment = Vector3::new(change[1], change[2], change[3]);
+    let moved = pose.rotation.inverse() * (moment - pose.translation.vector * change[0]);
+    [change[0], moved.x, moved.y, moved.z]
+}
+
+/// Confidence of a friction law beside a description of the same joint's speed: which of the two the
+/// friction belongs to cannot be told.
+const IN_A_DESCRIPTION: f64 = 0.45;
+
+fn described_anyway(problem: &Problem, answer: &Answer, group: &Group) -> bool {
+    let friction = [Place::Viscous, Place::Drag];
+    if !group.places.iter().any(|p| friction.contains(p)) {
+        return false;
+    }
+    answer.set.iter().map(|g| &problem.groups[*g]).any(|other| {
+        other.site == group.site
+            && matches!(&other.meaning, Meaning::Flexible(f) if !f.basis.factors.is_empty())
+    })
+}
+
+/// A link whose inertial errors stand out from those of all others.
+fn wrong_body(evidence: &Evidence<'_>, link: usize, change: &[f64], size: &Materiality) -> Finding {
+    let joint = &evidence.chain.joints[link];
+    let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
+    let units = ["kg", "kg m", "kg m", "kg m"];
+    let in_link = in_link_frame(evidence, link, change);
+    let parameters = (0..4)
+        .map(|p| (names[p], Value { value: in_link[p], stderr: None, unit: units[p] }))
+        .collect();
+    Finding {
+        effect: "link_inertia_error".to_owned(),
+        joints: vec![joint.name.clone()],
+        link: Some(joint.child_link.clone()),
+        window: None,
+        recording: None,
+        parameters,
+        confidence: confidence(size),
+        confirmed: None,
+        evidence: FindingEvidence {
+            materiality: size.value,
+            least_materiality: size.least,
+            joint: evidence.names[size.joint].clone(),
+            variables: Vec::new(),
+        },
+        alternatives: Vec::new(),
+    }
+}
+
+/// Name of a file without folder and ending.
+fn stem(source: &str) -> String {
+    std::path::Path::new(source)
+        .file_stem()
+        .map_or_else(|| source.to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Value> {
+    let View { evidence, metric, answer, point, ref gain } = *view;
+    let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
+    let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
+    let coefficients = answer.fit.of_group(group);
+    let covariance = metric.covariance(&answer.fit, &group.columns);
+    let of = |coefficients: &[f64]| -> Vec<f64> {
+        match group.slug() {
+            "gravity_direction" => {
+                let delta = [coefficients[0], coefficients[1]];
+                let base = point.tilt;
+                law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]])
+            }
+            "time_delay" => vec![point.delay_s + coefficients[0]],
+            "encoder_offset" => {
+                vec![point.offset[group.site.joints[0]] + coefficients[0]]
+            }
+            "joint_elasticity" if group.shape.is_empty() => {
+                vec![1.0 / coefficients[0], 0.0, coefficients[1]]
+            }
+            "joint_elasticity" => vec![group.shape[0], group.shape[1], coefficients[1]],
+            "backlash" => {
+                let at = evidence.at(point);
+                let joint = group.site.joints[0];
+                let of = of_shape("backlash", &group.shape, mean_inertia(&at, joint));
+                vec![of.gap, of.stiffness, of.damping, coefficients[1]]
+            }
+            "link_inertia_error" | "payload" => {
+                let transform = group.transform.as_deref().unwrap_or_default();
+                let change: Vec<f64> = (0..10)
+                    .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
+                    .collect();
+                let [mass, x, y, z] = in_link_frame(evidence, group.site.joints[0], &change);
+                if group.slug() == "payload" {
+                    vec![mass, x / mass, y / mass, z / mass]
+                } else {
+                    vec![mass, x, y, z]
+                }
+            }
+            _ => law_parameters(group, coefficients, gain),
+        }
+    };
+    let values = of(&coefficients);
+    // propagation of the covariance of the coefficients through the formulas
+    let slopes: Vec<Vec<f64>> = (0..coefficients.len())
+        .map(|k| {
+            let step = 1e-4 * covariance[k][k].sqrt().max(1e-12);
+            let mut moved = coefficients.clone();
+            moved[k] += step;
+            of(&moved).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
+        })
+        .collect();
+    law.law()
+        .parameters
+        .iter()
+        .zip(&values)
+        .enumerate()
+        .map(|(p, (parameter, &value))| {
+            let variance: f64 = (0..coefficients.len())
+                .flat_map(|a| (0..coefficients.len()).map(move |b| (a, b)))
+                .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
+                .sum();
+            let stderr = (variance > 0.0).then(|| variance.sqrt());
+            (parameter.name, Value { value, stderr, unit: parameter.unit(kind) })
+        })
+        .collect()
+}

@@ -1,0 +1,220 @@
+//! The model that an answer stands for.
+
+use armident_effects::{EVERYDAY, EffectOnJoint, Scope, effect};
+use armident_ident::ArmModel;
+use armident_recording::RecordingError;
+
+use crate::evidence::{Evidence, OperatingPoint, changed};
+use crate::flexible::FlexibleTerm;
+use crate::model::DiagnosedModel;
+use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::search::{Answer, answer};
+use crate::select::moves;
+use crate::signals::low_pass;
+use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
+
+/// Cut-offs tried for the output of a joint \[Hz\].
+const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
+
+/// Cut-offs tried for the rigid part \[Hz\].
+const RIGID_HZ: [f64; 5] = [14.0, 10.0, 7.0, 5.0, 3.5];
+
+/// An answer with all that gives it a meaning.
+pub(crate) struct View<'a, 'e> {
+    pub(crate) evidence: &'a Evidence<'e>,
+    pub(crate) metric: &'a Whitened<'a>,
+    pub(crate) answer: &'a Answer,
+    /// where the columns were formed
+    pub(crate) point: &'a OperatingPoint,
+    /// of each joint's effort channel
+    pub(crate) gain: Vec<f64>,
+}
+
+impl<'a, 'e> View<'a, 'e> {
+    pub(crate) fn new(
+        evidence: &'a Evidence<'e>,
+        metric: &'a Whitened<'a>,
+        answer: &'a Answer,
+        point: &'a OperatingPoint,
+    ) -> Self {
+        let gain = gains(metric.problem, answer);
+        Self { evidence, metric, answer, point, gain }
+    }
+}
+
+/// Gain of every joint's effort channel.
+fn gains(problem: &Problem, answer: &Answer) -> Vec<f64> {
+    let mut gain = vec![1.0; problem.rows.joints()];
+    for g in &answer.set {
+        let group = &problem.groups[*g];
+        if group.slug() == "torque_scale" {
+            gain[group.site.joints[0]] = 1.0 + answer.fit.of_group(group)[0];
+        }
+    }
+    gain
+}
+
+/// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws.
+pub(crate) fn law_parameters(group: &Group, coefficients: &[f64], gain: &[f64]) -> Vec<f64> {
+    let Some(law) = effect(group.slug()) else { return Vec::new() };
+    let scale = match (group.slug(), group.site.joints.as_slice()) {
+        ("torque_scale", _) => 1.0,
+        (_, [joint, ..]) => gain[*joint],
+        _ => 1.0,
+    };
+    let coefficients: Vec<f64> = coefficients.iter().map(|c| c / scale).collect();
+    law.parameters(&group.shape, &coefficients)
+}
+
+/// The model that an answer stands for.
+pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
+    let View { evidence, metric, answer, point: formed_at, ref gain } = *view;
+    let problem = metric.problem;
+    let mut found = DiagnosedModel::believed(model);
+    let mut change = metric.inertial_errors(&answer.fit);
+    let point = moves(problem, answer, formed_at);
+    for &g in &answer.set {
+        let group = &problem.groups[g];
+        let coefficients = answer.fit.of_group(group);
+        if let Some(transform) = &group.transform {
+            for (t, c) in transform.iter().zip(&coefficients) {
+                for (p, t) in t.iter().enumerate() {
+                    change[10 * group.site.joints[0] + p] += t * c;
+                }
+            }
+            continue;
+        }
+        if let Meaning::Flexible(flexible) = &group.meaning {
+            let hats = flexible.transform.first().map_or(0, Vec::len);
+            let scale = gain[group.site.joints[0]];
+            found.learned.flexible.push(FlexibleTerm {
+                joint: evidence.names[group.site.joints[0]].clone(),
+                basis: flexible.basis.clone(),
+                coefficients: (0..hats)
+                    .map(|h| {
+                        let of_hat = flexible.transform.iter().map(|t| t[h]).zip(&coefficients);
+                        of_hat.map(|(t, c)| t * c).sum::<f64>() / scale
+                    })
+                    .collect(),
+            });
+            continue;
+        }
+        if let ("joint_elasticity" | "backlash", Some(&joint)) =
+            (group.slug(), group.site.joints.first())
+        {
+            // a compliance to first order says nothing of its damping: that of gears, by experience
+            const DAMPING: f64 = 0.1;
+            let at = evidence.at(formed_at);
+            let inertia = mean_inertia(&at, joint);
+            let (transmission, share) = if group.shape.is_empty() {
+                let stiffness = 1.0 / coefficients[0];
+                let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
+                (Transmission { gap: 0.0, stiffness, damping }, 1.0)
+            } else {
+                (of_shape(group.slug(), &group.shape, inertia), coefficients[0])
+            };
+            found.learned.transmissions.push(TransmissionTerm {
+                joint: evidence.names[joint].clone(),
+                transmission,
+                motor_inertia: coefficients[1],
+                share,
+            });
+            continue;
+        }
+        let Some(law) = effect(group.slug()) else { continue };
+        let on_joint = |parameters: Vec<f64>| {
+            EffectOnJoint::new(group.slug(), &evidence.names[group.site.joints[0]], parameters)
+        };
+        match law.law().scope {
+            Scope::Joint if group.slug() != "torque_scale" => {
+                found.arm.effects.push(on_joint(law_parameters(group, &coefficients, gain)));
+            }
+            Scope::Neighbours => {
+                found.learned.couplings.push(on_joint(law_parameters(group, &coefficients, gain)));
+            }
+            _ => {}
+        }
+    }
+    for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
+        joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
+    }
+    // what the reference and the recordings after it together say of everyday terms
+    let links = problem.background.links;
+    for (k, x) in change[10 * links..].iter().enumerate() {
+        let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
+        found.arm.effects.push(EffectOnJoint::new(
+            law.law().slug,
+            &evidence.names[joint],
+            vec![*x],
+        ));
+    }
+    found.learned.tilt_rad = point.tilt;
+    found.learned.encoder_offset = point.offset;
+    found.learned.delay_s = point.delay_s;
+    found.learned.gain.clone_from(gain);
+    found.arm.prior_links = Some(evidence.chain.joints.iter().map(|j| j.link).collect());
+    found.arm.effort_noise = Some(evidence.rows.sample_deviation.clone());
+    found
+}
+
+/// The believed arm with its rigid body identified again and nothing else.
+pub(crate) fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<DiagnosedModel> {
+    const SCALE: f64 = 1.0;
+    let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
+    let metric = problem.whitened(SCALE, &[]);
+    let change = metric.inertial_errors(&answer(&metric, Vec::new())?.fit);
+    let mut found = DiagnosedModel::believed(model);
+    for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
+        joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
+    }
+    Some(found)
+}
+
+/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
+/// recordings.
+pub(crate) fn choose_outputs(
+    model: &mut DiagnosedModel,
+    evidence: &Evidence<'_>,
+) -> Result<(), RecordingError> {
+    let n = evidence.joints();
+    let mut best = f64::INFINITY;
+    let mut chosen = model.learned.rigid_cutoff_hz;
+    for cutoff_hz in RIGID_HZ {
+        model.learned.rigid_cutoff_hz = cutoff_hz;
+        let mut squares = vec![0.0; n];
+        for signals in &evidence.signals {
+            for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
+                let differences = predicted.iter().zip(&signals.effort[j]);
+                squares[j] += differences.map(|(p, e)| (p - e).powi(2)).sum::<f64>();
+            }
+        }
+        // each joint in its own unit: a product of errors, not a sum
+        let misfit: f64 = squares.iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).sum();
+        if misfit < best {
+            (best, chosen) = (misfit, cutoff_hz);
+        }
+    }
+    model.learned.rigid_cutoff_hz = chosen;
+    let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
+    for signals in &evidence.signals {
+        let predicted = model.on_grid(signals)?;
+        for j in 0..n {
+            for (k, cutoff_hz) in OUTPUT_HZ.iter().enumerate() {
+                let smooth = match cutoff_hz {
+                    Some(hz) => low_pass(*hz, signals.rate_hz)?.filter(&predicted[j]),
+                    None => predicted[j].clone(),
+                };
+                squares[j][k] += smooth
+                    .iter()
+                    .zip(&signals.effort[j])
+                    .map(|(p, e)| (p - e).powi(2))
+                    .sum::<f64>();
+            }
+        }
+    }
+    for j in 0..n {
+        let best = (0..OUTPUT_HZ.len()).min_by(|a, b| squares[j][*a].total_cmp(&squares[j][*b]));
+        model.learned.output_cutoff_hz[j] = best.and_then(|k| OUTPUT_HZ[k]);
+    }
+    Ok(())
+}
