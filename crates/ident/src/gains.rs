@@ -29,6 +29,9 @@ const WEIGHT_ROUNDS: usize = 3;
 /// Fewer blocks than this say nothing about the errors.
 const FEWEST_BLOCKS: usize = 4;
 
+/// Least relative error of a gain that recordings determine: without any, no row holds it.
+const HELD: f64 = 1e-9;
+
 /// The gain of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveGain {
@@ -45,7 +48,7 @@ pub struct DriveGain {
 pub struct DriveGains {
     /// Per joint; none where the effort is recorded.
     pub joints: Vec<Option<DriveGain>>,
-    /// Whether something fixes their size. If not, gains are relative to the first of them.
+    /// Whether something fixes their size. If not, gains are relative to one of them.
     pub absolute: bool,
     /// Where only ratios are known: the factor that makes the constants found those of the robot
     /// description, as well as one number can.
@@ -106,8 +109,12 @@ impl BatchProblem<'_> {
         let loaded =
             loads.iter().any(|l| l.mass_kg > 0.0 && motions.iter().any(|m| l.is_on(&m.source)));
         let absolute = loaded || is_current.iter().any(|current| !current);
-        let first = is_current.iter().position(|current| *current);
-        let reference = if absolute { None } else { first };
+        // gains are relative to that of the joint whose links take most effort, as they are described
+        let described = self.described_effort(&rows.triangles);
+        let strongest = (0..is_current.len())
+            .filter(|&joint| is_current[joint])
+            .max_by(|&a, &b| described[a].total_cmp(&described[b]));
+        let reference = if absolute { None } else { strongest };
         let known: Vec<bool> = (is_current.iter().enumerate())
             .map(|(joint, current)| !current || reference == Some(joint))
             .collect();
@@ -156,7 +163,9 @@ impl BatchProblem<'_> {
                 // currents over efforts are what is linear; a gain of either sign beyond every bound is
                 // none
                 let ends = [inverse - quantile * error, inverse + quantile * error];
-                let bounded = ends[0] * ends[1] > 0.0;
+                // and no spread at all is that of a gain which the rows do not hold
+                let held = error > HELD * inverse.abs();
+                let bounded = held && ends[0] * ends[1] > 0.0;
                 let interval = bounded.then(|| {
                     let [a, b] = ends.map(f64::recip);
                     [a.min(b), a.max(b)]
@@ -171,6 +180,25 @@ impl BatchProblem<'_> {
         let scale_of_description =
             if absolute { 1.0 } else { self.scale(triangles, &noise, &solved) };
         Ok(DriveGains { joints, absolute, scale_of_description })
+    }
+
+    /// Sum of squares of the effort that the links take as they are described, per joint.
+    fn described_effort(&self, triangles: &[AccumulatedQr]) -> Vec<f64> {
+        let described = self.set().values(&self.arm().constants());
+        (triangles.iter().zip(&self.by_joint))
+            .map(|(triangle, terms)| {
+                let order: Vec<usize> = (0..=terms.len() + 1).collect();
+                let r = triangle.reordered(&order);
+                let row = |i: usize| -> f64 {
+                    let of_term = |(at, &k): (usize, &usize)| match self.terms[k] {
+                        Term::Constant(c) => r[(i, at)] * described[c],
+                        _ => 0.0,
+                    };
+                    terms.iter().enumerate().map(of_term).sum()
+                };
+                (0..order.len()).map(|i| row(i).powi(2)).sum()
+            })
+            .collect()
     }
 
     /// Whether an unknown is in N m or N and not in currents: it belongs to all joints.

@@ -144,7 +144,7 @@ pub struct EffectRow {
 pub struct DriveGainRow {
     /// Joint name.
     pub joint: String,
-    /// Estimate; relative to the first drive where nothing fixes the size of the gains.
+    /// Estimate; relative to one drive where nothing fixes the size of the gains.
     pub value: f64,
     /// Standard error; absent for the drive that the others are relative to.
     pub standard_error: Option<f64>,
