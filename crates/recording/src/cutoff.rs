@@ -295,17 +295,17 @@ mod tests {
             (0..20_000)
                 .map(|k| {
                     let angle = 2.0 * PI * f64::from(k) / RATE_HZ;
-                    // some motion up to 6 Hz, which reaches for a high cutoff
-                    let fast = 0.02 * (6.0 * angle).sin();
+                    // some motion an octave higher, which reaches for a high cutoff
+                    let fast = 0.05 * (2.4 * angle).sin();
                     amplitude * (slow_hz * angle).sin() + fast + sigma * random.normal()
                 })
                 .collect()
         };
         let acceleration =
-            0.5 * (amplitude * slow_hz.powi(2)).powi(2) + 0.5 * (0.02_f64 * 36.0).powi(2);
-        for sigma in [1e-4, 1e-3] {
+            0.5 * (amplitude * slow_hz.powi(2)).powi(2) + 0.5 * (0.05 * 2.4_f64.powi(2)).powi(2);
+        for sigma in [1e-4_f64, 4e-3] {
             let limit_hz: f64 = ACCELERATION_NOISE * acceleration * 2.5 * RATE_HZ / sigma.powi(2);
-            let expected_hz = limit_hz.powf(0.2).min(CUTOFF_OVER_EDGE * 6.0);
+            let expected_hz = limit_hz.powf(0.2).min(CUTOFF_OVER_EDGE * 2.4);
             let found_hz = default_cutoff_hz(&[noisy(sigma)], RATE_HZ);
             assert!((found_hz / expected_hz - 1.0).abs() < 0.1, "{found_hz} {expected_hz}");
         }
