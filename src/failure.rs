@@ -80,6 +80,12 @@ impl From<SimulationError> for Failure {
     }
 }
 
+impl From<armident_challenge::ChallengeError> for Failure {
+    fn from(error: armident_challenge::ChallengeError) -> Self {
+        Self::new(&error, error.place(), error.hint())
+    }
+}
+
 impl From<DiagnoseError> for Failure {
     fn from(error: DiagnoseError) -> Self {
         match error {

@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Command::Validate(args) => commands::validate::run(args),
         Command::Predict(args) => commands::predict::run(args),
         Command::Export(args) => commands::export::run(args),
+        Command::Challenge(args) => commands::challenge::run(args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

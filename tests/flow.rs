@@ -20,11 +20,24 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
     ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
-    ("challenge", &["dynamics", "effects", "kinematics", "recording", "simulation"]),
+    (
+        "challenge",
+        &[
+            "diagnose",
+            "dynamics",
+            "effects",
+            "ident",
+            "kinematics",
+            "recording",
+            "report",
+            "simulation",
+        ],
+    ),
     ("export", &["effects", "ident", "kinematics"]),
     (
         "",
         &[
+            "challenge",
             "diagnose",
             "dynamics",
             "effects",

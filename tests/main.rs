@@ -27,6 +27,8 @@ mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
 
+/// cases made, diagnosed unseen and scored
+mod challenge;
 /// recordings as they are and spoiled: what `check` says of them
 mod check;
 /// a fixed small sample of the study of the intervals

@@ -1,5 +1,6 @@
 //! One file a command: read, call, write.
 
+pub(crate) mod challenge;
 pub(crate) mod check;
 pub(crate) mod diagnose;
 pub(crate) mod export;

@@ -11,6 +11,10 @@ use crate::random::Draw;
 use crate::recorder::Exact;
 use crate::robot::Robot;
 
+/// Laws that have a variant of their own: smooth for sharp Coulomb friction, Dahl friction of second order
+/// for `LuGre`, straight flanks for the sine of a ripple.
+pub const PERTURBED: [&str; 3] = ["coulomb_friction", "presliding_hysteresis", "torque_ripple"];
+
 /// What sizes are drawn from.
 pub(crate) struct Context<'a> {
     pub(crate) robot: &'a Robot,
@@ -205,7 +209,7 @@ impl Draft {
 
     /// Whether some joint laws of the library have a stand-in.
     pub(crate) fn can_be_perturbed(slug: &str) -> bool {
-        matches!(slug, "coulomb_friction" | "presliding_hysteresis" | "torque_ripple")
+        PERTURBED.contains(&slug)
     }
 
     /// Parameters of the library's law, or of an unlisted one, at a size.

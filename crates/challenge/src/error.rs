@@ -58,6 +58,12 @@ pub enum ChallengeError {
     /// A recording that is inconsistent or cannot be written.
     #[error(transparent)]
     Recording(#[from] armident_recording::RecordingError),
+    /// The diagnoses could not be started.
+    #[error("the worker threads cannot be started: {reason}")]
+    Threads {
+        /// What the system says.
+        reason: String,
+    },
     /// A folder without cases.
     #[error("there is no case in this folder")]
     NoCases {
@@ -75,6 +81,7 @@ impl ChallengeError {
             | Self::Table { path, .. }
             | Self::NoCases { path } => path.display().to_string(),
             Self::Robot { .. } => "robot.urdf".to_owned(),
+            Self::Threads { .. } => String::new(),
             Self::UnknownEffect { .. } | Self::Invisible { .. } => "effects of the case".to_owned(),
             Self::Simulation(error) => error.place(),
             Self::Recording(error) => error.place(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use armident_recording::Recording;
 use serde::Serialize;
 
 use crate::error::ChallengeError;
@@ -28,21 +29,14 @@ pub struct ExamScore {
     pub over_attainable: PerJoint,
 }
 
-/// Judges `predicted.csv` of a result on the exam of a case.
-///
-/// # Errors
-/// The case's own recording cannot be read; a bad prediction is a score.
+/// Judges the prediction of a result on the exam of a case; a bad prediction is a score.
 pub(crate) fn score_exam(
-    case: &Path,
-    result: &Path,
+    exam: &Table,
+    predicted: Result<Table, String>,
     floors: &Floors,
     recording: &'static str,
-) -> Result<ExamScore, ChallengeError> {
-    let exam = Table::read(&case.join(recording).with_extension("csv"))?;
-    let judged = Table::read(&result.join("predicted.csv"))
-        .map_err(|error| format!("{}: {error}", error.place()))
-        .and_then(|predicted| rmse_by_joint(&exam, &predicted));
-    Ok(match judged {
+) -> ExamScore {
+    match predicted.and_then(|predicted| rmse_by_joint(exam, &predicted)) {
         Err(reason) => ExamScore { recording, failed: Some(reason), ..ExamScore::default() },
         Ok(rmse) => ExamScore {
             recording,
@@ -51,7 +45,7 @@ pub(crate) fn score_exam(
             over_attainable: ratios(&rmse, &floors.attainable_rmse),
             rmse,
         },
-    })
+    }
 }
 
 /// `a / b` for the joints of both.
@@ -92,12 +86,23 @@ fn rmse_by_joint(exam: &Table, predicted: &Table) -> Result<PerJoint, String> {
     Ok(rmse)
 }
 
-/// A CSV file of numbers, read without repairs.
+/// Columns of numbers by their names, without repairs.
 pub(crate) struct Table {
     columns: BTreeMap<String, Vec<f64>>,
 }
 
 impl Table {
+    /// Stamps and efforts of a recording.
+    pub(crate) fn of(recording: &Recording) -> Self {
+        let efforts = recording
+            .joints
+            .iter()
+            .filter_map(|joint| Some((format!("{}/effort", joint.name), joint.effort.clone()?)));
+        let mut columns: BTreeMap<String, Vec<f64>> = efforts.collect();
+        columns.insert("t".to_owned(), recording.time_s.clone());
+        Self { columns }
+    }
+
     pub(crate) fn read(path: &Path) -> Result<Self, ChallengeError> {
         let file = std::fs::File::open(path).map_err(ChallengeError::io("read", path))?;
         let table = |reason: String| ChallengeError::Table { path: path.to_owned(), reason };

@@ -47,19 +47,27 @@ pub struct CaseRequest {
     pub background: Option<f64>,
     /// Whether laws that have one are replaced by a variant of their own.
     pub perturbed: bool,
+    /// Naming margin of every effect; left to chance if it is not given.
+    pub margin: Option<f64>,
+}
+
+/// Slugs that a case of this kind can conceal: those of the library and `unlisted`.
+pub fn concealable(kind: CaseKind) -> Vec<&'static str> {
+    let mut slugs: Vec<&str> = LIBRARY.iter().map(|effect| effect.law().slug).collect();
+    slugs.push("unlisted");
+    if kind == CaseKind::Field {
+        slugs.retain(|slug| !matches!(*slug, "viscous_friction" | "coulomb_friction"));
+    }
+    slugs
 }
 
 /// Effects of a case that follow from its seed: mostly one, sometimes two, and in field cases sometimes
 /// none; slugs take turns.
 pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
     let mut random = Draw::new(seed ^ 0x5eed);
-    let mut slugs: Vec<&str> = LIBRARY.iter().map(|effect| effect.law().slug).collect();
-    slugs.push("unlisted");
-    if kind == CaseKind::Field {
-        slugs.retain(|slug| !matches!(*slug, "viscous_friction" | "coulomb_friction"));
-        if random.chance(0.1) {
-            return Vec::new();
-        }
+    let slugs = concealable(kind);
+    if kind == CaseKind::Field && random.chance(0.1) {
+        return Vec::new();
     }
     let first = slugs[(seed % slugs.len() as u64) as usize];
     let mut chosen = vec![first.to_owned()];
@@ -381,7 +389,7 @@ fn draw_effects(
             if chosen.iter().any(near) {
                 continue;
             }
-            found = size(draft, scene, &sizing, random)?;
+            found = size(draft, scene, &sizing, request.margin, random)?;
             if found.is_some() {
                 break;
             }

@@ -23,6 +23,12 @@
 //!
 //! Not modelled: controllers with integral action, flexible links, temperatures, saturation.
 //!
+//! # A series
+//!
+//! [`Series`] says which cases, [`run`] makes, diagnoses and scores them in memory: the diagnosis gets a
+//! [`Paper`] that holds neither the answer nor the efforts of the exam. A [`Study`] is a series, or several,
+//! with a table of what came out.
+//!
 //! # Scoring
 //!
 //! [`score_cases`] compares truths and results case by case and sums up in a [`Scoreboard`]. A pair is an
@@ -32,6 +38,7 @@
 
 mod accept;
 mod answer;
+mod arms;
 mod background;
 mod case;
 mod draft;
@@ -49,20 +56,28 @@ mod recorder;
 mod robot;
 mod score;
 mod scoreboard;
+mod series;
+mod sitting;
 mod sizes;
+mod study;
 mod text;
 mod truth;
 mod truth_of;
 
 pub use answer::{Answer, Estimate, Evidence, Finding, Fit, HoldoutRmse, Verdict};
+pub use arms::Arm;
 pub use case::Case;
+pub use draft::PERTURBED;
 pub use error::ChallengeError;
 pub use exam::{EDGE_S, ExamScore};
-pub use generate::{CaseKind, CaseRequest, case_effects, generate};
+pub use generate::{CaseKind, CaseRequest, case_effects, concealable, generate};
 pub use holdout::HoldoutScore;
 pub use place::{Blame, Place};
-pub use score::{CaseScore, EverydayScore, score_case, score_cases};
+pub use score::{CaseScore, EverydayScore, score_case, score_cases, score_sitting};
 pub use scoreboard::{Bin, EffectRow, GroupScore, Rate, Scoreboard, Spread};
+pub use series::{Order, Outcome, Series, SeriesKind, run};
+pub use sitting::{LearnedFromPaper, Paper, Sitting, sit};
+pub use study::Study;
 pub use truth::{
     EverydayFriction, Floors, Named, NoiseTruth, SampleRate, TrueEffect, Truth, VelocityTruth,
 };

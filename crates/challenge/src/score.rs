@@ -6,11 +6,13 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::answer::{Answer, Finding, Verdict};
+use crate::case::Case;
 use crate::error::{ChallengeError, read_json};
-use crate::exam::{ExamScore, score_exam};
+use crate::exam::{ExamScore, Table, score_exam};
 use crate::holdout::{HoldoutScore, score_holdout};
 use crate::place::{Blame, Place, is_body, of_finding, of_named, of_truth, tolerated_by};
 use crate::scoreboard::Scoreboard;
+use crate::sitting::Sitting;
 use crate::truth::{Named, TrueEffect, Truth};
 
 /// Findings of less confidence do not count.
@@ -23,12 +25,16 @@ const RIGHT_FACTOR: f64 = 2.0;
 pub struct CaseScore {
     /// Name of the case.
     pub case: String,
+    /// Name of its robot.
+    pub robot: String,
     /// Whether it is a field case.
     pub field: bool,
     /// Why there is no answer.
     pub unanswered: Option<String>,
     /// Slugs of the concealed effects.
     pub effects: Vec<String>,
+    /// Naming margins of these effects.
+    pub naming_margins: Vec<f64>,
     /// (effect, place) pairs that should be named.
     pub pairs: Vec<String>,
     /// Pairs that are named, or whose `accept` is.
@@ -111,22 +117,45 @@ pub fn score_cases(cases: &Path, results: &Path) -> Result<Scoreboard, Challenge
 /// The truth or the exam of the case cannot be read.
 pub fn score_case(case: &Path, result: &Path) -> Result<CaseScore, ChallengeError> {
     let truth: Truth = read_json(&case.join("truth.json"))?;
-    let answer: Result<Answer, _> = read_json(&result.join("out.json"));
-    let unanswered = answer.as_ref().err().map(|error| format!("{}: {error}", error.place()));
-    let mut score = score_names(&truth, answer.as_ref().ok());
-    score.unanswered = unanswered;
+    let told = |error: ChallengeError| format!("{}: {error}", error.place());
+    let answer: Result<Answer, _> = read_json(&result.join("out.json")).map_err(told);
+    let recorded = |name: &str| Table::read(&case.join(name).with_extension("csv"));
+    let predicted = || Table::read(&result.join("predicted.csv")).map_err(told);
     let exam = match &truth.exam {
-        Some(floors) => Some(score_exam(case, result, floors, "exam")?),
+        Some(floors) => Some(score_exam(&recorded("exam")?, predicted(), floors, "exam")),
         None if result.join("predicted.csv").is_file() => {
-            Some(score_exam(case, result, &truth.holdout, "holdout")?)
+            Some(score_exam(&recorded("holdout")?, predicted(), &truth.holdout, "holdout"))
         }
         None => None,
     };
-    if let Ok(answer) = &answer {
-        score.holdout = score_holdout(&answer.fit.holdout, &truth, exam.as_ref());
+    Ok(scored(&truth, &answer, exam))
+}
+
+/// Scores what a diagnosis made of a case in memory: its answer and its prediction of the exam.
+pub fn score_sitting(case: &Case, sitting: Result<&Sitting, String>) -> CaseScore {
+    let predicted = sitting.clone().and_then(|sitting| match &sitting.learned {
+        Some(learned) => Ok(Table::of(&learned.predicted)),
+        None => Err("there is no prediction".to_owned()),
+    });
+    let floors = case.truth.exam.clone().unwrap_or_default();
+    let exam = score_exam(&Table::of(&case.exam), predicted, &floors, "exam");
+    let answer = sitting.and_then(|sitting| {
+        let parsed = serde_json::from_str::<Answer>(&sitting.out_json);
+        parsed.map_err(|error| format!("out.json: {error}"))
+    });
+    scored(&case.truth, &answer, Some(exam))
+}
+
+fn scored(truth: &Truth, answer: &Result<Answer, String>, exam: Option<ExamScore>) -> CaseScore {
+    let mut score = score_names(truth, answer.as_ref().ok());
+    match answer {
+        Ok(answer) => {
+            score.holdout = score_holdout(&answer.fit.holdout, truth, exam.as_ref());
+        }
+        Err(reason) => score.unanswered = Some(reason.clone()),
     }
     score.exam = exam;
-    Ok(score)
+    score
 }
 
 /// What each blame of an answer turns out to be.
@@ -225,8 +254,10 @@ fn score_names(truth: &Truth, answer: Option<&Answer>) -> CaseScore {
     let discredited = false_names.len() > truth.effects.len();
     let mut score = CaseScore {
         case: truth.case.clone(),
+        robot: truth.robot.clone(),
         field: truth.is_field(),
         effects: truth.effects.iter().map(|effect| effect.effect.clone()).collect(),
+        naming_margins: truth.effects.iter().filter_map(|effect| effect.naming_margin).collect(),
         false_names: false_names.iter().map(ToString::to_string).collect(),
         discredited,
         ..CaseScore::default()

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
 
 use crate::score::{CaseScore, EverydayScore};
 
@@ -16,6 +17,8 @@ pub struct Scoreboard {
     pub schema: &'static str,
     /// Clean cases, then field cases, where there are any.
     pub groups: Vec<GroupScore>,
+    /// Right findings of all cases by confidence, in five bins.
+    pub reliability: [Bin; BINS],
     /// Case by case.
     pub cases: Vec<CaseScore>,
 }
@@ -30,18 +33,38 @@ pub struct Rate {
 }
 
 impl Rate {
-    fn over<'a>(values: impl Iterator<Item = &'a bool>) -> Self {
+    pub(crate) fn over<'a>(values: impl Iterator<Item = &'a bool>) -> Self {
         values.fold(Self::default(), |rate, &is| rate.and(is))
     }
 
-    fn and(self, is: bool) -> Self {
+    pub(crate) fn and(self, is: bool) -> Self {
         Self { count: self.count + usize::from(is), of: self.of + 1 }
+    }
+
+    /// The rate that is exceeded with 95 % certainty, exact (Clopper and Pearson, one-sided).
+    pub fn at_least(self) -> f64 {
+        if self.count == 0 {
+            return 0.0;
+        }
+        beta_quantile(self.count as f64, (self.of - self.count) as f64 + 1.0, 0.05)
+    }
+
+    /// The rate that is not exceeded with 95 % certainty, exact (Clopper and Pearson, one-sided).
+    pub fn at_most(self) -> f64 {
+        if self.count == self.of {
+            return 1.0;
+        }
+        beta_quantile(self.count as f64 + 1.0, (self.of - self.count) as f64, 0.95)
     }
 
     /// From 0 to 1; 0 of nothing is 1.
     pub fn share(self) -> f64 {
         if self.of == 0 { 1.0 } else { self.count as f64 / self.of as f64 }
     }
+}
+
+fn beta_quantile(a: f64, b: f64, p: f64) -> f64 {
+    Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p))
 }
 
 /// How a ratio spreads over joints or cases.
@@ -167,7 +190,8 @@ impl Scoreboard {
             .filter(|(_, cases): &(_, Vec<&CaseScore>)| !cases.is_empty())
             .map(|(kind, cases)| GroupScore::new(kind, &cases))
             .collect();
-        Self { schema: "armident.scoreboard/1", groups, cases }
+        let reliability = reliability(&cases.iter().collect::<Vec<_>>());
+        Self { schema: "armident.scoreboard/1", groups, reliability, cases }
     }
 }
 
@@ -283,4 +307,32 @@ fn reliability(cases: &[&CaseScore]) -> [Bin; BINS] {
         bin.confidence += (confidence - bin.confidence) / bin.right.of as f64;
     }
     bins
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bounds against the sums of the binomial distribution that define them.
+    #[test]
+    fn bounds_of_a_rate() {
+        let tail = |rate: Rate, p: f64, from: usize, to: usize| -> f64 {
+            let choose = |k: usize| -> f64 {
+                (0..k).map(|i| (rate.of - i) as f64 / (k - i) as f64).product()
+            };
+            let term =
+                |k: usize| choose(k) * p.powi(k as i32) * (1.0 - p).powi((rate.of - k) as i32);
+            (from..=to).map(term).sum()
+        };
+        for (count, of) in [(0, 24), (1, 30), (7, 12), (29, 30)] {
+            let rate = Rate { count, of };
+            assert!((tail(rate, rate.at_most(), 0, count) - 0.05).abs() < 1e-9, "{rate:?}");
+        }
+        for (count, of) in [(1, 30), (7, 12), (24, 24)] {
+            let rate = Rate { count, of };
+            assert!((tail(rate, rate.at_least(), count, of) - 0.05).abs() < 1e-9, "{rate:?}");
+        }
+        assert_eq!(Rate { count: 0, of: 9 }.at_least(), 0.0);
+        assert_eq!(Rate { count: 9, of: 9 }.at_most(), 1.0);
+    }
 }

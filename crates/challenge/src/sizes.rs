@@ -11,7 +11,11 @@ use crate::recorder::{Exact, rms};
 
 /// Naming margins that are drawn, and those that are kept.
 const DRAWN: [f64; 2] = [1.9, 11.0];
-pub(crate) const KEPT: [f64; 2] = [1.5, 16.0];
+const KEPT: [f64; 2] = [1.5, 16.0];
+/// Factor within which a margin is kept that was asked for.
+const AS_ASKED: f64 = 1.3;
+/// The same on the planned motions, from which the simulated ones differ a little.
+const AS_ASKED_PLANNED: f64 = 1.2;
 /// Rounds of sizing, and how near the drawn margin is near enough.
 const ROUNDS: usize = 5;
 const NEAR: f64 = 1.15;
@@ -87,15 +91,28 @@ pub(crate) fn with_background(scene: &Scene<'_>, motions: &[&Exact], sigma: &[f6
     sigma.iter().zip(squares).map(|(sigma, square)| (sigma * sigma + square).sqrt()).collect()
 }
 
-/// Scales an effect until its naming margin on the planned motions is near one drawn by chance;
-/// nothing if it cannot be.
+/// Naming margins that are kept.
+pub(crate) fn kept(asked: Option<f64>) -> [f64; 2] {
+    asked.map_or(KEPT, |margin| [margin / AS_ASKED, margin * AS_ASKED])
+}
+
+fn kept_when_planned(asked: Option<f64>) -> [f64; 2] {
+    let around = |margin: f64| [margin / AS_ASKED_PLANNED, margin * AS_ASKED_PLANNED];
+    asked.map_or([KEPT[0] * 1.1, KEPT[1]], around)
+}
+
+/// Scales an effect until its naming margin on the planned motions is near the one asked for, or one drawn
+/// by chance; nothing if it cannot be.
 pub(crate) fn size(
     draft: Draft,
     scene: &Scene<'_>,
     sizing: &Sizing,
+    asked: Option<f64>,
     random: &mut Draw,
 ) -> Result<Option<Sized>, ChallengeError> {
-    let wanted = random.log_between(DRAWN[0], DRAWN[1]);
+    let drawn = random.log_between(DRAWN[0], DRAWN[1]);
+    let wanted = asked.unwrap_or(drawn);
+    let [low, high] = kept_when_planned(asked);
     let motions: Vec<&Exact> = scene.planned[..2].iter().collect();
     let mut sized = Sized { x: draft.start.min(draft.most), draft, torque: Vec::new() };
     let rounds = if sized.draft.has_transmission() { TRANSMISSION_ROUNDS } else { ROUNDS };
@@ -113,7 +130,7 @@ pub(crate) fn size(
             let plausible = (0..sized.torque.len()).all(|j| {
                 sized.torque[j] < MOST_TORQUE * scene.range[j].max(scene.sensing.sigma[j])
             });
-            let kept = plausible && (KEPT[0] * 1.1..KEPT[1]).contains(&seen.naming_margin);
+            let kept = plausible && (low..high).contains(&seen.naming_margin);
             return Ok(kept.then_some(sized));
         }
         sized.x = (sized.x * factor.clamp(0.02, 50.0)).min(sized.draft.most);

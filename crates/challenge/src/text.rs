@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, presets};
+use armident_report::aligned;
 
-use crate::scoreboard::{GroupScore, Rate, Scoreboard, Spread};
+use crate::scoreboard::{Bin, GroupScore, Rate, Scoreboard, Spread};
 
 impl Scoreboard {
     /// Tables: the sums, effect by effect, confusion, reliability, then cases with something wrong.
@@ -12,6 +12,10 @@ impl Scoreboard {
         let mut text = String::new();
         for group in &self.groups {
             text += &group_text(group);
+        }
+        if self.groups.len() > 1 {
+            let _ =
+                writeln!(text, "Reliability over all cases\n{}", reliability(&self.reliability));
         }
         let wrong: Vec<String> = self.cases.iter().filter_map(case_line).collect();
         if !wrong.is_empty() {
@@ -21,33 +25,20 @@ impl Scoreboard {
     }
 }
 
-/// A table without rules; the first `left` columns are left-aligned.
-fn aligned(header: &[&str], rows: &[Vec<String>], left: usize) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(header.iter().map(ToString::to_string).collect::<Vec<_>>());
-    for row in rows {
-        table.add_row(row.clone());
-    }
-    for (k, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((if k == 0 { 0 } else { 1 }, 1));
-        column.set_constraint(ColumnConstraint::ContentWidth);
-        column.set_cell_alignment(if k < left {
-            CellAlignment::Left
-        } else {
-            CellAlignment::Right
-        });
-    }
-    let text = table.to_string();
-    text.lines().map(|line| format!("{}\n", line.trim_end())).collect()
-}
-
-fn rate(rate: Rate) -> String {
+/// A count with its share.
+pub(crate) fn rate(rate: Rate) -> String {
     if rate.of == 0 {
         return "-".to_owned();
     }
     format!("{} of {} ({:.1} %)", rate.count, rate.of, 100.0 * rate.share())
+}
+
+/// With what it is at most, with 95 % certainty.
+fn bounded(of: Rate) -> String {
+    if of.of == 0 {
+        return "-".to_owned();
+    }
+    format!("{}, at most {:.1} % with 95 % certainty", rate(of), 100.0 * of.at_most())
 }
 
 fn spread(spread: Option<Spread>) -> String {
@@ -70,7 +61,7 @@ fn group_text(group: &GroupScore) -> String {
         line("cases", group.cases.to_string()),
         line("without an answer", group.unanswered.to_string()),
         line("detected", rate(group.detected)),
-        line("false alarms", rate(group.false_alarms)),
+        line("false alarms", bounded(group.false_alarms)),
         line("pairs: recall", rate(group.recall)),
         line("pairs: precision", rate(group.precision)),
         line("pairs: F1", format!("{:.3}", group.f1)),
@@ -112,7 +103,7 @@ fn group_text(group: &GroupScore) -> String {
         })
         .collect();
     text += &aligned(&["effect", "named", "false", "parameter error"], &effects, 1);
-    text += "\nConfusion (concealed: named instead)\n";
+    let mut confusion = String::new();
     for (truth, named) in &group.confusion {
         let wrong: Vec<String> = named
             .iter()
@@ -120,15 +111,34 @@ fn group_text(group: &GroupScore) -> String {
             .map(|(name, count)| format!("{name} {count}"))
             .collect();
         if !wrong.is_empty() {
-            let _ = writeln!(text, "  {truth}: {}", wrong.join(", "));
+            let _ = writeln!(confusion, "  {truth}: {}", wrong.join(", "));
         }
     }
-    text += "\nReliability (confidence: share that is right)\n";
-    for bin in group.reliability.iter().filter(|bin| bin.right.of > 0) {
-        let _ = writeln!(text, "  {:.2}: {}", bin.confidence, rate(bin.right));
+    if !confusion.is_empty() {
+        let _ = write!(text, "\nConfusion (concealed: named instead)\n{confusion}");
     }
+    text += "\nReliability\n";
+    text += &reliability(&group.reliability);
     text.push('\n');
     text
+}
+
+/// Claims and right ones by confidence.
+fn reliability(bins: &[Bin]) -> String {
+    let width = 1.0 / bins.len() as f64;
+    let rows: Vec<Vec<String>> = bins
+        .iter()
+        .enumerate()
+        .map(|(k, bin)| {
+            let mean = format!("{:.2}", bin.confidence);
+            vec![
+                format!("{:.1} to {:.1}", k as f64 * width, (k + 1) as f64 * width),
+                if bin.right.of > 0 { mean } else { "-".to_owned() },
+                rate(bin.right),
+            ]
+        })
+        .collect();
+    aligned(&["confidence", "mean", "right"], &rows, 1)
 }
 
 /// What is wrong with a case, if anything.
@@ -154,7 +164,7 @@ fn case_line(case: &crate::score::CaseScore) -> Option<String> {
     if case.false_alarm == Some(true) && case.false_names.is_empty() {
         wrong.push("mismatch on an exact null".to_owned());
     }
-    (!wrong.is_empty()).then(|| format!("  {}: {}", case.case, wrong.join("; ")))
+    (!wrong.is_empty()).then(|| format!("  {} ({}): {}", case.case, case.robot, wrong.join("; ")))
 }
 
 /// Predictions beyond this multiple of the attainable error are listed.

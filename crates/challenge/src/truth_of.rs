@@ -11,7 +11,7 @@ use crate::error::ChallengeError;
 use crate::generate::{CaseRequest, FILES, Scene, efforts_of};
 use crate::observe::{Observer, Plain, Projection};
 use crate::recorder::{Exact, rms};
-use crate::sizes::{KEPT, Sized, effect_torque, is_body, visibility, with_background};
+use crate::sizes::{Sized, effect_torque, is_body, kept, visibility, with_background};
 use crate::truth::{
     EverydayFriction, Floors, Named, NoiseTruth, PerJoint, SampleRate, TrueEffect, Truth,
 };
@@ -60,11 +60,12 @@ pub(crate) fn truth_of(
         if scene.field { with_background(scene, &motions, effective) } else { effective.to_vec() };
     let bodies = Observer::new(&arm, &motions, &body_noise);
     let mut effects = Vec::new();
+    let [least, most] = kept(request.margin);
     for (k, sized) in drafts.iter().enumerate() {
         let torque = effect_torque(scene, drafts, k, &motions)?;
         let watching = if is_body(&sized.draft) { &bodies } else { &observer };
         let seen = visibility(&sized.draft, scene, watching, &motions, &torque);
-        if !(KEPT[0]..=KEPT[1]).contains(&seen.naming_margin) {
+        if !(least..=most).contains(&seen.naming_margin) {
             return Ok(None);
         }
         let rows = observer.rows_of(&torque);

@@ -5,7 +5,8 @@
 use std::path::{Path, PathBuf};
 
 use armident_challenge::{
-    Case, CaseKind, CaseRequest, SampleRate, case_effects, generate, score_case,
+    Case, CaseKind, CaseRequest, PERTURBED, SampleRate, Series, SeriesKind, case_effects, generate,
+    score_case,
 };
 use armident_recording::{JointChannels, Recording, read_csv, write_csv};
 use serde_json::json;
@@ -21,6 +22,7 @@ fn request(kind: CaseKind, seed: u64, effects: &[&str]) -> CaseRequest {
         effects: effects.iter().map(ToString::to_string).collect(),
         background: None,
         perturbed: false,
+        margin: None,
     }
 }
 
@@ -152,4 +154,46 @@ fn a_written_case_is_scored_by_the_same_rules() {
     assert!(score.exam.unwrap().over_oracle.values().all(|ratio| *ratio == 0.0));
     assert!(score.holdout.suspicious.is_empty(), "{:?}", score.holdout.suspicious);
     let _ = std::fs::remove_dir_all(folder);
+}
+
+/// An effect of the size asked for, within the tolerance of the generator.
+#[test]
+fn a_margin_that_is_asked_for_is_kept() {
+    for margin in [1.0, 6.0] {
+        let wanted =
+            CaseRequest { margin: Some(margin), ..request(CaseKind::Clean, 5, &["torque_ripple"]) };
+        let case = generate(&wanted).unwrap();
+        let made = case.truth.effects[0].naming_margin.unwrap();
+        assert!((margin / 1.3..=margin * 1.3).contains(&made), "{made} for {margin}");
+    }
+}
+
+#[test]
+fn series_follow_from_their_seed() {
+    let series = |kind, perturbed| Series {
+        cases: 8,
+        seed: 3,
+        kind,
+        effects: Vec::new(),
+        arm: None,
+        perturbed,
+        margin: None,
+    };
+    let mixed = series(SeriesKind::Mixed, false).orders();
+    let again = series(SeriesKind::Mixed, false).orders();
+    for (k, (one, other)) in mixed.iter().zip(&again).enumerate() {
+        assert_eq!((one.seed, &one.effects, &one.arms), (other.seed, &other.effects, &other.arms));
+        assert_eq!(one.kind == CaseKind::Field, k % 2 == 1);
+    }
+    let nulls = series(SeriesKind::Null, false).orders();
+    assert!(nulls.iter().all(|order| order.effects.is_empty()));
+    let kinds: Vec<(bool, bool)> = nulls
+        .iter()
+        .map(|order| (order.kind == CaseKind::Field, order.background.unwrap() > 0.0))
+        .collect();
+    assert_eq!(kinds[..4], [(false, false), (false, true), (true, false), (true, true)]);
+    let perturbed = series(SeriesKind::Mixed, true).orders();
+    assert!(perturbed.iter().all(|order| PERTURBED.contains(&order.effects[0].as_str())));
+    let concealed = |order: &&armident_challenge::Order| order.kind == CaseKind::Field;
+    assert!(perturbed.iter().filter(concealed).all(|order| order.effects[0] != "coulomb_friction"));
 }

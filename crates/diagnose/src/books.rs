@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::ArmModel;
 use armident_ident::check::{
     ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
@@ -29,6 +30,8 @@ pub struct DriveGain {
 
 /// A probability that leaves no doubt.
 const SURE: f64 = 0.99;
+/// Share of the believed effort that must be gravity for a gain to be told from an inertia.
+const GRAVITY_SHARE: f64 = 0.5;
 /// Ends of an interval whose ratio is larger say nothing.
 const NOT_DETERMINED: f64 = 10.0;
 
@@ -102,7 +105,19 @@ impl Books {
             let place = joints_of_model.iter().position(|j| j == name);
             place.is_some_and(|j| kind(&found.channels[j], ChannelKind::WithoutGravity) > 0.5)
         };
+        // a gain that only inertia shows may be the inertia of a rotor
+        let of_gravity = gravity_deviation(model, &motions);
+        let only_inertia = |name: &str| {
+            joints_of_model.iter().position(|j| j == name).is_some_and(|j| {
+                let gains = [ChannelKind::OtherGain, ChannelKind::OtherGainFlipped];
+                let is_gain = gains.iter().map(|k| kind(&found.channels[j], *k)).sum::<f64>() > 0.5;
+                is_gain && of_gravity[j] < GRAVITY_SHARE * found.channels[j].urdf_sd
+            })
+        };
         let of_columns = |c: &Check| {
+            if c.joint.as_deref().is_some_and(only_inertia) {
+                return false;
+            }
             if gravity_is_there && c.joint.as_deref().is_some_and(seems_without_gravity) {
                 return false;
             }
@@ -155,4 +170,26 @@ impl Books {
         }
         converted
     }
+}
+
+/// Standard deviation of the believed effort of gravity on every joint.
+fn gravity_deviation(model: &ArmModel, motions: &[Motion]) -> Vec<f64> {
+    let arm = model.rigid_arm();
+    let n = arm.dof();
+    let mut efforts: Vec<Vec<f64>> = vec![Vec::new(); n];
+    for motion in motions {
+        let rest = vec![vec![0.0; motion.len()]; n];
+        let effort = inverse_dynamics_of_motion(&arm, &motion.position, &rest, &rest);
+        for (all, effort) in efforts.iter_mut().zip(effort) {
+            all.extend(effort);
+        }
+    }
+    efforts
+        .iter()
+        .map(|effort| {
+            let count = effort.len().max(1) as f64;
+            let mean = effort.iter().sum::<f64>() / count;
+            (effort.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / count).sqrt()
+        })
+        .collect()
 }

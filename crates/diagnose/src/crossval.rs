@@ -12,6 +12,9 @@ use crate::search::{Answer, all_admissible, answer};
 /// Stretches that each recording is cut into.
 const BLOCKS_PER_RECORDING: usize = 3;
 
+/// Stretches where only the error is asked for: short, so that little is missing in the fit.
+const SHORT_BLOCKS: usize = 10;
+
 /// The problem of an answer cut into what is fitted and what is predicted.
 struct Fold {
     fitted: Problem,
@@ -222,6 +225,22 @@ fn admissible_part(metric: &Whitened<'_>, mut set: Vec<usize>, named: &[usize]) 
     }
 }
 
+/// What the reference by itself leaves over of stretches that were not fitted, on each joint, in units of
+/// its noise: where nothing changed, that is what the model of the arm is imperfect by.
+pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Vec<f64> {
+    let rows = &problem.rows;
+    let until = rows.judged_from();
+    let reference = problem.restricted(&[]).0.of_rows(|row| row < until);
+    let folds = folds_of(&reference, &rows.starts[..=rows.changed_from], SHORT_BLOCKS);
+    let mut squares = vec![0.0; rows.joints()];
+    for fold in &folds {
+        for (sum, of_joint) in squares.iter_mut().zip(fold.errors(&[], scale, &[])) {
+            *sum += of_joint;
+        }
+    }
+    squares.iter().map(|s| (s / until.max(1) as f64).sqrt().max(1.0)).collect()
+}
+
 /// The groups of a set and the simpler relatives that could take their places.
 fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
     let mut all = set.to_vec();
@@ -235,11 +254,16 @@ fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
 
 /// One fold for every stretch.
 fn folds(problem: &Problem) -> Vec<Fold> {
+    let starts = &problem.rows.starts[problem.rows.changed_from..];
+    folds_of(problem, starts, BLOCKS_PER_RECORDING)
+}
+
+fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {
     let mut folds = Vec::new();
-    for pair in problem.rows.starts.windows(2).skip(problem.rows.changed_from) {
+    for pair in starts.windows(2) {
         let length = pair[1] - pair[0];
-        for block in 0..BLOCKS_PER_RECORDING {
-            let at = |k: usize| pair[0] + k * length / BLOCKS_PER_RECORDING;
+        for block in 0..blocks {
+            let at = |k: usize| pair[0] + k * length / blocks;
             let inside = at(block)..at(block + 1);
             folds.push(Fold {
                 fitted: problem.of_rows(|row| !inside.contains(&row)),

@@ -7,7 +7,7 @@ use armident_effects::{Place, Scope, effect};
 use armident_numeric::{Cholesky, gram_of_columns};
 
 use crate::contact::ContactColumns;
-use crate::crossval::{confirm, with_everyday_terms};
+use crate::crossval::{confirm, imperfection, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
 use crate::learn::View;
@@ -33,6 +33,8 @@ const DESCRIBED_JOINTS: usize = 2;
 /// weighs less; and changes of its misfit (logarithm) that no longer matter.
 const CLEAR_MISFIT: f64 = 1.5;
 const SAME_MISFIT: f64 = 0.3;
+/// Relative inertial error with which the reference is looked at first: what a URDF is off by.
+const REFERENCE_SCALE: f64 = 0.2;
 /// Share of the independent samples from which on their number was clearly overrated.
 const FEWER_SAMPLES: f64 = 0.6;
 /// Passes of moving the operating point.
@@ -91,9 +93,19 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
     let mut point = OperatingPoint::of(owner.joints());
     let mut memory = Memory::default();
     let ripple = RippleColumns::new(owner, &owner.at(&point));
-    for (j, misfit) in first_misfits(&owner.problem(&point)).into_iter().enumerate() {
+    let seeks_change = owner.rows.changed_from > 0;
+    let first = owner.problem(&point);
+    let misfit =
+        if seeks_change { imperfection(&first, REFERENCE_SCALE) } else { first_misfits(&first) };
+    for (j, misfit) in misfit.into_iter().enumerate() {
         owner.rows.set_misfit(j, misfit);
     }
+    if seeks_change {
+        let empty = answer(&first.whitened(REFERENCE_SCALE, &[]), Vec::new())?;
+        let residual = first.whitened(REFERENCE_SCALE, &[]).residual(&empty.fit);
+        owner.rows.share = independent_share(&first, &residual, true).min(owner.rows.share);
+    }
+    drop(first);
     let mut last = None;
     for pass in 0..PASSES {
         let evidence: &Evidence<'_> = owner;
@@ -132,14 +144,16 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let target = moves(&problem, &found, &point);
         let still = is_still(&target, &point);
         let misfit = misfits(&problem.whitened(scale, &wide), &found);
-        let reweighted = misfit
-            .iter()
-            .zip(&problem.rows.misfit)
-            .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
+        let reweighted = !seeks_change
+            && misfit
+                .iter()
+                .zip(&problem.rows.misfit)
+                .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
         // of what no term of a plain identification explains: a short answer must not look like few samples
         let residual = with_everyday_terms(&problem.whitened(scale, &wide), &found);
-        let share = independent_share(&problem, &residual).min(problem.rows.share);
-        let reweighted = reweighted || share < FEWER_SAMPLES * problem.rows.share;
+        let share = independent_share(&problem, &residual, false).min(problem.rows.share);
+        let reweighted =
+            reweighted || (!seeks_change && share < FEWER_SAMPLES * problem.rows.share);
         let done = (still && !again && !reweighted) || pass + 1 == PASSES;
         // with other weights another scale may be right
         memory.scale = (!reweighted).then_some(scale);
@@ -148,8 +162,10 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             break;
         }
         point = target;
-        for (j, misfit) in misfit.into_iter().enumerate() {
-            owner.rows.set_misfit(j, misfit);
+        if !seeks_change {
+            for (j, misfit) in misfit.into_iter().enumerate() {
+                owner.rows.set_misfit(j, misfit);
+            }
         }
         if reweighted {
             owner.rows.share = share;
@@ -197,15 +213,21 @@ fn first_misfits(problem: &Problem) -> Vec<f64> {
 }
 
 /// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
-/// of rows. Model errors last longer than noise in the band does.
-fn independent_share(problem: &Problem, residual: &[Vec<f64>]) -> f64 {
+/// of rows; of the reference alone, or of all recordings. Model errors last longer than noise in the band
+/// does.
+fn independent_share(problem: &Problem, residual: &[Vec<f64>], of_reference: bool) -> f64 {
     // as long as a motion lasts; beyond, the estimate is noise
     const LONGEST_S: f64 = 2.0;
     let mut time = 0.0;
+    let starts = match of_reference {
+        true => &problem.rows.starts[..=problem.rows.changed_from],
+        false => &problem.rows.starts[..],
+    };
     for residual in residual {
+        let residual = &residual[..starts[starts.len() - 1]];
         let square = dot(residual, residual).max(f64::MIN_POSITIVE);
         let correlation = |lag: usize| -> f64 {
-            let pairs = problem.rows.starts.windows(2).map(|p| &residual[p[0]..p[1]]);
+            let pairs = starts.windows(2).map(|p| &residual[p[0]..p[1]]);
             pairs
                 .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
                 .sum::<f64>()

@@ -1,0 +1,243 @@
+//! Many cases: which ones, and each made, diagnosed and scored.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use armident_recording::write_csv;
+use rayon::ThreadPoolBuilder;
+
+use crate::arms::Arm;
+use crate::draft::PERTURBED;
+use crate::error::ChallengeError;
+use crate::generate::{CaseKind, CaseRequest, case_effects, generate};
+use crate::random::Draw;
+use crate::score::{CaseScore, score_sitting};
+use crate::sitting::{Paper, Sitting, sit};
+
+/// Arms that are tried for a case.
+const MOST_ARMS: usize = 5;
+/// Errors of every inertial of a null that has some.
+const NULL_BACKGROUND: [f64; 2] = [0.02, 0.05];
+/// Keeps the draws of field cases apart from those of clean ones.
+const FIELD_SEEDS: u64 = 500_000;
+/// Keeps the seeds of two series apart.
+const SERIES_SEEDS: u64 = 1_000_003;
+
+/// Kinds of cases in a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SeriesKind {
+    /// Clean ones.
+    Clean,
+    /// Field cases, of which some are nulls.
+    Field,
+    /// No effect: in turn exact, with inertial errors, with everyday friction, and with both.
+    Null,
+    /// Clean and field cases in turn.
+    Mixed,
+}
+
+/// A series of cases. The same series gives the same cases.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// How many.
+    pub cases: u64,
+    /// Everything that is left to chance follows from it.
+    pub seed: u64,
+    /// Of which kind.
+    pub kind: SeriesKind,
+    /// What every case conceals; where it is empty, all effects take turns.
+    pub effects: Vec<String>,
+    /// The robot; some of [`Arm::all`] by chance if it is not given.
+    pub arm: Option<Arm>,
+    /// Whether only laws with a variant of their own are concealed, by that variant.
+    pub perturbed: bool,
+    /// Naming margin of every effect; left to chance if it is not given.
+    pub margin: Option<f64>,
+}
+
+impl Series {
+    /// The cases to be made.
+    pub fn orders(&self) -> Vec<Order> {
+        (0..self.cases).map(|k| self.order(k)).collect()
+    }
+
+    fn order(&self, k: u64) -> Order {
+        let (field, turn) = match self.kind {
+            SeriesKind::Clean => (false, k),
+            SeriesKind::Field => (true, k),
+            SeriesKind::Null => (k % 4 >= 2, k),
+            SeriesKind::Mixed => (k % 2 == 1, k / 2),
+        };
+        let kind = if field { CaseKind::Field } else { CaseKind::Clean };
+        let seed = self.seed.wrapping_mul(SERIES_SEEDS).wrapping_add(turn);
+        let seed = seed.wrapping_add(if field { FIELD_SEEDS } else { 0 });
+        let mut random = Draw::new(seed ^ 0xa12b);
+        let effects = if self.kind == SeriesKind::Null {
+            Vec::new()
+        } else if !self.effects.is_empty() {
+            self.effects.clone()
+        } else if self.perturbed {
+            let there: Vec<&str> = PERTURBED
+                .into_iter()
+                .filter(|slug| !(field && *slug == "coulomb_friction"))
+                .collect();
+            vec![there[(turn % there.len() as u64) as usize].to_owned()]
+        } else {
+            case_effects(kind, seed)
+        };
+        let background = (self.kind == SeriesKind::Null).then(|| {
+            let drawn = random.between(NULL_BACKGROUND[0], NULL_BACKGROUND[1]);
+            if k % 2 == 1 { drawn } else { 0.0 }
+        });
+        let letter = match (self.kind, field) {
+            (SeriesKind::Null, _) => 'n',
+            (_, true) => 'f',
+            (_, false) => 'c',
+        };
+        Order {
+            name: format!("{letter}{:04}", k + 1),
+            seed,
+            kind,
+            effects,
+            background,
+            perturbed: self.perturbed,
+            margin: self.margin,
+            arms: self.arm.as_ref().map_or_else(|| by_chance(&mut random), |arm| vec![arm.clone()]),
+        }
+    }
+}
+
+/// Some arms in an order by chance.
+fn by_chance(random: &mut Draw) -> Vec<Arm> {
+    let mut all = Arm::all();
+    let mut chosen = Vec::new();
+    while chosen.len() < MOST_ARMS && !all.is_empty() {
+        chosen.push(all.swap_remove(random.index(all.len())));
+    }
+    chosen
+}
+
+/// A case to be made, on the first of some arms that shows its effects.
+#[derive(Debug, Clone)]
+pub struct Order {
+    /// Name of the case.
+    pub name: String,
+    /// Everything that is left to chance follows from it.
+    pub seed: u64,
+    /// Clean or field.
+    pub kind: CaseKind,
+    /// What it conceals.
+    pub effects: Vec<String>,
+    /// Standard scale of the errors of every inertial; left to chance if it is not given.
+    pub background: Option<f64>,
+    /// Whether laws that have one are replaced by a variant of their own.
+    pub perturbed: bool,
+    /// Naming margin of every effect; left to chance if it is not given.
+    pub margin: Option<f64>,
+    /// Robots to try.
+    pub arms: Vec<Arm>,
+}
+
+/// What became of an order.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The score; nothing where no arm shows the effects.
+    pub score: Option<CaseScore>,
+    /// How long the diagnosis took on one thread \[s\]; 0 where there is none.
+    pub seconds: f64,
+}
+
+/// Makes, diagnoses and scores cases, as many at a time as there are threads. The diagnosis gets a
+/// [`Paper`] and nothing else. With a folder, the cases go to `cases/` in it and what the diagnosis hands
+/// in to `results/`. `done` hears of every case.
+///
+/// # Errors
+/// A robot or effect that cannot be used, a folder that cannot be written.
+pub fn run(
+    orders: &[Order],
+    keep: Option<&Path>,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<Outcome>, ChallengeError> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = threads.min(orders.len()).max(1);
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<Option<Result<Outcome, ChallengeError>>>> =
+        Mutex::new(orders.iter().map(|_| None).collect());
+    let work = || -> Result<(), ChallengeError> {
+        // a diagnosis that has a core of its own does not wait for others
+        let pool = ThreadPoolBuilder::new()
+            .num_threads((threads / workers).max(1))
+            .build()
+            .map_err(|error| ChallengeError::Threads { reason: error.to_string() })?;
+        loop {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            let Some(order) = orders.get(k) else { return Ok(()) };
+            let outcome = pool.install(|| serve(order, keep));
+            if outcome.is_err() {
+                // nobody starts another
+                next.store(orders.len(), Ordering::Relaxed);
+            }
+            if let Ok(mut results) = results.lock() {
+                results[k] = Some(outcome);
+            }
+            done();
+        }
+    };
+    std::thread::scope(|scope| {
+        let running: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        running.into_iter().try_for_each(|worker| {
+            let died = |_| ChallengeError::Threads { reason: "one of them died".to_owned() };
+            worker.join().map_err(died)?
+        })
+    })?;
+    let results = results
+        .into_inner()
+        .map_err(|error| ChallengeError::Threads { reason: error.to_string() })?;
+    results.into_iter().flatten().collect()
+}
+
+fn serve(order: &Order, keep: Option<&Path>) -> Result<Outcome, ChallengeError> {
+    for arm in &order.arms {
+        let case = match generate(&CaseRequest {
+            name: order.name.clone(),
+            robot: arm.name.clone(),
+            robot_urdf: arm.urdf.clone(),
+            seed: order.seed,
+            kind: order.kind,
+            effects: order.effects.clone(),
+            background: order.background,
+            perturbed: order.perturbed,
+            margin: order.margin,
+        }) {
+            Ok(case) => case,
+            // this arm makes place for the next
+            Err(ChallengeError::Invisible { .. } | ChallengeError::Simulation(_)) => continue,
+            Err(other) => return Err(other),
+        };
+        let sitting = sit(&Paper::of(&case));
+        if let Some(folder) = keep {
+            case.write(&folder.join("cases").join(&order.name))?;
+            if let Ok(sitting) = &sitting {
+                hand_in(sitting, &folder.join("results").join(&order.name))?;
+            }
+        }
+        let seconds = sitting.as_ref().map_or(0.0, |sitting| sitting.seconds);
+        let score = score_sitting(&case, sitting.as_ref().map_err(Clone::clone));
+        return Ok(Outcome { score: Some(score), seconds });
+    }
+    Ok(Outcome { score: None, seconds: 0.0 })
+}
+
+/// Writes what the program would have written, into a folder, which is made.
+fn hand_in(sitting: &Sitting, folder: &Path) -> Result<(), ChallengeError> {
+    std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
+    let write = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(ChallengeError::io("written", &path))
+    };
+    write("out.json", &sitting.out_json)?;
+    let Some(learned) = &sitting.learned else { return Ok(()) };
+    write("model.json", &learned.model_json)?;
+    Ok(write_csv(folder.join("predicted.csv"), &learned.predicted)?)
+}

@@ -1,0 +1,176 @@
+//! `armident challenge`.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use armident_challenge::{
+    Arm, CaseKind, Order, Outcome as Sat, Scoreboard, Series, SeriesKind, Spread, Study,
+    run as serve, score_cases,
+};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::args::{ChallengeArgs, ChallengeFailOn, KindArg, OutputArgs, StudyArg};
+use crate::failure::{Failure, Outcome};
+use crate::output;
+
+/// Cases where their number is not given.
+const CASES: u64 = 24;
+
+pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
+    let to = OutputArgs { json: args.json.clone(), quiet: args.quiet, fail_on: None };
+    if let [cases, results] = &args.score[..] {
+        let board = score_cases(cases, results)?;
+        output::write_result(&to, &board.text(), &board, &[])?;
+        return Ok(judged(args, &board));
+    }
+    let study = args.study.map(StudyArg::study);
+    let orders = match study {
+        Some(study) => study_orders(args, study)?,
+        None => chosen(args, series(args)?.orders())?,
+    };
+    if let Some(folder) = &args.keep {
+        output::create_folder(folder)?;
+    }
+    let sat = with_progress(args, &orders)?;
+    let board = Scoreboard::new(sat.iter().filter_map(|sat| sat.score.clone()).collect());
+    let text = match study {
+        Some(study) => study.text(&orders, &sat),
+        None => board.text(),
+    };
+    output::say_all(&to, "note", &notes(&orders, &sat));
+    output::write_result(&to, &text, &board, &[])?;
+    Ok(judged(args, &board))
+}
+
+impl StudyArg {
+    fn study(self) -> Study {
+        match self {
+            Self::Nulls => Study::Nulls,
+            Self::Power => Study::Power,
+            Self::Perturbed => Study::Perturbed,
+            Self::Mixed => Study::Mixed,
+        }
+    }
+}
+
+fn study_orders(args: &ChallengeArgs, study: Study) -> Result<Vec<Order>, Failure> {
+    let kind = match (study, args.kind) {
+        (Study::Power, Some(KindArg::Field)) => CaseKind::Field,
+        (Study::Power, None | Some(KindArg::Clean)) | (_, None) => CaseKind::Clean,
+        _ => {
+            return Err(Failure::new(
+                "this study has its own kinds of cases",
+                "--kind",
+                Some("leave it out; the power study alone takes clean or field"),
+            ));
+        }
+    };
+    Ok(study.orders(args.cases.unwrap_or(study.default_cases()), args.seed, kind))
+}
+
+fn series(args: &ChallengeArgs) -> Result<Series, Failure> {
+    let kind = match args.kind {
+        Some(KindArg::Clean) => SeriesKind::Clean,
+        Some(KindArg::Field) => SeriesKind::Field,
+        Some(KindArg::Null) => SeriesKind::Null,
+        Some(KindArg::Mixed) => SeriesKind::Mixed,
+        None if args.effect.is_empty() => SeriesKind::Mixed,
+        None => SeriesKind::Clean,
+    };
+    if kind == SeriesKind::Null && !args.effect.is_empty() {
+        return Err(Failure::new(
+            "a null conceals nothing",
+            "--effect, --kind null",
+            Some("leave one of them out"),
+        ));
+    }
+    Ok(Series {
+        cases: args.cases.unwrap_or(CASES),
+        seed: args.seed,
+        kind,
+        effects: args.effect.clone(),
+        arm: args.robot.as_deref().map(arm).transpose()?,
+        perturbed: args.perturbed,
+        margin: args.margin,
+    })
+}
+
+/// An arm that comes with the program, or that of a file.
+fn arm(given: &str) -> Result<Arm, Failure> {
+    if let Some(arm) = Arm::named(given) {
+        return Ok(arm);
+    }
+    let path = PathBuf::from(given);
+    let urdf = std::fs::read_to_string(&path).map_err(|error| {
+        let names: Vec<String> = Arm::all().into_iter().map(|arm| arm.name).collect();
+        Failure::new(
+            format!("it cannot be read: {error}"),
+            given,
+            Some(format!("give a URDF, or one of {}", names.join(", "))),
+        )
+    })?;
+    let stem = path.file_stem().map_or(given.into(), |stem| stem.to_string_lossy());
+    Ok(Arm { name: stem.into_owned(), urdf })
+}
+
+/// The cases of `--only`.
+fn chosen(args: &ChallengeArgs, orders: Vec<Order>) -> Result<Vec<Order>, Failure> {
+    if let Some(number) = args.only.iter().find(|k| !(1..=orders.len()).contains(k)) {
+        return Err(Failure::new(
+            format!("there is no case {number} among {}", orders.len()),
+            "--only",
+            Some("count from 1 to --cases"),
+        ));
+    }
+    let wanted = |k: usize| args.only.is_empty() || args.only.contains(&(k + 1));
+    Ok(orders.into_iter().enumerate().filter(|(k, _)| wanted(*k)).map(|(_, order)| order).collect())
+}
+
+fn with_progress(args: &ChallengeArgs, orders: &[Order]) -> Result<Vec<Sat>, Failure> {
+    let bar = if args.quiet || !std::io::stderr().is_terminal() {
+        ProgressBar::hidden()
+    } else {
+        let form = ProgressStyle::with_template("{bar:30} {pos} of {len} cases, {eta} left");
+        ProgressBar::new(orders.len() as u64)
+            .with_style(form.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    };
+    bar.tick();
+    let sat = serve(orders, args.keep.as_deref(), &|| bar.inc(1));
+    bar.finish_and_clear();
+    Ok(sat?)
+}
+
+/// Cases that no arm shows, and how long the others took.
+fn notes(orders: &[Order], sat: &[Sat]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let unseen: Vec<String> = orders
+        .iter()
+        .zip(sat)
+        .filter(|(_, sat)| sat.score.is_none())
+        .map(|(order, _)| format!("{} ({})", order.name, order.effects.join(", ")))
+        .collect();
+    if !unseen.is_empty() {
+        notes.push(format!(
+            "not made, no arm that was tried shows the effects: {}",
+            unseen.join("; ")
+        ));
+    }
+    let times = sat.iter().filter(|sat| sat.seconds > 0.0).map(|sat| sat.seconds);
+    if let Some(times) = Spread::of(times) {
+        notes.push(format!(
+            "a diagnosis took {:.1} s on one thread (median; at most {:.1} s)",
+            times.median, times.largest
+        ));
+    }
+    notes
+}
+
+fn judged(args: &ChallengeArgs, board: &Scoreboard) -> Outcome {
+    let failed = args.fail_on.iter().any(|what| match what {
+        ChallengeFailOn::FalseAlarm => board.groups.iter().any(|g| g.false_alarms.count > 0),
+        ChallengeFailOn::NamedBelow(least) => {
+            board.groups.iter().map(|g| g.recall.count).sum::<usize>() < *least
+        }
+    });
+    if failed { Outcome::FailedOnRequest } else { Outcome::Done }
+}

@@ -1,0 +1,120 @@
+//! `armident challenge`: what is concealed, diagnosed unseen, scored.
+
+use serde_json::Value;
+
+use crate::tool::{list, number, read_json, run, run_in, scratch, text};
+
+const CASE: [&str; 9] = [
+    "challenge",
+    "--cases",
+    "1",
+    "--seed",
+    "11",
+    "--effect",
+    "coulomb_friction",
+    "--robot",
+    "urdf/planar_2r.urdf",
+];
+
+/// One case on a small arm: kept, scored again from its files, and diagnosed again from its files.
+#[test]
+fn a_case_in_memory_is_the_case_in_files() {
+    let folder = scratch("challenge");
+    let kept = folder.join("kept");
+    let board =
+        run(&[&CASE[..], &["--keep", text(&kept), "--json", "-", "-q"]].concat()).fine().json();
+    assert_eq!(board["schema"], "armident.scoreboard/1");
+    let group = &board["groups"][0];
+    assert_eq!((&group["kind"], number(&group["cases"])), (&Value::from("clean"), 1.0));
+    assert_eq!((number(&group["recall"]["count"]), number(&group["recall"]["of"])), (1.0, 1.0));
+    assert!(list(&board["cases"][0]["false_names"]).is_empty());
+    assert!(number(&group["exam_over_attainable"]["largest"]) < 1.1);
+    assert_eq!(list(&board["reliability"]).len(), 5);
+
+    let (cases, results) = (kept.join("cases"), kept.join("results"));
+    let score = ["challenge", "--score", text(&cases), text(&results)];
+    let again = run(&score).fine().stdout;
+    assert_eq!(again, run(&CASE).fine().stdout);
+    let on = |what: &str| run(&[&score[..], &["--fail-on", what]].concat()).code;
+    assert_eq!((on("named-below=1"), on("named-below=2"), on("false-alarm")), (0, 3, 0));
+
+    let case = cases.join("c0001");
+    let files = ["robot.urdf", "train_1.csv", "train_2.csv", "--holdout", "holdout.csv"];
+    let found =
+        run_in(&case, &[&["diagnose"], &files[..], &["--json", "-", "-q"]].concat()).fine().json();
+    let handed_in = read_json(&results.join("c0001/out.json"));
+    assert_eq!(found["findings"], handed_in["findings"]);
+    assert_eq!(found["fit"]["holdout"], handed_in["fit"]["holdout"]);
+}
+
+/// The text says the sums, and which effect was named; without a terminal there is no progress bar.
+#[test]
+fn the_scoreboard_as_text() {
+    let board = run(&CASE).fine();
+    let lines: Vec<String> = board
+        .stdout
+        .lines()
+        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect();
+    for expected in [
+        "clean cases",
+        "pairs: recall 1 of 1 (100.0 %)",
+        "false alarms -",
+        "located 1 of 1 (100.0 %)",
+        "0.8 to 1.0 1.00 1 of 1 (100.0 %)",
+    ] {
+        assert!(lines.iter().any(|line| line == expected), "{expected}:\n{}", board.stdout);
+    }
+    assert!(
+        lines.iter().any(|line| line.starts_with("coulomb_friction 1/1 0 ")),
+        "{}",
+        board.stdout
+    );
+    let said: Vec<&str> = board.stderr.lines().collect();
+    assert!(said.len() == 1 && said[0].starts_with("note: a diagnosis took "), "{}", board.stderr);
+}
+
+#[test]
+fn wrong_command_lines() {
+    let code = |args: &[&str]| run(&[&["challenge"], args].concat()).code;
+    assert_eq!(code(&["--effect", "magic"]), 2);
+    assert_eq!(code(&["--cases", "0"]), 2);
+    assert_eq!(code(&["--fail-on", "named-below"]), 2);
+    assert_eq!(code(&["--study", "nulls", "--effect", "backlash"]), 2);
+    assert_eq!(code(&["--score", "cases"]), 2);
+    let said = |args: &[&str]| {
+        let run = run(&[&["challenge"], args].concat());
+        assert_eq!((run.code, run.stdout.as_str()), (1, ""), "{args:?}");
+        run.stderr
+    };
+    insta::assert_snapshot!(said(&["--robot", "no_arm"]), @r"
+    error: it cannot be read: No such file or directory (os error 2)
+       in: no_arm
+     hint: give a URDF, or one of ur5, panda, stanford, scara, iiwa14, puma560, tx40, ur10, kinova_gen3, gantry
+    ");
+    insta::assert_snapshot!(said(&["--cases", "2", "--only", "3"]), @r"
+    error: there is no case 3 among 2
+       in: --only
+     hint: count from 1 to --cases
+    ");
+    insta::assert_snapshot!(said(&["--kind", "null", "--effect", "backlash"]), @r"
+    error: a null conceals nothing
+       in: --effect, --kind null
+     hint: leave one of them out
+    ");
+    insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @r"
+    error: there is no effect `viscous_friction` to conceal in a case of this kind
+       in: effects of the case
+     hint: give a slug of the effect library or `unlisted`; field cases have viscous and Coulomb friction anyway
+    ");
+    insta::assert_snapshot!(said(&["--study", "nulls", "--kind", "field"]), @r"
+    error: this study has its own kinds of cases
+       in: --kind
+     hint: leave it out; the power study alone takes clean or field
+    ");
+    insta::assert_snapshot!(said(&["--score", "urdf", "urdf"]), @r"
+    error: there is no case in this folder
+       in: urdf
+     hint: give a folder whose folders hold a `truth.json` each
+    ");
+}
