@@ -192,16 +192,30 @@ fn halves(recording: &Path, folder: &Path) -> (PathBuf, PathBuf) {
     (write("fitted.csv", &lines[1..cut]), write("kept.csv", &lines[cut..]))
 }
 
-/// Of currents without a known load only the ratios of the gains are known.
+/// Of currents without a known load only the ratios of the gains are known, and not even these of drives
+/// whose currents show no gravity.
 #[test]
 fn currents_alone_give_ratios() {
     let Some(folder) = shared("real_data", "data/tiago-arm") else { return };
     let urdf = folder.join(dataset(&folder)["urdf"].as_str().unwrap());
-    let ran =
-        run(&["identify", text(&urdf), text(&folder.join("train.csv")), "--json", "-"]).fine();
+    let train = folder.join("train.csv");
+    let args = ["identify", text(&urdf), text(&train)];
+    let ran = run(&args);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let said = ran.stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
+    assert!(said.contains("gains of these drives") && said.contains("`arm_1_joint`"), "{said}");
+    assert!(ran.stderr.contains(" hint: ") && ran.stderr.contains("--payload"), "{}", ran.stderr);
+
+    // the joints that carry weight
+    let part = ["--base", "arm_1_link", "--tip", "arm_4_link", "--json", "-"];
+    let ran = run(&[&args[..], &part].concat()).fine();
     assert!(ran.stderr.contains("[only-ratios]"), "{}", ran.stderr);
-    for gain in list(&ran.json()["drive_gains"]) {
+    let documented = [13.6, -8.7, -8.7];
+    let found = ran.json();
+    for (gain, documented) in list(&found["drive_gains"]).iter().zip(documented) {
         assert_eq!(gain["unit"], "relative", "{gain}");
+        let ratio = number(&gain["used"]) / documented;
+        assert!((0.7..1.4).contains(&ratio), "{gain}: {ratio} of the documented gain");
     }
 }
 

@@ -391,6 +391,24 @@ fn drive_gains(
     let motions: Vec<&Motion> = motions.iter().collect();
     problem.choose_speed_resolution(&motions)?;
     let gains = problem.drive_gains(&motions, &is_current, loads)?;
+    let open: Vec<String> = (joints.iter().zip(&gains.joints))
+        .filter(|(_, gain)| gain.is_some_and(|gain| !gain.is_determined()))
+        .map(|(joint, _)| format!("`{joint}`"))
+        .collect();
+    if !open.is_empty() {
+        let sources: Vec<&str> = train.iter().map(|r| r.source.as_str()).collect();
+        return Err(Failure::new(
+            format!(
+                "the currents of {} do not tell the gains of these drives (95 % interval over a factor of ten)",
+                open.join(", ")
+            ),
+            sources.join(", "),
+            Some(
+                "make efforts of them with the gains of the drives (--mapping FILE), add a recording with a \
+                 known load (--payload), or leave joints out with --base and --tip",
+            ),
+        ));
+    }
     let of_joint = |j: usize| {
         gains.joints[j].map_or(1.0, |gain: DriveGain| gain.value * gains.scale_of_description)
     };

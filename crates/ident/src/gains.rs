@@ -32,6 +32,9 @@ const FEWEST_BLOCKS: usize = 4;
 /// Least relative error of a gain that recordings determine: without any, no row holds it.
 const HELD: f64 = 1e-9;
 
+/// Ends of an interval whose ratio is larger say nothing.
+const NOT_DETERMINED: f64 = 10.0;
+
 /// The gain of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveGain {
@@ -41,6 +44,15 @@ pub struct DriveGain {
     pub standard_error: Option<f64>,
     /// 95 % interval.
     pub interval_95: Option<[f64; 2]>,
+}
+
+impl DriveGain {
+    /// Whether the recordings determine it: a 95 % interval of less than a factor of ten. Also where
+    /// they are too short for an error.
+    pub fn is_determined(&self) -> bool {
+        self.standard_error.is_none()
+            || self.interval_95.is_some_and(|[a, b]| (b / a).ln().abs() < NOT_DETERMINED.ln())
+    }
 }
 
 /// Gains of all drives.
