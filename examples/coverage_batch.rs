@@ -36,47 +36,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = arguments.next().unwrap_or_else(|| "irls".to_owned());
     let method = Method::ALL.into_iter().find(|m| m.name() == name).ok_or("no such method")?;
 
-    let robot = load_urdf("urdf/ur5.urdf".as_ref())?;
-    let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
-    let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-    let names: Vec<String> = believed.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let (truth, effects) = true_arm(&believed, &names);
-    let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
-
-    let rigid = believed.rigid_arm();
-    let set = MinimalSet::of(&rigid)?;
-    let problem = BatchProblem::new(&rigid, &set);
-    let true_values = true_values(&problem, &set, &truth, &effects, &names);
-    let count = problem.terms.len();
-    let (mut inside, mut inside_white) = (vec![0_u64; count], vec![0_u64; count]);
-    let (mut off, mut off_squares) = (vec![0.0; count], vec![0.0; count]);
-    let mut cutoffs = Vec::new();
-    for seed in 0..seeds {
-        let recording = recording(&arm, &names, seed)?;
-        let motion = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
-        cutoffs.extend(motion.filter.as_ref().map(|f| f.cutoff_hz()));
-        let mut problem = problem.clone();
-        problem.choose_speed_resolution(&[&motion])?;
-        let settings = BatchSettings::default();
-        let (rows, found, _) = problem.solve_by(method, &believed, &[&motion], &settings)?;
-        let white = problem.estimate_with(&rows, &settings)?;
-        for k in 0..count {
-            let hit = |error: Option<f64>, value: f64, quantile: f64| {
-                error.is_none_or(|e| (value - true_values[k]).abs() <= quantile * e)
-            };
-            inside[k] +=
-                u64::from(hit(found.standard_error(k), found.values[k], found.quantile_95));
-            inside_white[k] +=
-                u64::from(hit(white.standard_error(k), white.values[k], white.quantile_95));
-            if let Some(error) = found.standard_error(k) {
-                let z = (found.values[k] - true_values[k]) / error;
-                off[k] += z;
-                off_squares[k] += z * z;
-            }
-        }
-    }
-
+    let Study { count, labels, true_values, inside, inside_white, off, off_squares, cutoffs } =
+        study(seeds, method)?;
     let share = |hits: u64| 100.0 * hits as f64 / seeds as f64;
     let pooled = |hits: &[u64]| hits.iter().map(|h| share(*h)).sum::<f64>() / count as f64;
     let lowest = cutoffs.iter().copied().fold(f64::INFINITY, f64::min);
@@ -107,13 +68,72 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let deviation = (off_squares[k] / seeds as f64 - mean * mean).sqrt();
         println!(
             "| {} | {:.6} | {:.1} % | {:.1} % | {mean:+.3} | {deviation:.3} |",
-            problem.label(&problem.terms[k], &joints),
+            labels[k],
             true_values[k],
             share(inside[k]),
             share(inside_white[k]),
         );
     }
     Ok(())
+}
+
+/// Per unknown, over all recordings.
+pub(crate) struct Study {
+    /// Number of unknowns.
+    pub(crate) count: usize,
+    labels: Vec<String>,
+    true_values: Vec<f64>,
+    /// Recordings whose 95 % interval holds the true value.
+    pub(crate) inside: Vec<u64>,
+    inside_white: Vec<u64>,
+    off: Vec<f64>,
+    off_squares: Vec<f64>,
+    cutoffs: Vec<f64>,
+}
+
+/// Identifies so many recordings, each with a seed of its own.
+pub(crate) fn study(seeds: u64, method: Method) -> Result<Study, Box<dyn std::error::Error>> {
+    let robot = load_urdf("urdf/ur5.urdf".as_ref())?;
+    let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+    let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+    let names: Vec<String> = believed.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let (truth, effects) = true_arm(&believed, &names);
+    let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
+
+    let rigid = believed.rigid_arm();
+    let set = MinimalSet::of(&rigid)?;
+    let problem = BatchProblem::new(&rigid, &set);
+    let true_values = true_values(&problem, &set, &truth, &effects, &names);
+    let count = problem.terms.len();
+    let (mut inside, mut inside_white) = (vec![0_u64; count], vec![0_u64; count]);
+    let (mut off, mut off_squares) = (vec![0.0; count], vec![0.0; count]);
+    let mut cutoffs = Vec::new();
+    for seed in 0..seeds {
+        let recording = recording(&arm, &names, seed)?;
+        let motion = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
+        cutoffs.extend(motion.filter.as_ref().map(|f| f.cutoff_hz()));
+        let mut problem = problem.clone();
+        let settings = problem.choose(&[&motion], &BatchSettings::default(), false)?.settings;
+        let (rows, found, _) = problem.solve_by(method, &believed, &[&motion], &settings)?;
+        let white = problem.estimate_with(&rows, &settings)?;
+        for k in 0..count {
+            let hit = |error: Option<f64>, value: f64, quantile: f64| {
+                error.is_none_or(|e| (value - true_values[k]).abs() <= quantile * e)
+            };
+            inside[k] +=
+                u64::from(hit(found.standard_error(k), found.values[k], found.quantile_95));
+            inside_white[k] +=
+                u64::from(hit(white.standard_error(k), white.values[k], white.quantile_95));
+            if let Some(error) = found.standard_error(k) {
+                let z = (found.values[k] - true_values[k]) / error;
+                off[k] += z;
+                off_squares[k] += z * z;
+            }
+        }
+    }
+    let labels = problem.terms.iter().map(|term| problem.label(term, &joints)).collect();
+    Ok(Study { count, labels, true_values, inside, inside_white, off, off_squares, cutoffs })
 }
 
 /// What the URDF does not know.
@@ -169,6 +189,7 @@ fn true_values(
     let of_term = |term: &Term| match *term {
         Term::Constant(k) => constants[k],
         Term::Effect { joint, effect, .. } => of_effect(joint, effect),
+        Term::Shared { .. } | Term::Load { .. } => 0.0,
     };
     let mut values: Vec<f64> = problem.terms.iter().map(of_term).collect();
     for merged in &problem.merged {

@@ -119,6 +119,14 @@ pub(crate) enum PriorArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CouplingArg {
+    /// where stretches of the recordings that are left out of a fit show it clearly
+    Auto,
+    /// every joint has its own
+    None,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
     /// least squares, every row alike
     Ols,
@@ -266,11 +274,13 @@ Examples:
   armident identify urdf/stanford.urdf runs/                           (Algorithm 2: runs/ has a plan.json)
   armident identify urdf/ur10.urdf day1.csv day2.csv --holdout day3.csv
   armident identify robot.urdf logs/ --cutoff-hz 8 --save-model model.json --json result.json
+  armident identify robot.urdf empty.csv heavy.csv --payload file=heavy.csv,mass=2.0,com=0:0:0.05
 
 A folder with plan.json selects Algorithm 2; anything else is fitted by robust least squares of the
 minimal set, viscous and Coulomb friction, offset and rotor inertia of every joint. Velocity and
 acceleration come from the position, low-passed forward and backward (4th-order Butterworth), unless
-accelerations are recorded.")]
+accelerations are recorded. Where motor currents are recorded in the place of efforts (<joint>/current),
+the gains of the drives are found with them: their ratios from any motion, their size from a known load.")]
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify
     pub(crate) robot: PathBuf,
@@ -292,6 +302,13 @@ pub(crate) struct IdentifyArgs {
     /// What is believed of the links before the recordings; no matter with a plan
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
+    /// Load of known mass on the last link in one of the recordings: file=F,mass=KG and, where known,
+    /// com=X:Y:Z in the frame of the last moving link [m] and com_error=M; repeat for more
+    #[arg(long, value_name = "file=F,mass=KG[,..]", value_parser = parse_payload)]
+    pub(crate) payload: Vec<PayloadArg>,
+    /// Transmissions that neighbouring joints share; no matter with a plan
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub(crate) coupling: CouplingArg,
     /// Keep the estimate as it is, also where no real links and friction have it
     #[arg(long)]
     pub(crate) raw_estimate: bool,
@@ -726,6 +743,41 @@ fn parse_pair(text: &str) -> Result<(f64, f64), String> {
         [_, _] => Err("amplitude and frequency must be above zero".to_owned()),
         _ => Err("expected AMPLITUDE,HZ, for example 0.004,3".to_owned()),
     }
+}
+
+/// A load in one of the recordings, not yet checked against anything.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PayloadArg {
+    pub(crate) file: PathBuf,
+    pub(crate) mass_kg: f64,
+    pub(crate) com_m: Option<[f64; 3]>,
+    pub(crate) com_error_m: f64,
+}
+
+fn parse_payload(text: &str) -> Result<PayloadArg, String> {
+    let form = "expected file=F,mass=KG[,com=X:Y:Z][,com_error=M], for example \
+                file=heavy.csv,mass=2,com=0:0:0.05";
+    let (mut file, mut mass_kg, mut com_m, mut com_error_m) = (None, None, None, 0.0);
+    for part in text.split(',') {
+        let (key, value) = part.split_once('=').ok_or(form)?;
+        match key.trim() {
+            "file" => file = Some(PathBuf::from(value)),
+            "mass" => mass_kg = Some(parse_number(value)?),
+            "com" => {
+                let numbers: Vec<f64> =
+                    value.split(':').map(parse_number).collect::<Result<_, _>>()?;
+                let found = numbers.len();
+                let com: [f64; 3] = numbers
+                    .try_into()
+                    .map_err(|_| format!("com takes three numbers X:Y:Z, found {found}"))?;
+                com_m = Some(com);
+            }
+            "com_error" => com_error_m = parse_number(value)?,
+            other => return Err(format!("there is no `{other}`; {form}")),
+        }
+    }
+    let (Some(file), Some(mass_kg)) = (file, mass_kg) else { return Err(form.to_owned()) };
+    Ok(PayloadArg { file, mass_kg, com_m, com_error_m })
 }
 
 fn parse_noise(text: &str) -> Result<Noise, String> {

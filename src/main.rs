@@ -6,6 +6,7 @@ mod commands;
 mod failure;
 mod output;
 mod page;
+mod progress;
 mod robot;
 
 use std::process::ExitCode;

@@ -191,6 +191,12 @@ plan planar_2r.urdf -o text.txt/plan
 plan planar_2r.urdf -o out --amplitude 0
 plan planar_2r.urdf -o out --dither 0.004
 plan planar_2r.urdf -o out --coulomb elbow=2
+identify planar_2r.urdf run.csv --payload file=heavy.csv,mass=2
+identify planar_2r.urdf run.csv --payload file=run.csv,mass=-2
+identify planar_2r.urdf run.csv --payload file=run.csv,mass=2,com=0:0
+identify planar_2r.urdf run.csv --payload file=run.csv,mass=2,com_error=0.1
+identify planar_2r.urdf run.csv --payload mass=2
+identify planar_2r.urdf run.csv --payload file=run.csv,mass=2 --payload file=run.csv,mass=3
 simulate planar_2r.urdf motion.csv -o motion.csv
 simulate planar_2r.urdf absent.csv -o out.csv
 simulate planar_2r.urdf no_csv -o out

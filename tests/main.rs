@@ -31,6 +31,8 @@ mod no_panic;
 mod challenge;
 /// recordings as they are and spoiled: what `check` says of them
 mod check;
+/// a fixed small sample of the study of the intervals
+mod coverage;
 /// the story without any file; completions and manual pages
 mod demo;
 /// one concealed effect is named and located, what is not there is not, and the model predicts

@@ -14,6 +14,7 @@ use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 use super::recordings;
 use crate::args::DiagnoseArgs;
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
@@ -52,6 +53,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         reference_recordings: sources(&reference),
         warnings: warnings.clone(),
     };
+    let progress = Progress::of(&args.output, "diagnosing");
     let mut placebo = None;
     let diagnosed = if !reference.is_empty() {
         diagnose_change(&model, &reference, &train)
@@ -93,6 +95,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     if !holdout.is_empty() {
         diagnosis.confirm(&holdout)?;
     }
+    drop(progress);
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
             Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)

@@ -9,6 +9,7 @@ use armident_report::plan_text;
 
 use crate::args::PlanArgs;
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, robot};
 
 /// Name of the plan in the folders of trajectories and of recordings.
@@ -36,7 +37,10 @@ pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
         dither: args.dither.map(|(amplitude, frequency_hz)| Dither { amplitude, frequency_hz }),
         seed: args.seed,
     };
-    let plan = plan(&model.chain, &set, &settings)?;
+    let plan = {
+        let _progress = Progress::of(&args.output, "planning");
+        plan(&model.chain, &set, &settings)?
+    };
     output::create_folder(&args.output_folder)?;
     let document = serde_json::to_string_pretty(&plan).map_err(|error| {
         Failure::new(format!("cannot form JSON: {error}"), PLAN_FILE, None::<String>)

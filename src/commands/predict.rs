@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::recordings;
 use crate::args::PredictArgs;
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, robot};
 
 /// What was predicted, in short; the numbers are in the CSV.
@@ -44,6 +45,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let progress = Progress::of(&args.output, "predicting");
     let (result, cutoff_hz, notes) = match robot::learned(&args.robot)? {
         Some(learned) => {
             let diagnosed = DiagnosedModel { arm: model.clone(), learned };
@@ -71,6 +73,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
             (predicted_efforts(&model, &motion)?, cutoff_hz, motion.notes)
         }
     };
+    drop(progress);
     let bytes = recordings::encoded(&result, &args.output_file, &args.output)?;
 
     let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();

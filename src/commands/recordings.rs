@@ -10,6 +10,7 @@ use armident_recording::{
 use crate::args::{OutputArgs, ReadingArgs};
 use crate::failure::Failure;
 use crate::output;
+use crate::progress::Progress;
 
 /// Ends of the names of recordings.
 const ENDS: [&str; 3] = ["csv", "mcap", "parquet"];
@@ -69,7 +70,10 @@ pub(crate) fn read_all(
     reading: &ReadingArgs,
     output: &OutputArgs,
 ) -> Result<Vec<Recording>, Failure> {
-    let recordings = read_quietly(files, reading)?;
+    let recordings = {
+        let progress = Progress::through(output, "reading", files.len());
+        read_each(files, reading, || progress.part_done())?
+    };
     // what was repaired is in the recordings' notes; what was left as it is, is said here
     let mut doubts = Vec::new();
     for recording in &recordings {
@@ -94,13 +98,23 @@ pub(crate) fn read_quietly(
     files: &[PathBuf],
     reading: &ReadingArgs,
 ) -> Result<Vec<Recording>, Failure> {
+    read_each(files, reading, || ())
+}
+
+fn read_each(
+    files: &[PathBuf],
+    reading: &ReadingArgs,
+    done: impl Fn(),
+) -> Result<Vec<Recording>, Failure> {
     let mapping = reading.mapping.as_deref().map(Mapping::load).transpose()?;
     files
         .iter()
         .map(|file| {
             let settings =
                 ReadSettings { mapping: mapping.as_ref(), topic: reading.topic.as_deref() };
-            Ok(read_recording(file, &settings)?)
+            let recording = read_recording(file, &settings)?;
+            done();
+            Ok(recording)
         })
         .collect()
 }

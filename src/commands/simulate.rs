@@ -12,6 +12,7 @@ use super::plan::PLAN_FILE;
 use super::recordings;
 use crate::args::{Direction, Noise, SimulateArgs};
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, robot};
 
 /// What was simulated, in short; the numbers are in the CSVs.
@@ -62,6 +63,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
     }
     let mut written = Vec::new();
     let mut notes = Vec::new();
+    let progress = Progress::through(&args.output, "simulating", files.len());
     for (k, (file, trajectory)) in files.iter().zip(&trajectories).enumerate() {
         let exact = match args.direction {
             Direction::Inverse => {
@@ -110,7 +112,9 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
             recording: path.display().to_string(),
             samples: recording.len(),
         });
+        progress.part_done();
     }
+    drop(progress);
     if let Some(plan) = plan {
         let bytes = std::fs::read(&plan).map_err(|error| {
             Failure::new(format!("cannot read: {error}"), plan.display(), None::<String>)

@@ -12,6 +12,7 @@ use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 use super::{predict, recordings};
 use crate::args::ValidateArgs;
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
@@ -63,6 +64,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let (replay_before, replay_after) = if args.no_replay {
         (None, None)
     } else {
+        let _progress = Progress::of(&args.output, "driving the simulated arm");
         (replayed("URDF", &before), replayed("model", &model))
     };
     if let Some(path) = &args.predictions {

@@ -11,14 +11,17 @@
 //! open extrapolates by what it is told of them.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{Admissible, EVERYDAY, EffectOnJoint, JointMotion, directions_with};
+use armident_effects::{
+    Admissible, EVERYDAY, EffectOnJoint, JointMotion, Parameter, directions_with,
+};
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
 };
-use armident_recording::Motion;
 
+use crate::coupling::{Coupling, SHARED};
 use crate::link_prior::LinkPrior;
 use crate::minimal_set::{MinimalSet, random_states};
+use crate::payload::KnownLoad;
 use crate::quantiles::student_t_975;
 use crate::rows::JointRows;
 
@@ -27,16 +30,11 @@ use crate::rows::JointRows;
 pub(crate) const RANK_CUT: f64 = 1e-9;
 /// Cut of the structural elimination at random states.
 const DEPENDENT: f64 = 1e-8;
-/// Speed resolutions tried, as shares of a joint's RMS speed; below it the direction fades to zero.
-///
-/// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the
-/// velocity out. A drive train that winds up first reverses its friction over some hundredths of the
-/// working speed; a column that jumps there puts the difference into viscous friction and inertia.
-/// Which of the two a joint has, its own recording says.
-const SPEED_RESOLUTIONS: [f64; 4] = [0.005, 0.02, 0.05, 0.1];
 /// Reweighting ends when no joint's noise level moves by more than this share.
 const WEIGHT_TOLERANCE: f64 = 1e-6;
 const MOST_REWEIGHTINGS: usize = 50;
+/// Names of the ten parameters of a body.
+const NUMBERS: [&str; 10] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
 
 /// What is believed beside the recordings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +72,34 @@ pub enum Term {
         /// Parameter, index into the law's list.
         parameter: usize,
     },
+    /// A coefficient of the transmission that a joint shares with the next ([`Coupling`]).
+    Shared {
+        /// Which.
+        coupling: Coupling,
+        /// Coefficient, index into the law's columns.
+        coefficient: usize,
+    },
+    /// What is not known of a load on the last link ([`KnownLoad`]).
+    Load {
+        /// Which, index into the loads with unknowns.
+        load: usize,
+        /// Number of the ten parameters of a body, 1 to 9.
+        number: usize,
+    },
+}
+
+impl Term {
+    /// The parameter of the law; none where there is no law.
+    pub fn parameter(&self) -> Option<&'static Parameter> {
+        match *self {
+            Self::Constant(_) | Self::Load { .. } => None,
+            Self::Effect { effect, parameter, .. } => {
+                EVERYDAY[effect].law().parameters.get(parameter)
+            }
+            // the ratio comes first
+            Self::Shared { coefficient, .. } => SHARED.law().parameters.get(1 + coefficient),
+        }
+    }
 }
 
 /// An unknown that is the same as a combination of others on every motion of this arm.
@@ -95,6 +121,8 @@ pub struct BatchProblem<'a> {
     /// Unknowns merged into others by the arm's structure (rotor inertia of joint 1 and `U1_33`).
     pub merged: Vec<MergedTerm>,
     pub(crate) by_joint: Vec<Vec<usize>>,
+    /// Loads with unknowns.
+    pub(crate) loads: Vec<KnownLoad>,
     /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\]; none: a
     /// share of the RMS speed of the motion at hand.
     pub speed_resolution: Option<Vec<f64>>,
@@ -225,11 +253,13 @@ impl<'a> BatchProblem<'a> {
                     .filter(|&k| match terms[k] {
                         Term::Constant(c) => set.constants[c].joint >= joint,
                         Term::Effect { joint: on, .. } => on == joint,
+                        Term::Shared { coupling, .. } => coupling.joints().contains(&joint),
+                        Term::Load { .. } => true,
                     })
                     .collect()
             })
             .collect();
-        Self { arm, set, terms, merged, by_joint, speed_resolution: None }
+        Self { arm, set, terms, merged, by_joint, loads: Vec::new(), speed_resolution: None }
     }
 
     /// The arm whose efforts are explained.
@@ -262,43 +292,16 @@ impl<'a> BatchProblem<'a> {
                     )
                 }
             }
-        }
-    }
-
-    /// Chooses each joint's speed resolution: the one of four with which the joint's own efforts are
-    /// explained best, all its terms fitted to them alone. Costs four accumulations.
-    ///
-    /// # Errors
-    /// [`NumericError`] when a number is not finite.
-    ///
-    /// # Panics
-    /// When a motion has no effort or other joints than the arm.
-    pub fn choose_speed_resolution(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
-        let n = self.arm.dof();
-        if motions.iter().all(|m| m.filter.is_none()) {
-            return Ok(());
-        }
-        let rms: Vec<f64> = (0..n)
-            .map(|joint| {
-                let squares: f64 =
-                    motions.iter().flat_map(|m| &m.velocity[joint]).map(|v| v * v).sum();
-                let count: usize = motions.iter().map(|m| m.len()).sum();
-                (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
-            })
-            .collect();
-        let mut best = vec![(f64::INFINITY, 0.0); n];
-        for share in SPEED_RESOLUTIONS {
-            self.speed_resolution = Some(rms.iter().map(|r| share * r).collect());
-            let rows = self.accumulate(motions);
-            for (joint, best) in best.iter_mut().enumerate() {
-                let left = rows.triangles[joint].solve(RANK_CUT)?.residual_sum_of_squares;
-                if left < best.0 {
-                    *best = (left, share * rms[joint]);
-                }
+            Term::Load { load, number } => {
+                let source = self.loads[load].sources.join(", ");
+                format!("load.{}({source})", NUMBERS[number])
+            }
+            Term::Shared { coupling, .. } => {
+                let name = term.parameter().map_or("", |parameter| parameter.name);
+                let [a, b] = coupling.joints().map(|joint| joint_names[joint]);
+                format!("{}.{name}({a}, {b})", SHARED.law().slug)
             }
         }
-        self.speed_resolution = Some(best.into_iter().map(|(_, resolution)| resolution).collect());
-        Ok(())
     }
 
     /// Solves for all terms, each joint weighted by its own noise, with the default settings.
@@ -410,10 +413,10 @@ impl<'a> BatchProblem<'a> {
     /// Which terms may not be negative.
     pub(crate) fn bound(&self) -> Vec<bool> {
         let of_law = |term: &Term| match *term {
-            Term::Constant(_) => false,
-            Term::Effect { effect, parameter, .. } => {
-                EVERYDAY[effect].law().parameters[parameter].admissible == Admissible::NonNegative
-            }
+            Term::Constant(_) | Term::Load { .. } => false,
+            Term::Effect { .. } | Term::Shared { .. } => term
+                .parameter()
+                .is_some_and(|parameter| parameter.admissible == Admissible::NonNegative),
         };
         self.terms.iter().map(of_law).collect()
     }
@@ -423,26 +426,30 @@ impl<'a> BatchProblem<'a> {
         &self,
         settings: &BatchSettings,
     ) -> Result<Option<TermPrior>, NumericError> {
-        let Some(relative) = settings.link_prior else { return Ok(None) };
+        let of_loads = self.load_prior();
+        let loads_alone = |rows: Vec<Vec<f64>>| {
+            (!rows.is_empty()).then(|| TermPrior { mean: vec![0.0; self.terms.len()], rows })
+        };
+        let Some(relative) = settings.link_prior else { return Ok(loads_alone(of_loads)) };
         let with_rotor: Vec<usize> = (self.merged.iter().flat_map(|m| &m.into))
             .filter_map(|&(k, _)| match self.terms[k] {
                 Term::Constant(c) => Some(c),
-                Term::Effect { .. } => None,
+                Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => None,
             })
             .collect();
         let Some(prior) = LinkPrior::of(self.arm, self.set, &with_rotor, relative)? else {
-            return Ok(None);
+            return Ok(loads_alone(of_loads));
         };
         let over_terms = |row: &[f64]| -> Vec<f64> {
             let of_term = |term: &Term| match *term {
                 Term::Constant(c) => row[c],
-                Term::Effect { .. } => 0.0,
+                Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => 0.0,
             };
             self.terms.iter().map(of_term).collect()
         };
         Ok(Some(TermPrior {
             mean: over_terms(&prior.mean),
-            rows: prior.rows.iter().map(|row| over_terms(row)).collect(),
+            rows: prior.rows.iter().map(|row| over_terms(row)).chain(of_loads).collect(),
         }))
     }
 
@@ -545,6 +552,7 @@ impl<'a> BatchProblem<'a> {
             };
             list[index].parameters[parameter] = value;
         }
+        list.extend(self.couplings_of(values, joint_names));
         list
     }
 }

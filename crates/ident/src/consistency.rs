@@ -236,8 +236,9 @@ impl ConsistencyProblem {
         let root = &Mat::from_fn(root.nrows(), root.ncols(), |i, j| unit * root[(i, j)]);
         let scales = self.effect_scales(estimated, root)?;
         let barrier = self.barrier(&prior, &scales, estimated, root);
-        let Centre { point, weight, decrement, steps } = barrier.centre(self.weight)?;
-        let certificate = barrier.duality_gap(&point);
+        let centre = barrier.centre(self.weight)?;
+        let certificate = barrier.bound(&centre)?;
+        let Centre { point, weight, decrement, steps } = centre;
         let found = Found { point, weight, decrement, steps, certificate, exact: false };
         let found = self.exactly(&barrier, found, &scales, estimated, root)?;
         let found = self.consistent(prior, &scales, &barrier, &found);

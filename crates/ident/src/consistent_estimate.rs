@@ -69,15 +69,12 @@ impl BatchProblem<'_> {
     }
 }
 
-/// Whether the parameter of an effect must not be negative; none for a constant.
+/// Whether what is unknown beside the links must not be negative; none for a constant.
 fn non_negative(term: &Term) -> Option<bool> {
-    match *term {
-        Term::Constant(_) => None,
-        Term::Effect { effect, parameter, .. } => {
-            let law = EVERYDAY[effect].law();
-            Some(law.parameters[parameter].admissible == Admissible::NonNegative)
-        }
+    if let Term::Load { .. } = term {
+        return Some(false);
     }
+    term.parameter().map(|parameter| parameter.admissible == Admissible::NonNegative)
 }
 
 impl Algorithm2Estimate {

@@ -18,7 +18,7 @@
 //! Statistics 17 (1989); for t quantiles with blocks, C. A. Bester, T. G. Conley, C. B. Hansen, Journal of
 //! Econometrics 165 (2011).
 
-use std::cell::Cell;
+use std::sync::Mutex;
 
 use armident_numeric::{AccumulatedQr, Mat, NumericError};
 use armident_recording::{DerivativeSource, Motion, MotionSettings};
@@ -42,6 +42,9 @@ const SCALE_PASSES: usize = 2;
 const FEWEST_BLOCKS: usize = 4;
 /// Bandwidth of the simulated controller, as a share of the cut-off: above the motion, below the noise.
 const LOOP_OVER_CUTOFF: f64 = 0.5;
+
+/// Slowest control cycle of the simulation \[Hz\].
+const CONTROL_HZ: f64 = 500.0;
 
 /// How the batch problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -175,27 +178,35 @@ impl BatchProblem<'_> {
             if pass < SCALE_PASSES {
                 scales = self.scales(motions, &values);
             }
-            let (weights, within, count) = (Cell::new(0.0), Cell::new(0.0), Cell::new(0.0));
+            // sum of the weights, samples within the scale, and all; per joint, as threads share them
+            let sums = Mutex::new(vec![(0.0_f64, 0.0_f64, 0.0_f64); self.by_joint.len()]);
             rows = self.accumulate_with(
                 motions,
                 |index, joint, columns, y| {
+                    let mut own = (0.0, 0.0, 0.0);
                     for t in kept(motions[index]) {
                         let fitted = self.fitted(joint, columns, &values, t);
                         let off = (y[t] - fitted).abs() / (HUBER * scales[joint]);
-                        count.set(count.get() + 1.0);
-                        weights.set(weights.get() + off.max(1.0).recip());
+                        own.2 += 1.0;
+                        own.0 += off.max(1.0).recip();
                         if off <= 1.0 {
-                            within.set(within.get() + 1.0);
+                            own.1 += 1.0;
                         } else {
                             let weight = off.recip().sqrt();
                             columns.iter_mut().for_each(|c| c[t] *= weight);
                             y[t] *= weight;
                         }
                     }
+                    if let Ok(mut sums) = sums.lock() {
+                        let sum = &mut sums[joint];
+                        *sum = (sum.0 + own.0, sum.1 + own.1, sum.2 + own.2);
+                    }
                 },
                 |problem, joint| problem.by_joint[joint].len(),
             );
-            widening = weights.get() / f64::max(within.get(), 0.5 * count.get());
+            let sums = sums.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let total = |pick: fn(&(f64, f64, f64)) -> f64| sums.iter().map(pick).sum::<f64>();
+            widening = total(|s| s.0) / f64::max(total(|s| s.1), 0.5 * total(|s| s.2));
             found = self.estimate_with(&rows, settings)?;
             let moved = (0..values.len())
                 .filter_map(|k| {
@@ -371,7 +382,7 @@ impl BatchProblem<'_> {
 }
 
 /// The triangle of all blocks but one, for each one.
-fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
+pub(crate) fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
     let empty = AccumulatedQr::new(blocks[0].unknowns());
     let joined = |a: &AccumulatedQr, b: &AccumulatedQr| {
         let mut both = a.clone();
@@ -427,6 +438,12 @@ fn simulated(
     let cutoff_hz = motion.filter.as_ref().map(|f| f.cutoff_hz());
     let bandwidth_hz = LOOP_OVER_CUTOFF * cutoff_hz.unwrap_or(0.1 * motion.rate_hz);
     let gains = TrackingGains::of_bandwidth(arm.rigid(), &start, bandwidth_hz);
+    // efforts held over a slow control cycle throw a light joint off before they are set again
+    let finer = (CONTROL_HZ / motion.rate_hz).ceil().max(1.0);
+    let trajectory = match finer {
+        1.0 => trajectory,
+        _ => trajectory.resampled(finer * motion.rate_hz)?,
+    };
     let moved = track(&arm, arm.rigid(), &trajectory, &gains)?;
     let settings = MotionSettings {
         cutoff_hz,
@@ -434,17 +451,23 @@ fn simulated(
         ..MotionSettings::default()
     };
     let mut instruments = Motion::from_recording(&moved, &names, &settings)?;
+    let step = (instruments.rate_hz / motion.rate_hz).round().max(1.0) as usize;
     // a grid of its own may have a sample more or less
     for columns in
         [&mut instruments.position, &mut instruments.velocity, &mut instruments.acceleration]
     {
         for column in columns.iter_mut() {
+            *column = column.iter().step_by(step).copied().collect();
             let last = column.last().copied().unwrap_or_default();
             column.resize(motion.len(), last);
         }
     }
-    instruments.time_s.clone_from(&motion.time_s);
-    Ok(instruments)
+    // the columns of the instruments go through the filter of the recorded ones
+    let mut aligned = motion.clone();
+    aligned.position = instruments.position;
+    aligned.velocity = instruments.velocity;
+    aligned.acceleration = instruments.acceleration;
+    Ok(aligned.without_fine())
 }
 
 #[cfg(test)]

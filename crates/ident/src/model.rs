@@ -14,6 +14,7 @@ use armident_recording::{Motion, Recording};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::coupling::pair_columns;
 use crate::minimal_set::MinimalSet;
 use crate::rows::effect_columns;
 use crate::velocity::with_recorded_velocity;
@@ -159,10 +160,21 @@ impl ArmModel {
         );
         for on_joint in &self.effects {
             let effect = on_joint.resolve()?;
-            let Some(joint) = self.chain.joints.iter().position(|j| j.name == on_joint.joint)
-            else {
+            let index = |name: &str| self.chain.joints.iter().position(|j| j.name == name);
+            let Some(joint) = index(&on_joint.joint) else { continue };
+            if let Some(other) = on_joint.other_joint.as_deref().and_then(index) {
+                let kinds = [joint, other].map(|j| self.chain.joints[j].kind);
+                let (shape, coefficients) = effect.shape_and_coefficients(&on_joint.parameters);
+                let columns = pair_columns(effect, &shape, [joint, other], kinds, motion);
+                for (column, parameter) in columns.iter().zip(&coefficients) {
+                    for (on, column) in [joint, other].into_iter().zip(column) {
+                        for (e, x) in effort[on].iter_mut().zip(column) {
+                            *e += parameter * x;
+                        }
+                    }
+                }
                 continue;
-            };
+            }
             let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
             let (shape, coefficients) = effect.shape_and_coefficients(&on_joint.parameters);
             let kind = self.chain.joints[joint].kind;
@@ -435,6 +447,11 @@ impl ModelFile {
                     "effect `{}` is on unknown joint `{}`",
                     effect.effect, effect.joint
                 ));
+            }
+            if let Some(other) = &effect.other_joint
+                && !joints.iter().any(|j| j.name == *other)
+            {
+                return bad(format!("effect `{}` is on unknown joint `{other}`", effect.effect));
             }
             if effect.parameters.iter().any(|p| !p.is_finite()) {
                 return bad(format!("effect `{}` has numbers that are not finite", effect.effect));

@@ -1,6 +1,9 @@
 //! From motions to rows: the columns of every joint, reduced to triangles.
 
-use armident_effects::{EVERYDAY, Effect, JointMotion, directions_with};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use armident_effects::{EVERYDAY, Effect, JointMotion, Place, directions_with};
 use armident_kinematics::JointKind;
 use armident_numeric::AccumulatedQr;
 use armident_recording::Motion;
@@ -32,10 +35,32 @@ pub struct JointRows {
     pub(crate) blocks: Vec<Vec<AccumulatedQr>>,
 }
 
+/// Rows of one joint of all recordings.
+#[derive(Clone)]
+struct RowsOfJoint {
+    triangle: AccumulatedQr,
+    effort: (usize, f64, f64),
+    blocks: Vec<AccumulatedQr>,
+}
+
 impl JointRows {
     /// Counts and shares without triangles.
     pub(crate) fn clone_without_rows(&self) -> Self {
         Self { triangles: Vec::new(), blocks: Vec::new(), effort: self.effort.clone(), ..*self }
+    }
+
+    /// The same rows with some of the columns of each joint, in the order given.
+    pub(crate) fn with_places(&self, places: &[Vec<usize>]) -> Self {
+        let joints = 0..places.len();
+        let triangle = |joint: usize| self.triangles[joint].with_unknowns(&places[joint]);
+        let blocks = |joint: usize| {
+            self.blocks[joint].iter().map(|b| b.with_unknowns(&places[joint])).collect()
+        };
+        Self {
+            triangles: joints.clone().map(triangle).collect(),
+            blocks: joints.map(blocks).collect(),
+            ..self.clone_without_rows()
+        }
     }
 }
 
@@ -68,7 +93,7 @@ fn blocks_of(motion: &Motion, total_s: f64) -> Vec<std::ops::Range<usize>> {
 
 impl BatchProblem<'_> {
     /// Reduces recordings to one triangle per joint. Memory: the columns of one joint of one
-    /// recording at a time.
+    /// recording at a time on each thread.
     ///
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
@@ -81,45 +106,88 @@ impl BatchProblem<'_> {
     pub(crate) fn accumulate_with(
         &self,
         motions: &[&Motion],
-        prepare: impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>),
+        prepare: impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>) + Sync,
         width: impl Fn(&Self, usize) -> usize,
     ) -> JointRows {
         let n = self.by_joint.len();
-        let mut rows = JointRows {
-            triangles: (0..n).map(|joint| AccumulatedQr::new(width(self, joint))).collect(),
-            effort: vec![(0, 0.0, 0.0); n],
-            share: 1.0,
-            blocks: vec![Vec::new(); n],
-        };
+        let widths: Vec<usize> = (0..n).map(|joint| width(self, joint)).collect();
         let total_s: f64 = motions.iter().map(|m| kept(m).len() as f64 / m.rate_hz).sum();
         let (mut independent, mut samples) = (0.0, 0.0);
+        for motion in motions {
+            let count = kept(motion).len() as f64;
+            independent += motion.independent_share() * count;
+            samples += count;
+        }
+        // joints are dealt out to threads; each is summed in the order of its recordings, so that the
+        // result does not depend on who was first
+        let next = AtomicUsize::new(0);
+        let done: Mutex<Vec<Option<RowsOfJoint>>> = Mutex::new(vec![None; n]);
+        let work = || {
+            loop {
+                let joint = next.fetch_add(1, Ordering::Relaxed);
+                if joint >= n {
+                    break;
+                }
+                let rows = self.rows_of_joint(joint, widths[joint], motions, total_s, &prepare);
+                if let Ok(mut done) = done.lock() {
+                    done[joint] = Some(rows);
+                }
+            }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        std::thread::scope(|scope| {
+            for _ in 1..threads.min(n) {
+                scope.spawn(work);
+            }
+            work();
+        });
+        let done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut rows = JointRows {
+            triangles: Vec::with_capacity(n),
+            effort: Vec::with_capacity(n),
+            share: if samples > 0.0 { independent / samples } else { 1.0 },
+            blocks: Vec::with_capacity(n),
+        };
+        for of_joint in done.into_iter().flatten() {
+            rows.triangles.push(of_joint.triangle);
+            rows.effort.push(of_joint.effort);
+            rows.blocks.push(of_joint.blocks);
+        }
+        rows
+    }
+
+    fn rows_of_joint(
+        &self,
+        joint: usize,
+        width: usize,
+        motions: &[&Motion],
+        total_s: f64,
+        prepare: &impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>),
+    ) -> RowsOfJoint {
+        let mut rows = RowsOfJoint {
+            triangle: AccumulatedQr::new(width),
+            effort: (0, 0.0, 0.0),
+            blocks: Vec::new(),
+        };
         for (index, motion) in motions.iter().enumerate() {
             #[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
             let effort = motion.effort_filtered.as_ref().expect("a motion with efforts");
-            let kept = kept(motion);
-            let blocks = blocks_of(motion, total_s);
-            independent += motion.independent_share() * kept.len() as f64;
-            samples += kept.len() as f64;
-            for joint in 0..n {
-                let total = &mut rows.effort[joint];
-                let own = &effort[joint][kept.clone()];
-                total.0 += own.len();
-                total.1 += own.iter().sum::<f64>();
-                total.2 += own.iter().map(|e| e * e).sum::<f64>();
-                let mut columns = self.columns(joint, motion);
-                let mut y = effort[joint].clone();
-                prepare(index, joint, &mut columns, &mut y);
-                for block in &blocks {
-                    let part: Vec<Vec<f64>> =
-                        columns.iter().map(|c| c[block.clone()].to_vec()).collect();
-                    let mut triangle = AccumulatedQr::new(columns.len());
-                    triangle.push_columns(&part, &y[block.clone()]);
-                    rows.triangles[joint].merge(&triangle);
-                    rows.blocks[joint].push(triangle);
-                }
+            let own = &effort[joint][kept(motion)];
+            rows.effort.0 += own.len();
+            rows.effort.1 += own.iter().sum::<f64>();
+            rows.effort.2 += own.iter().map(|e| e * e).sum::<f64>();
+            let mut columns = self.columns(joint, motion);
+            let mut y = effort[joint].clone();
+            prepare(index, joint, &mut columns, &mut y);
+            for block in blocks_of(motion, total_s) {
+                let part: Vec<Vec<f64>> =
+                    columns.iter().map(|c| c[block.clone()].to_vec()).collect();
+                let mut triangle = AccumulatedQr::new(columns.len());
+                triangle.push_columns(&part, &y[block]);
+                rows.triangle.merge(&triangle);
+                rows.blocks.push(triangle);
             }
         }
-        rows.share = if samples > 0.0 { independent / samples } else { 1.0 };
         rows
     }
 
@@ -130,7 +198,7 @@ impl BatchProblem<'_> {
             .iter()
             .filter_map(|&k| match self.terms[k] {
                 Term::Constant(c) => Some(c),
-                Term::Effect { .. } => None,
+                Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => None,
             })
             .collect();
         let mut columns = self.set().columns().of_motion(
@@ -141,31 +209,60 @@ impl BatchProblem<'_> {
             &motion.acceleration,
             &wanted,
         );
-        let effects: Vec<(usize, Vec<Vec<f64>>)> = EVERYDAY
-            .iter()
-            .enumerate()
-            .map(|(e, law)| {
-                let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
-                (
-                    e,
-                    effect_columns(
-                        *law,
-                        &[],
-                        self.arm().joints[joint].kind,
-                        joint,
-                        motion,
-                        resolution,
-                    ),
-                )
-            })
-            .collect();
-        for &k in &self.by_joint[joint] {
-            if let Term::Effect { effect, parameter, .. } = self.terms[k] {
-                columns.push(effects[effect].1[parameter].clone());
-            }
-        }
         motion.filter_columns(&mut columns);
+        // what follows the sign of a speed jumps between samples
+        let fine = motion.fine();
+        let resolution = self.resolution(joint);
+        let mut of_effect: Vec<Option<Vec<Vec<f64>>>> = vec![None; EVERYDAY.len()];
+        for &k in &self.by_joint[joint] {
+            let Term::Effect { effect, parameter, .. } = self.terms[k] else { continue };
+            let law = EVERYDAY[effect];
+            let formed = of_effect[effect].get_or_insert_with(|| {
+                let kind = self.arm().joints[joint].kind;
+                let jumps = law.law().places.contains(&Place::Dry);
+                let from = if jumps { fine } else { motion };
+                let mut formed = effect_columns(law, &[], kind, joint, from, resolution);
+                if jumps {
+                    formed = formed.into_iter().map(|c| motion.filtered_fine(c)).collect();
+                } else {
+                    motion.filter_columns(&mut formed);
+                }
+                formed
+            });
+            columns.push(formed[parameter].clone());
+        }
+        let mut further: Vec<(usize, Vec<f64>)> = (self.shared_columns(joint, fine).into_iter())
+            .map(|(k, column)| (k, motion.filtered_fine(column)))
+            .collect();
+        for (k, column) in self.load_columns(joint, motion) {
+            let mut column = [column];
+            motion.filter_columns(&mut column);
+            let [column] = column;
+            further.push((k, column));
+        }
+        further.sort_by_key(|(k, _)| *k);
+        columns.extend(further.into_iter().map(|(_, column)| column));
         columns
+    }
+
+    fn resolution(&self, joint: usize) -> Option<f64> {
+        self.speed_resolution.as_ref().map(|r| r[joint])
+    }
+
+    /// The column of the direction of motion of a joint at another speed resolution, as
+    /// [`Self::columns`] has it.
+    pub(crate) fn direction_column(
+        &self,
+        joint: usize,
+        motion: &Motion,
+        resolution: f64,
+    ) -> Vec<f64> {
+        let kind = self.arm().joints[joint].kind;
+        let jumping = EVERYDAY.iter().find(|law| law.law().places.contains(&Place::Dry));
+        let formed = jumping.and_then(|law| {
+            effect_columns(*law, &[], kind, joint, motion.fine(), Some(resolution)).pop()
+        });
+        motion.filtered_fine(formed.unwrap_or_else(|| vec![0.0; motion.fine().len()]))
     }
 }
 
@@ -188,14 +285,24 @@ pub(crate) fn effect_columns(
             DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt()
         }
     };
-    let joint_motion = JointMotion {
+    let direction = directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE));
+    effect.columns(shape, &joint_motion(kind, joint, motion, &direction))
+}
+
+/// The motion of one joint as laws take it.
+pub(crate) fn joint_motion<'a>(
+    kind: JointKind,
+    joint: usize,
+    motion: &'a Motion,
+    direction: &'a [f64],
+) -> JointMotion<'a> {
+    JointMotion {
         kind,
         time_s: &motion.time_s,
         position: &motion.position[joint],
-        velocity,
+        velocity: &motion.velocity[joint],
         acceleration: &motion.acceleration[joint],
-        direction: &directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE)),
+        direction,
         rigid_effort: &[],
-    };
-    effect.columns(shape, &joint_motion)
+    }
 }

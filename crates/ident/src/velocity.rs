@@ -12,6 +12,8 @@ use armident_recording::{Motion, Quantity, Recording, differentiate};
 ///
 /// None unless the motion is low-passed and the recording has velocities of all its joints.
 pub fn with_recorded_velocity(motion: &Motion, recording: &Recording) -> Option<Motion> {
+    let thinned = !std::ptr::eq(motion.fine(), motion);
+    let motion = motion.fine();
     motion.filter.as_ref()?;
     let mut velocity: Vec<Vec<f64>> = motion
         .joints
@@ -25,5 +27,5 @@ pub fn with_recorded_velocity(motion: &Motion, recording: &Recording) -> Option<
     let mut moved = motion.clone();
     moved.acceleration = velocity.iter().map(|v| differentiate(v, motion.rate_hz)).collect();
     moved.velocity = velocity;
-    Some(moved)
+    Some(if thinned { moved.thinned() } else { moved })
 }

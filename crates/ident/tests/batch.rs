@@ -98,6 +98,7 @@ impl Bench {
         let value = |term: &Term| match *term {
             Term::Constant(k) => constants[k],
             Term::Effect { joint, effect, .. } => effects[joint][effect],
+            Term::Shared { .. } | Term::Load { .. } => 0.0,
         };
         let mut truth: Vec<f64> = problem.terms.iter().map(value).collect();
         for merged in &problem.merged {

@@ -13,6 +13,10 @@ pub const POWER_SHARE: f64 = 0.999;
 /// Cutoff over band edge: at this distance the fourth order, forward and backward, takes less than
 /// 1e-5 of the amplitude at the band edge.
 pub const CUTOFF_OVER_EDGE: f64 = 4.5;
+/// Share of the velocity power that makes the main motion of a joint.
+const MAIN_SHARE: f64 = 0.9;
+/// Power of the noise in an acceleration over that of the acceleration, at most.
+const ACCELERATION_NOISE: f64 = 1e-3;
 /// Lowest cutoff chosen \[Hz\].
 pub const LOWEST_CUTOFF_HZ: f64 = 1.0;
 /// Highest cutoff chosen, as a share of the sample rate.
@@ -65,10 +69,20 @@ pub fn common_cutoff_hz(
 /// The cutoff \[Hz\] for evenly sampled positions, one column per joint:
 /// [`CUTOFF_OVER_EDGE`] times the highest [`band_edge_hz`] of the joints, not below
 /// [`LOWEST_CUTOFF_HZ`] and not above [`HIGHEST_CUTOFF_SHARE`] of the rate.
+///
+/// Nor above the frequency up to which the noise of any joint's position, differentiated twice, has a
+/// thousandth of the power of its acceleration: noise in the columns of a fit takes its share off the
+/// inertias. But no joint is kept from its main motion, where 90 % of its velocity power lies, by the noise
+/// of another.
 pub fn default_cutoff_hz(positions: &[Vec<f64>], rate_hz: f64) -> f64 {
-    let edge_hz =
-        positions.iter().filter_map(|position| band_edge_hz(position, rate_hz)).fold(0.0, f64::max);
-    (CUTOFF_OVER_EDGE * edge_hz).max(LOWEST_CUTOFF_HZ).min(HIGHEST_CUTOFF_SHARE * rate_hz)
+    let bands: Vec<Band> =
+        positions.iter().filter_map(|position| Band::of(position, rate_hz)).collect();
+    let highest = |of: fn(&Band) -> f64| bands.iter().map(of).fold(0.0, f64::max);
+    let quiet_hz = bands.iter().map(|band| band.quiet_hz).fold(f64::INFINITY, f64::min);
+    (CUTOFF_OVER_EDGE * highest(|band| band.edge_hz))
+        .min(quiet_hz.max(CUTOFF_OVER_EDGE * highest(|band| band.main_hz)))
+        .max(LOWEST_CUTOFF_HZ)
+        .min(HIGHEST_CUTOFF_SHARE * rate_hz)
 }
 
 /// Frequency below which [`POWER_SHARE`] of the velocity power of a position signal lies \[Hz\];
@@ -81,39 +95,70 @@ pub fn default_cutoff_hz(positions: &[Vec<f64>], rate_hz: f64) -> f64 {
 /// resonance, and would have much weight in the velocity. Up to there, the spectrum less the floor,
 /// times the frequency squared, is the power of the velocity.
 pub fn band_edge_hz(position: &[f64], rate_hz: f64) -> Option<f64> {
-    let largest = position.iter().copied().fold(f64::MIN, f64::max);
-    let smallest = position.iter().copied().fold(f64::MAX, f64::min);
-    if position.len() < MIN_SAMPLES || largest - smallest < RESTING_RANGE {
-        return None;
-    }
-    let power = windowed_power(position)?;
-    let measured = noise_power(&power);
-    let rounding = f64::EPSILON * largest.abs().max(smallest.abs());
-    let floor = measured.max(position.len() as f64 * rounding.powi(2));
+    Band::of(position, rate_hz).map(|band| band.edge_hz)
+}
 
-    let averaged = |k: usize| {
-        let from = k.saturating_sub(SMOOTHING_BINS).max(1);
-        let near = &power[from..(k + SMOOTHING_BINS + 1).min(power.len())];
-        near.iter().sum::<f64>() / near.len() as f64
-    };
-    let strongest = (1..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
-    let mut last = None;
-    for k in strongest..power.len() {
-        if averaged(k) > MOTION_OVER_NOISE * floor {
-            last = Some(k);
-        } else if k > 2 * last? {
-            break;
+/// Where the motion of a joint lies in frequency.
+#[derive(Debug, Clone, Copy)]
+struct Band {
+    /// [`band_edge_hz`].
+    edge_hz: f64,
+    /// Frequency below which a share of 0.9 of the velocity power lies.
+    main_hz: f64,
+    /// Cutoff at which noise has [`ACCELERATION_NOISE`] of the power of the acceleration.
+    quiet_hz: f64,
+}
+
+impl Band {
+    fn of(position: &[f64], rate_hz: f64) -> Option<Self> {
+        let largest = position.iter().copied().fold(f64::MIN, f64::max);
+        let smallest = position.iter().copied().fold(f64::MAX, f64::min);
+        if position.len() < MIN_SAMPLES || largest - smallest < RESTING_RANGE {
+            return None;
         }
+        let power = windowed_power(position)?;
+        let measured = noise_power(&power);
+        let rounding = f64::EPSILON * largest.abs().max(smallest.abs());
+        let floor = measured.max(position.len() as f64 * rounding.powi(2));
+
+        let averaged = |k: usize| {
+            let from = k.saturating_sub(SMOOTHING_BINS).max(1);
+            let near = &power[from..(k + SMOOTHING_BINS + 1).min(power.len())];
+            near.iter().sum::<f64>() / near.len() as f64
+        };
+        let strongest = (1..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+        let mut last = None;
+        for k in strongest..power.len() {
+            if averaged(k) > MOTION_OVER_NOISE * floor {
+                last = Some(k);
+            } else if k > 2 * last? {
+                break;
+            }
+        }
+        let last = last?;
+        let velocity = |k: usize| (k as f64).powi(2) * (power[k] - floor).max(0.0);
+        let total: f64 = (1..=last).map(velocity).sum();
+        let below = |share: f64| {
+            let mut below = 0.0;
+            (1..=last).find(|&k| {
+                below += velocity(k);
+                below >= share * total
+            })
+        };
+        let (main, edge) = (below(MAIN_SHARE)?, below(POWER_SHARE)?);
+        let acceleration: f64 = (1..=edge).map(|k| (k as f64).powi(2) * velocity(k)).sum();
+        let mut noise = 0.0;
+        let quiet = (1..power.len()).find(|&k| {
+            noise += (k as f64).powi(4) * floor;
+            noise > ACCELERATION_NOISE * acceleration
+        });
+        let in_hz = |k: usize| k as f64 * rate_hz / position.len() as f64;
+        Some(Self {
+            edge_hz: in_hz(edge),
+            main_hz: in_hz(main),
+            quiet_hz: in_hz(quiet.unwrap_or(power.len())),
+        })
     }
-    let last = last?;
-    let velocity = |k: usize| (k as f64).powi(2) * (power[k] - floor).max(0.0);
-    let total: f64 = (1..=last).map(velocity).sum();
-    let mut below = 0.0;
-    let edge = (1..=last).find(|&k| {
-        below += velocity(k);
-        below >= POWER_SHARE * total
-    })?;
-    Some(edge as f64 * rate_hz / position.len() as f64)
 }
 
 /// Mean power of a bin of white noise, from the upper half of the bins.
@@ -168,6 +213,23 @@ mod tests {
 
     const RATE_HZ: f64 = 250.0;
 
+    struct Pcg(u64);
+
+    impl Pcg {
+        fn new(seed: u64) -> Self {
+            Self(seed)
+        }
+
+        /// Sum of twelve uniform numbers.
+        fn normal(&mut self) -> f64 {
+            let mut uniform = || {
+                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (self.0 >> 33) as f64 / (1_u64 << 31) as f64
+            };
+            (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+        }
+    }
+
     /// A swing at a third of the highest frequency, in steps.
     fn motion(edge_hz: f64, step: f64) -> Vec<f64> {
         (0..5000)
@@ -221,6 +283,37 @@ mod tests {
         assert_eq!(cutoff(&[40.0]), 50.0);
         let slow: Vec<f64> = (0..5000).map(|k| (1e-3 * f64::from(k)).sin()).collect();
         assert_eq!(default_cutoff_hz(&[slow], RATE_HZ), 1.0);
+    }
+
+    /// White noise of standard deviation `s` has the power `s² (2 π)⁴ f⁵ / (5 · rate/2)` in the
+    /// acceleration below `f`; a sine of amplitude `a` and frequency `g` has `½ a² (2 π g)⁴`.
+    #[test]
+    fn noise_of_the_acceleration_limits_the_cutoff() {
+        let mut random = Pcg::new(3);
+        let (amplitude, slow_hz): (f64, f64) = (0.8, 1.3);
+        let mut noisy = |sigma: f64| -> Vec<f64> {
+            (0..20_000)
+                .map(|k| {
+                    let angle = 2.0 * PI * f64::from(k) / RATE_HZ;
+                    // some motion an octave higher, which reaches for a high cutoff
+                    let fast = 0.05 * (2.4 * angle).sin();
+                    amplitude * (slow_hz * angle).sin() + fast + sigma * random.normal()
+                })
+                .collect()
+        };
+        let acceleration =
+            0.5 * (amplitude * slow_hz.powi(2)).powi(2) + 0.5 * (0.05 * 2.4_f64.powi(2)).powi(2);
+        for sigma in [1e-4_f64, 4e-3] {
+            let limit_hz: f64 = ACCELERATION_NOISE * acceleration * 2.5 * RATE_HZ / sigma.powi(2);
+            let expected_hz = limit_hz.powf(0.2).min(CUTOFF_OVER_EDGE * 2.4);
+            let found_hz = default_cutoff_hz(&[noisy(sigma)], RATE_HZ);
+            assert!((found_hz / expected_hz - 1.0).abs() < 0.1, "{found_hz} {expected_hz}");
+        }
+        // a joint that hardly moves keeps no other from its motion
+        let still: Vec<f64> = noisy(1e-3).iter().map(|x| 0.01 * x).collect();
+        let coarse: Vec<f64> = still.iter().map(|x| (x / 2e-3).round() * 2e-3).collect();
+        let found_hz = default_cutoff_hz(&[motion(5.1, 1e-5), coarse], RATE_HZ);
+        assert!(found_hz > 4.5 * 1.7, "{found_hz}");
     }
 
     #[test]

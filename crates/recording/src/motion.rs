@@ -1,5 +1,7 @@
 //! Evenly sampled motion of the joints asked for, with the efforts that drove it.
 
+use std::sync::Arc;
+
 use crate::butterworth::{DEFAULT_ORDER, ZeroPhaseLowPass};
 use crate::cutoff::default_cutoff_hz;
 use crate::differentiate::differentiate;
@@ -67,7 +69,14 @@ pub struct Motion {
     /// Those of the recording, and what was chosen here.
     pub notes: Vec<String>,
     grid: EvenGrid,
+    /// what a thinned motion was thinned from, and by which factor
+    fine: Option<(Arc<Motion>, usize)>,
 }
+
+/// Samples per second of a [thinned](Motion::thinned) motion over the cut-off: products of several
+/// low-passed signals stay below half of it, and the low-pass of the lower rate is that of the higher
+/// to 1 % where there is motion.
+const THINNED_RATE_OVER_CUTOFF: f64 = 16.0;
 
 impl Motion {
     /// Resamples, filters and differentiates the channels of `joints`.
@@ -163,7 +172,74 @@ impl Motion {
             stamps_s: grid.stamps_s().to_vec(),
             notes,
             grid,
+            fine: None,
         })
+    }
+
+    /// The same motion with every so many samples left out, at 16 times the cut-off: more tell nothing
+    /// beyond it. What jumps between two samples is still formed from [all of them](Self::filtered_fine).
+    /// Without a low-pass, or sampled as slowly already, it is the same.
+    #[must_use]
+    pub fn thinned(self) -> Self {
+        let factor = self.filter.as_ref().map_or(1, |filter| {
+            (self.rate_hz / (THINNED_RATE_OVER_CUTOFF * filter.cutoff_hz())).floor().max(1.0)
+                as usize
+        });
+        if factor == 1 || self.fine.is_some() {
+            return self;
+        }
+        let rate_hz = self.rate_hz / factor as f64;
+        let lower = self
+            .filter
+            .as_ref()
+            .map(|filter| ZeroPhaseLowPass::new(filter.order(), filter.cutoff_hz(), rate_hz));
+        // a cut-off that is possible at the higher rate is at 16 times itself
+        let Some(Ok(filter)) = lower else { return self };
+        let every =
+            |column: &[f64]| -> Vec<f64> { column.iter().step_by(factor).copied().collect() };
+        let columns = |of: &[Vec<f64>]| -> Vec<Vec<f64>> { of.iter().map(|c| every(c)).collect() };
+        Self {
+            joints: self.joints.clone(),
+            time_s: every(&self.time_s),
+            rate_hz,
+            position: columns(&self.position),
+            velocity: columns(&self.velocity),
+            acceleration: columns(&self.acceleration),
+            effort: self.effort.as_deref().map(columns),
+            effort_filtered: self.effort_filtered.as_deref().map(columns),
+            filter: Some(filter),
+            source: self.source.clone(),
+            stamps_s: self.stamps_s.clone(),
+            notes: self.notes.clone(),
+            grid: self.grid.clone(),
+            fine: Some((Arc::new(self), factor)),
+        }
+    }
+
+    /// The motion of these samples and no others.
+    #[must_use]
+    pub fn without_fine(mut self) -> Self {
+        self.fine = None;
+        self
+    }
+
+    /// The motion with all samples.
+    pub fn fine(&self) -> &Self {
+        self.fine.as_ref().map_or(self, |(fine, _)| fine)
+    }
+
+    /// Puts a column formed from [all samples](Self::fine) through the filter, and brings it to the samples
+    /// of this motion.
+    pub fn filtered_fine(&self, column: Vec<f64>) -> Vec<f64> {
+        let fine = self.fine();
+        let filtered = match &fine.filter {
+            Some(filter) => filter.filter(&column),
+            None => column,
+        };
+        match &self.fine {
+            Some((_, factor)) => filtered.into_iter().step_by(*factor).collect(),
+            None => filtered,
+        }
     }
 
     /// Number of samples on the grid.

@@ -34,7 +34,7 @@ const OFF_STEP: f64 = 0.1;
 /// The step in which values are quantised; none if they are finer than can be seen.
 pub(crate) fn quantisation_step(values: &[f64]) -> Option<f64> {
     let mut levels = values.to_vec();
-    levels.sort_by(f64::total_cmp);
+    levels.sort_unstable_by(f64::total_cmp);
     let (first, last) = (*levels.first()?, *levels.last()?);
     // levels that differ by less are one, rounded when they were written
     let resolution = 1e-6 * (last - first).max(first.abs()).max(last.abs());
@@ -52,7 +52,7 @@ pub(crate) fn quantisation_step(values: &[f64]) -> Option<f64> {
         return None;
     }
     let mut sorted = differences.clone();
-    sorted.sort_by(f64::total_cmp);
+    sorted.sort_unstable_by(f64::total_cmp);
     let small = sorted[sorted.len() / 10];
     let near = || sorted.iter().filter(|d| (0.8..1.2).contains(&(*d / small)));
     let guess = near().sum::<f64>() / near().count() as f64;
@@ -181,7 +181,7 @@ fn stands_still(
     });
     let jump = position.get(to + 1).map_or(0.0, |next| (next - position[to]).abs());
     let mut steps: Vec<f64> = position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    steps.sort_by(f64::total_cmp);
+    steps.sort_unstable_by(f64::total_cmp);
     let usual = steps.get(steps.len() * 99 / 100).copied().unwrap_or(0.0);
     contradicted || jump > moved.max(JUMP_STEPS * usual)
 }
@@ -233,7 +233,7 @@ fn flat_tops(values: &[f64]) -> Vec<(usize, usize)> {
         .map(|pair| (pair[1] - pair[0]).abs())
         .filter(|step| *step > 0.0)
         .collect();
-    steps.sort_by(f64::total_cmp);
+    steps.sort_unstable_by(f64::total_cmp);
     let Some(smallest_step) = steps.get(steps.len() / 20).copied() else { return Vec::new() };
     let step = quantisation_step(values).unwrap_or(smallest_step);
     let mut runs = repetitions(values, FLAT_SAMPLES);

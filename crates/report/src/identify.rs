@@ -43,6 +43,12 @@ pub struct IdentifyReport {
     pub effects: Vec<EffectRow>,
     /// Unknowns that are part of others on this arm.
     pub merged: Vec<MergedRow>,
+    /// Gains of drives whose current was recorded in the place of an effort.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drive_gains: Vec<DriveGainRow>,
+    /// Loads of known mass in some recordings.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<LoadRow>,
     /// Steps of Algorithm 2; empty for `batch`.
     pub steps: Vec<StepRow>,
     /// Numerical rank, of all unknowns.
@@ -114,6 +120,9 @@ pub struct EffectRow {
     pub effect: String,
     /// Joint name.
     pub joint: String,
+    /// The second of two joints that share a transmission.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_joint: Option<String>,
     /// Parameter of the law.
     pub parameter: String,
     /// Unit.
@@ -128,6 +137,36 @@ pub struct EffectRow {
     pub at_bound: bool,
     /// Share the recordings leave open, 0 to 1.
     pub undetermined: f64,
+}
+
+/// The gain of a drive: effort over current.
+#[derive(Debug, Clone, Serialize)]
+pub struct DriveGainRow {
+    /// Joint name.
+    pub joint: String,
+    /// Estimate; relative to one drive where nothing fixes the size of the gains.
+    pub value: f64,
+    /// Standard error; absent for the drive that the others are relative to.
+    pub standard_error: Option<f64>,
+    /// 95 % interval; absent where the gain is not known at all.
+    pub interval_95: Option<[f64; 2]>,
+    /// `N m/A`, `N/A` or `relative`.
+    pub unit: &'static str,
+    /// Effort over current that the fit used.
+    pub used: f64,
+}
+
+/// A load of known mass on the last link.
+#[derive(Debug, Clone, Serialize)]
+pub struct LoadRow {
+    /// Recordings that have it.
+    pub recordings: Vec<String>,
+    /// Its mass \[kg\].
+    pub mass_kg: f64,
+    /// Its centre in the frame of the last moving link \[m\].
+    pub centre_m: [f64; 3],
+    /// Whether the centre was found and not given.
+    pub found: bool,
 }
 
 /// An unknown that cannot be told from others on this arm.
@@ -227,6 +266,19 @@ impl IdentifyReport {
         }
         text += "\nInertia constants\n";
         text += &self.constants_text();
+        if !self.drive_gains.is_empty() {
+            text += "\nDrive gains (effort over current)\n";
+            text += &self.gains_text();
+        }
+        for load in &self.loads {
+            let [x, y, z] = load.centre_m;
+            text += &format!(
+                "\nLoad of {} kg in {}, centre {} ({x:.4}, {y:.4}, {z:.4}) m\n",
+                load.mass_kg,
+                load.recordings.join(", "),
+                if load.found { "found at" } else { "at" },
+            );
+        }
         if !self.effects.is_empty() {
             text += "\nJoint effects\n";
             text += &self.effects_text();
@@ -317,6 +369,29 @@ impl IdentifyReport {
         )
     }
 
+    fn gains_text(&self) -> String {
+        let rows: Vec<Vec<String>> = self
+            .drive_gains
+            .iter()
+            .map(|row| {
+                let (value, error) = match row.standard_error {
+                    Some(error) => uncertain(row.value, error),
+                    None => (significant(row.value, 4, 0.0), "-".to_owned()),
+                };
+                let interval = match row.interval_95 {
+                    Some([a, b]) => {
+                        format!("{} to {}", significant(a, 4, 0.0), significant(b, 4, 0.0))
+                    }
+                    None if row.standard_error.is_some() => "not known".to_owned(),
+                    None => "-".to_owned(),
+                };
+                let used = significant(row.used, 4, 0.0);
+                vec![row.joint.clone(), value, error, interval, row.unit.to_owned(), used]
+            })
+            .collect();
+        aligned(&["joint", "gain", "std error", "95 %", "unit", "used"], &rows, 1)
+    }
+
     fn effects_text(&self) -> String {
         let rows: Vec<Vec<String>> = self
             .effects
@@ -326,9 +401,16 @@ impl IdentifyReport {
                     Some(error) => uncertain(row.value, error),
                     None => ("0".to_owned(), "-".to_owned()),
                 };
+                let (effect, joint) = match &row.other_joint {
+                    Some(other) => (
+                        format!("{}.{}", row.effect, row.parameter),
+                        format!("{}, {other}", row.joint),
+                    ),
+                    None => (row.effect.clone(), row.joint.clone()),
+                };
                 vec![
-                    row.effect.clone(),
-                    row.joint.clone(),
+                    effect,
+                    joint,
                     value,
                     error,
                     row.unit.clone(),

@@ -17,7 +17,8 @@ pub use check::{ChannelRow, CheckReport};
 pub use consistency::ConsistencyReport;
 pub use diagnose::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 pub use identify::{
-    ConstantRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow, StepRow,
+    ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
+    LoadRow, MergedRow, StepRow,
 };
 pub use numbers::{significant, uncertain};
 pub use params::ParamsReport;

@@ -1,6 +1,6 @@
 //! Which effort channel each column is.
 
-use armident_effects::{Admissible, EVERYDAY};
+use armident_effects::Admissible;
 use armident_numeric::NumericError;
 
 use super::Verdict;
@@ -244,9 +244,9 @@ impl JointTerms {
                     terms.constants.push(place);
                     terms.of_set.push(c);
                 }
-                Term::Effect { effect, parameter, .. } => {
-                    let parameter = &EVERYDAY[effect].law().parameters[parameter];
-                    if parameter.admissible == Admissible::NonNegative {
+                Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => {
+                    let admissible = problem.terms[k].parameter().map(|p| p.admissible);
+                    if admissible == Some(Admissible::NonNegative) {
                         terms.dissipative.push(terms.friction.len());
                     }
                     terms.friction.push(place);

@@ -13,6 +13,11 @@
 //! the weight asked for: by primal-dual steps ([`Scaled`]), because the path is curved where links
 //! grow thin, and at its end by Newton's method with an exact line search.
 //!
+//! Where links grow far beyond the prior, `X = 1000`, the dual `S = μ X⁻¹` is the small difference of
+//! `∇g` and `μ 1`, the dual of `μ tr X`: were `μ 1` to shrink along with `μ`, steps would be some hundredths long
+//! and never end. From where the path turns, the trace is therefore held at the weight
+//! of the end, and only the logarithm's `μ` goes down: the usual central path, with the same end.
+//!
 //! The state is a factor `L` of each `X = L Lᵀ`, and steps are `L (1 + Y) Lᵀ`: in `Y` the Hessian of
 //! `d` is 1, so a step is a damped least-squares problem without any ill-conditioned matrix, and
 //! eigenvalues of 1e-12 keep their relative accuracy.
@@ -27,6 +32,14 @@ use scaled::{Direction, ENTRIES, Pair, Scaled, coordinates, symmetric};
 
 /// Standard parameters of a link, and coordinates of a symmetric 4x4 matrix.
 pub(super) const TEN: usize = InertialParameters::COUNT;
+/// Predictors that reach less far than this share of the way to the end say that the path turns.
+const TURNS: f64 = 0.3;
+/// A step longer than this has led to the path.
+const WHOLE: f64 = 0.9;
+/// The bound of `g` is sought at this share of the weight,
+const DEEPER: f64 = 1e-2;
+/// unless the gap is below this share of `g` already.
+const SMALL_GAP: f64 = 1e-2;
 /// Share of `μ` that a step may aim at.
 const QUICKEST: f64 = 1e-3;
 /// `μ` relative to the end of the path, from where Newton's method finishes,
@@ -98,6 +111,13 @@ pub(super) struct Centre {
     pub(super) steps: usize,
 }
 
+/// A step along the path.
+struct PathStep {
+    length: f64,
+    /// how far the predictor could have gone, 1 at most
+    reach: f64,
+}
+
 /// Lower bound of `g` over the cone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DualityGap {
@@ -137,32 +157,36 @@ impl Barrier {
         let residual = self.residual(&start, &self.target);
         let pull = norm(&transposed_times(&self.columns(&start, &[]), &residual));
         let mut pair = Pair::new(start, pull.max(weight));
-        let (mut end, mut steps) = (weight, 0);
+        let mut held = false;
+        let (mut end, mut steps, mut last) = (weight, 0, 1.0);
         while steps < MOST_STEPS {
             let residual = self.residual(&pair.point, &self.target);
             end = weight.max(SMALLEST_SHARE * 0.5 * norm(&residual).powi(2));
-            if pair.mu() <= AT_END * end {
+            if pair.mu() <= AT_END * end && last > WHOLE {
                 break;
             }
-            let length = self.primal_dual(&mut pair, &residual, end)?;
+            let PathStep { length, reach } = self.primal_dual(&mut pair, &residual, end, held)?;
+            held |= reach < TURNS;
             steps += 1;
             if length < SHORTEST {
                 break;
             }
+            last = length;
         }
         let (weight, mut point) = (end, pair.point);
         let decrement = self.settle(&mut point, weight, &mut steps)?;
         Ok(Centre { point, weight, decrement, steps })
     }
 
-    /// One step along the path (Mehrotra's predictor and corrector) towards `weight`. Returns its
-    /// length.
+    /// One step along the path (Mehrotra's predictor and corrector) towards `weight`, with the weight
+    /// of the trace `held` there or shrinking along with `μ`.
     fn primal_dual(
         &self,
         pair: &mut Pair,
         residual: &[f64],
         weight: f64,
-    ) -> Result<f64, NumericError> {
+        held: bool,
+    ) -> Result<PathStep, NumericError> {
         let scaled = Scaled::of(pair);
         let columns = self.columns(&scaled.point, &[]);
         let rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
@@ -170,8 +194,8 @@ impl Barrier {
         let mu = pair.mu();
         let solve = |aim: f64, second_order: Option<(&Direction, f64)>| {
             let wanted = scaled.wanted(aim, second_order);
-            // the dual of the prior's part of d, which the path shrinks with μ
-            let shift = scaled.identities(aim);
+            // the dual of the prior's part of d
+            let shift = scaled.identities(if held { weight } else { aim });
             let both: Vec<f64> = wanted
                 .iter()
                 .zip(scaled.centre())
@@ -195,9 +219,9 @@ impl Barrier {
                 best = Some((left, length, step));
             }
         }
-        let Some((_, length, step)) = best else { return Ok(0.0) };
+        let Some((_, length, step)) = best else { return Ok(PathStep { length: 0.0, reach }) };
         scaled.take(&step, length, pair);
-        Ok(length)
+        Ok(PathStep { length, reach })
     }
 
     /// Newton's method at one `μ`, to the end of its quadratic convergence. Returns the decrement.
@@ -286,16 +310,34 @@ impl Barrier {
                 .sum::<f64>()
     }
 
+    /// Lower bound of `g` over points up to [`CERTIFIED_SIZE`] times as large as a centre.
+    ///
+    /// The bound from the centre itself is off by its weight times that size, much for links far
+    /// beyond the prior: the end of a path to a smaller weight gives a closer one.
+    pub(super) fn bound(&self, centre: &Centre) -> Result<DualityGap, NumericError> {
+        let Centre { point, weight, .. } = centre;
+        let effects: f64 = point.effects.iter().map(|t| t.abs()).sum();
+        let size = CERTIFIED_SIZE * (point.size_of_links() + effects);
+        let own = self.weak_duality(point, size);
+        let misfit = 0.5 * self.distance(point).powi(2);
+        if misfit - own <= SMALL_GAP * misfit {
+            return Ok(DualityGap { at_least: own, size });
+        }
+        let deeper = self.centre(DEEPER * weight)?;
+        let at_least = own.max(self.weak_duality(&deeper.point, size));
+        Ok(DualityGap { at_least, size })
+    }
+
     /// Weak duality at any point: for every other one, `X'` with `S = Bᵀ(B X - y)`,
     ///
     /// ```text
     /// g(X') ≥ g(X) + <S, X' - X> ≥ g(X) - <S, X> - c tr X'            where S + c 1 ⪰ 0
     /// ```
-    pub(super) fn duality_gap(&self, point: &Point) -> DualityGap {
+    ///
+    /// for those of a `size` `Σ tr X' + Σ t'` at most.
+    fn weak_duality(&self, point: &Point, size: f64) -> f64 {
         let columns = self.columns(point, &[]);
         let dual = transposed_times(&columns, &self.residual(point, &self.target));
-        let effects: f64 = point.effects.iter().map(|t| t.abs()).sum();
-        let size = CERTIFIED_SIZE * (point.size_of_links() + effects);
         let (mut product, mut below) = (0.0, 0.0_f64);
         for (factor, s) in point.factors.iter().zip(dual.chunks(TEN)) {
             // in the coordinates of Y: <S, X> = tr, and S of X itself is L⁻ᵀ s L⁻¹
@@ -317,7 +359,7 @@ impl Barrier {
             }
         }
         let misfit = 0.5 * self.distance(point).powi(2);
-        DualityGap { at_least: (misfit - product - below * size).max(0.0), size }
+        (misfit - product - below * size).max(0.0)
     }
 
     /// `B` in the coordinates of the step, unit for unit with the Hessian of `d`.
