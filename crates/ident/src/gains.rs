@@ -262,9 +262,9 @@ impl BatchProblem<'_> {
                     let own = r[(i, current)] / noise[joint];
                     row[p + n] = -r[(i, load)] / noise[joint];
                     if known[joint] {
-                        row[p + n] += own
+                        row[p + n] += own;
                     } else {
-                        row[p + joint] = -own
+                        row[p + joint] = -own;
                     }
                     row
                 })
