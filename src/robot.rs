@@ -54,6 +54,17 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
     ArmModel::load(path).map_err(|error| Failure::model(path, &error))
 }
 
+/// The arm with all that a diagnosis learned as effects on it, and what of it a simulated arm cannot hold.
+pub(crate) fn as_simulated(
+    path: &Path,
+    model: ArmModel,
+) -> Result<(ArmModel, Vec<String>), Failure> {
+    Ok(match learned(path)? {
+        Some(learned) => DiagnosedModel { arm: model, learned }.as_simulated(),
+        None => (model, Vec::new()),
+    })
+}
+
 /// What a diagnosis learned, if the file is a model that holds it.
 pub(crate) fn learned(path: &Path) -> Result<Option<Learned>, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {

@@ -459,7 +459,7 @@ fn names_stay_the_same() {
         }
         std::fs::write(folder.join(format!("{file}_degrees.csv")), content).unwrap();
     };
-    ["train", "holdout"].map(degrees);
+    ["train", "holdout"].iter().for_each(|file| degrees(file));
     let mapping = "[[channel]]\ncolumn = \"{joint}/position\"\nquantity = \"position\"\nunit = \"deg\"\n\
                    [[channel]]\ncolumn = \"{joint}/{quantity}\"\n";
     std::fs::write(folder.join("degrees.toml"), mapping).unwrap();

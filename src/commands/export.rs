@@ -40,11 +40,13 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         None => format_of(&args.output_file)?,
     };
     let model = robot::load(&args.robot, &args.chain, None)?;
+    let (model, without_place) = robot::as_simulated(&args.robot, model)?;
     let (name, Exported { text, held, lost, mut notes }) = match format {
         FormatArg::Urdf => ("URDF", urdf(&model)),
         FormatArg::Mjcf => ("MJCF", mjcf(&model)),
     };
     notes.extend(lost_notes(name, &lost));
+    notes.extend(without_place.iter().map(|what| format!("lost: {what}")));
     let report = ExportReport {
         schema: "armident.export/1",
         robot: model.chain.robot.clone(),

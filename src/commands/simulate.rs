@@ -52,6 +52,9 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
             .unwrap_or_default(),
     };
     let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
+    let (model, lost) = robot::as_simulated(&args.robot, model)?;
+    let lost: Vec<String> = lost.iter().map(|what| format!("not simulated: {what}")).collect();
+    output::say_all(&args.output, "note", &lost);
     let joints: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let mut effects = model.effects.clone();
     effects.extend(args.effect.iter().cloned());
