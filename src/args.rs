@@ -303,7 +303,7 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
     /// Load of known mass on the last link in one of the recordings: file=F,mass=KG and, where known,
-    /// com=X:Y:Z in the frame of the last moving link [m] and com_error=M; repeat for more
+    /// com=X:Y:Z in the frame of the last moving link, m, and com_error=M; repeat for more
     #[arg(long, value_name = "file=F,mass=KG[,..]", value_parser = parse_payload)]
     pub(crate) payload: Vec<PayloadArg>,
     /// Transmissions that neighbouring joints share; no matter with a plan
