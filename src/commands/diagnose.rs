@@ -55,20 +55,37 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     };
     let progress = Progress::of(&args.output, "diagnosing");
     let mut placebo = None;
-    let diagnosed = if !reference.is_empty() {
-        diagnose_change(&model, &reference, &train)
-    } else if let Some(terms) = args.placebo {
-        diagnose_with_placebo(&model, &train, terms).map(|(diagnosis, tried)| {
-            placebo = Some(tried);
-            (DiagnosedModel::believed(&model), diagnosis)
-        })
-    } else {
-        diagnose(&model, &train).map(|diagnosis| (DiagnosedModel::believed(&model), diagnosis))
+    let mut of = |train: &[Recording], reference: &[Recording]| {
+        if !reference.is_empty() {
+            diagnose_change(&model, reference, train)
+        } else if let Some(terms) = args.placebo {
+            diagnose_with_placebo(&model, train, terms).map(|(diagnosis, tried)| {
+                placebo = Some(tried);
+                (DiagnosedModel::believed(&model), diagnosis)
+            })
+        } else {
+            diagnose(&model, train).map(|diagnosis| (DiagnosedModel::believed(&model), diagnosis))
+        }
     };
+    let mut diagnosed = of(&train, &reference);
     if let Ok((_, diagnosis)) = &diagnosed {
         books.take_back(diagnosis);
     }
-    if !books.faults.is_empty() && !args.trust_columns {
+    if args.trust_columns {
+        books.faults.clear();
+    }
+    let mut nothing_left = !books.faults.is_empty();
+    if nothing_left {
+        // what is wrong with one column says nothing against the other joints
+        let kept = |recordings: &[Recording]| -> Option<Vec<Recording>> {
+            recordings.iter().map(|r| books.without_faulty(r, model.chain.dof())).collect()
+        };
+        if let (Some(train), Some(reference)) = (kept(&train), kept(&reference)) {
+            diagnosed = of(&train, &reference);
+            nothing_left = diagnosed.is_err();
+        }
+    }
+    if nothing_left {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
         // the efforts against the robot show what the columns are
         let drawing = args.page.wanted().then(|| -> Result<Drawing, Failure> {

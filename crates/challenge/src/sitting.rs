@@ -79,11 +79,20 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         let out_json = serde_json::to_string_pretty(report).map_err(|e| told(&e))? + "\n";
         Ok(Sitting { out_json, learned, seconds: started.elapsed().as_secs_f64() })
     };
-    let diagnosed = diagnose(&believed, &train);
+    let mut diagnosed = diagnose(&believed, &train);
     if let Ok(diagnosis) = &diagnosed {
         books.take_back(diagnosis);
     }
-    if !books.faults.is_empty() {
+    let mut nothing_left = !books.faults.is_empty();
+    if nothing_left {
+        let kept: Option<Vec<Recording>> =
+            train.iter().map(|r| books.without_faulty(r, believed.chain.dof())).collect();
+        if let Some(kept) = kept {
+            diagnosed = diagnose(&believed, &kept);
+            nothing_left = diagnosed.is_err();
+        }
+    }
+    if nothing_left {
         return handed_in(&DiagnoseReport::of_wrong_books(&believed.chain, &books, inputs), None);
     }
     let mut diagnosis = diagnosed.map_err(|e| told(&e))?;

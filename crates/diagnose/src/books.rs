@@ -175,6 +175,26 @@ impl Books {
         self.faults.retain(|fault| !explained(fault.joint.as_ref()));
     }
 
+    /// The recording without the efforts of joints whose columns are wrong, so that the others can be
+    /// diagnosed; none where a fault is of the robot as a whole, or half the joints are at fault.
+    pub fn without_faulty(&self, recording: &Recording, joints: usize) -> Option<Recording> {
+        let mut faulty: Vec<&String> = Vec::new();
+        for fault in &self.faults {
+            let joint = fault.joint.as_ref()?;
+            if !faulty.contains(&joint) {
+                faulty.push(joint);
+            }
+        }
+        if 2 * faulty.len() >= joints {
+            return None;
+        }
+        let mut kept = recording.clone();
+        for joint in kept.joints.iter_mut().filter(|j| faulty.contains(&&j.name)) {
+            joint.effort = None;
+        }
+        Some(kept)
+    }
+
     /// A recording with efforts in the place of currents and voltages, where gains are determined.
     pub fn in_effort(&self, recording: &Recording) -> Recording {
         let mut converted = recording.clone();

@@ -119,16 +119,7 @@ impl DiagnoseReport {
 
     /// Of recordings whose columns are not what they are called: there is nothing to say of physics.
     pub fn of_wrong_books(chain: &DrivingAxisChain, books: &Books, inputs: DiagnoseInputs) -> Self {
-        let count = match books.faults.len() {
-            1 => "a column is".to_owned(),
-            n => format!("{n} columns are"),
-        };
-        Self {
-            verdict: "mismatch",
-            sentence: format!("the books are wrong: {count} not what the header says"),
-            ..Self::empty(chain, inputs)
-        }
-        .with_books(books)
+        Self::empty(chain, inputs).with_books(books)
     }
 
     fn empty(chain: &DrivingAxisChain, inputs: DiagnoseInputs) -> Self {
@@ -155,9 +146,23 @@ impl DiagnoseReport {
         }
     }
 
-    /// With what the recordings say of their own columns.
+    /// With what the recordings say of their own columns; the diagnosis is then of the other joints.
     #[must_use]
     pub fn with_books(mut self, books: &Books) -> Self {
+        let count = match books.faults.len() {
+            0 => None,
+            1 => Some("a column is".to_owned()),
+            n => Some(format!("{n} columns are")),
+        };
+        if let Some(count) = count {
+            let others = match self.sentence.as_str() {
+                "" => String::new(),
+                others => format!("; without it, {others}"),
+            };
+            self.sentence =
+                format!("the books are wrong: {count} not what the header says{others}");
+            self.verdict = "mismatch";
+        }
         self.books = BooksSaid {
             faults: books.faults.clone(),
             drive_gains: books.drive_gains.clone(),
