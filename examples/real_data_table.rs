@@ -135,10 +135,14 @@ fn table(
         } else {
             read_csv_mapped(&path, &Mapping::parse(set.mapping, "mapping")?)?
         };
-        Ok(with_drive_signals(&recording).0)
+        Ok(recording)
     };
-    let mut train: Vec<Recording> = set.training.iter().map(read).collect::<Result<_, _>>()?;
-    let mut holdout: Vec<Recording> = set.holdout.iter().map(read).collect::<Result<_, _>>()?;
+    let read_all = |files: &[&str]| -> Result<Vec<Recording>, Box<dyn Error>> {
+        let recordings: Vec<Recording> = files.iter().map(read).collect::<Result<_, _>>()?;
+        Ok(with_drive_signals(&recordings).0)
+    };
+    let mut train = read_all(set.training)?;
+    let mut holdout = read_all(set.holdout)?;
     if holdout.is_empty() {
         let whole = &train[0];
         let (first, last) = (whole.time_s[0], whole.time_s[whole.len() - 1]);

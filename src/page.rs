@@ -100,7 +100,7 @@ pub(crate) fn provenance<'a>(
 }
 
 /// Sentences on the low-pass of a command that has one.
-pub(crate) fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
+fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
     vec![match cutoff_hz {
         Some(hz) => format!(
             "Positions and efforts pass a low-pass of {hz:.2} Hz (Butterworth, 4th order, forward and backward)."
@@ -110,7 +110,7 @@ pub(crate) fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
 }
 
 /// Recordings with the predictions of some models.
-pub(crate) fn compared<'a>(
+fn compared<'a>(
     models: &[&ArmModel],
     recordings: &'a [Recording],
     role: Role,
@@ -135,6 +135,26 @@ pub(crate) fn compared<'a>(
             Ok(Compared { recording, role, predicted, edge_s })
         })
         .collect()
+}
+
+/// What is drawn of recordings beside the efforts of some models of one arm, each with its name; nothing
+/// where nothing is wanted.
+pub(crate) fn of_models<'a>(
+    pages: &PageArgs,
+    models: &[(&str, &ArmModel)],
+    recorded: &[(&[Recording], Role)],
+    cutoff_hz: Option<f64>,
+    files: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<Option<Drawing>, Failure> {
+    let Some((_, first)) = models.first().filter(|_| pages.wanted()) else { return Ok(None) };
+    let (names, arms): (Vec<&str>, Vec<&ArmModel>) = models.iter().copied().unzip();
+    let mut all = Vec::new();
+    for &(recordings, role) in recorded {
+        all.extend(compared(&arms, recordings, role, cutoff_hz)?);
+    }
+    let canvas = Canvas::new(&first.chain, &names, &all)?;
+    let (provenance, filters) = (provenance(pages, files), filters(cutoff_hz));
+    Ok(Some(Drawing { provenance, filters, ..canvas.drawing() }))
 }
 
 /// What is drawn of a diagnosis.

@@ -1,11 +1,9 @@
 //! `armident check`.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_ident::check::{Verdict, check, with_drive_signals};
-use armident_page::{Canvas, Drawing, Role};
-use armident_recording::Recording;
+use armident_page::Role;
 use armident_report::CheckReport;
 
 use super::recordings;
@@ -19,15 +17,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     output::protect(inputs, [args.output.json.as_ref(), args.page.report.as_ref()])?;
     args.page.check()?;
     let read = recordings::read_quietly(&files, &args.reading)?;
-    let mut signals = BTreeMap::new();
-    let recorded: Vec<Recording> = read
-        .iter()
-        .map(|recording| {
-            let (filled, of_recording) = with_drive_signals(recording);
-            signals.extend(of_recording);
-            filled
-        })
-        .collect();
+    let (recorded, signals) = with_drive_signals(&read);
     let names = recordings::joints_with_position(&recorded);
     let model = robot::load(&args.robot, &args.chain, Some(&names))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
@@ -49,15 +39,10 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     let robot = model.chain.robot.clone();
     let report = CheckReport::new(&robot, sources, names, cutoff_hz, &found, warnings, notes);
     output::say_all(&args.output, "note", &report.notes);
-    let drawing = if args.page.wanted() {
-        let compared = page::compared(&[&model], &recorded, Role::Training, cutoff_hz)?;
-        let canvas = Canvas::new(&model.chain, &["the robot as given"], &compared)?;
-        let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
-        let (provenance, filters) = (page::provenance(&args.page, files), page::filters(cutoff_hz));
-        Some(Drawing { provenance, filters, ..canvas.drawing() })
-    } else {
-        None
-    };
+    let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
+    let recorded = [(recorded.as_slice(), Role::Training)];
+    let models = [("the robot as given", &model)];
+    let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
     let text = report.text();
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())

@@ -7,7 +7,7 @@ use armident_diagnose::{
     Books, DiagnosedModel, Diagnosis, Errors, diagnose, diagnose_change, diagnose_with_placebo,
 };
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
-use armident_page::{Canvas, Drawing, Role};
+use armident_page::Role;
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 
@@ -55,7 +55,10 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     };
     let progress = Progress::of(&args.output, "diagnosing");
     let mut placebo = None;
-    let mut of = |train: &[Recording], reference: &[Recording]| {
+    if args.trust_columns {
+        books.faults.clear();
+    }
+    let heard = books.hear(model.chain.dof(), &train, &reference, |train, reference| {
         if !reference.is_empty() {
             diagnose_change(&model, reference, train)
         } else if let Some(terms) = args.placebo {
@@ -66,37 +69,16 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         } else {
             diagnose(&model, train).map(|diagnosis| (DiagnosedModel::believed(&model), diagnosis))
         }
-    };
-    let mut diagnosed = of(&train, &reference);
-    if let Ok((_, diagnosis)) = &diagnosed {
-        books.take_back(diagnosis);
-    }
-    if args.trust_columns {
-        books.faults.clear();
-    }
-    let mut nothing_left = !books.faults.is_empty();
-    if nothing_left {
-        // what is wrong with one column says nothing against the other joints
-        let kept = |recordings: &[Recording]| -> Option<Vec<Recording>> {
-            recordings.iter().map(|r| books.without_faulty(r, model.chain.dof())).collect()
-        };
-        if let (Some(train), Some(reference)) = (kept(&train), kept(&reference)) {
-            diagnosed = of(&train, &reference);
-            nothing_left = diagnosed.is_err();
-        }
-    }
-    if nothing_left {
+    });
+    let Some(heard) = heard else {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
         // the efforts against the robot show what the columns are
-        let drawing = args.page.wanted().then(|| -> Result<Drawing, Failure> {
-            let joints = model.chain.joint_names();
-            let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
-            let compared = page::compared(&[&model], &train, Role::Training, cutoff_hz)?;
-            let canvas = Canvas::new(&model.chain, &["the robot as given"], &compared)?;
-            let provenance = page::provenance(&args.page, used(args, &train_files, &[], &[]));
-            Ok(Drawing { provenance, filters: page::filters(cutoff_hz), ..canvas.drawing() })
-        });
-        let drawing = drawing.transpose()?;
+        let joints = model.chain.joint_names();
+        let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
+        let models = [("the robot as given", &model)];
+        let files = used(args, &train_files, &[], &[]);
+        let recorded = [(train.as_slice(), Role::Training)];
+        let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
         let text = report.text();
         return page::write_result(
             &args.page,
@@ -106,8 +88,8 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
             &warnings,
             drawing.as_ref(),
         );
-    }
-    let (before, mut diagnosis) = diagnosed?;
+    };
+    let (before, mut diagnosis) = heard?;
     diagnosis.doubt_gains(&books.drive_gains);
     if !holdout.is_empty() {
         diagnosis.confirm(&holdout)?;

@@ -11,7 +11,7 @@ use armident_ident::{
     CouplingFound, DriveGain, DriveGains, JointFit, KnownLoad, MinimalSet, Recorded, Term,
     without_loads,
 };
-use armident_page::{Canvas, Correlation, Drawing, Role};
+use armident_page::{Correlation, Drawing, Role};
 use armident_recording::{Motion, Quantity, Recording};
 use armident_report::{
     ConsistencyReport, ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows,
@@ -52,20 +52,13 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
         model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
     output::say_all(&args.output, "note", &report.notes);
-    let drawing = if args.page.wanted() {
-        let models = [&model.before(), &model];
-        let [train, holdout] = &read;
-        let mut compared = page::compared(&models, train, Role::Training, report.cutoff_hz)?;
-        compared.extend(page::compared(&models, holdout, Role::Holdout, report.cutoff_hz)?);
-        let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
-        let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
-        let provenance =
-            page::provenance(&args.page, used.chain(&args.reading.mapping).chain(&with_plan));
-        let filters = page::filters(report.cutoff_hz);
-        Some(Drawing { provenance, filters, correlation, ..canvas.drawing() })
-    } else {
-        None
-    };
+    let [train, holdout] = &read;
+    let recorded = [(train.as_slice(), Role::Training), (holdout.as_slice(), Role::Holdout)];
+    let models = [("URDF alone", &model.before()), ("model", &model)];
+    let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
+    let used = used.chain(&args.reading.mapping).chain(&with_plan);
+    let drawing = page::of_models(&args.page, &models, &recorded, report.cutoff_hz, used)?
+        .map(|drawing| Drawing { correlation, ..drawing });
     let text = report.text();
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
-use armident_page::{Canvas, Drawing, Role};
+use armident_page::Role;
 use armident_recording::Motion;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 
@@ -87,16 +87,10 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         notes: recordings::notes(&motions),
     };
     output::say_all(&args.output, "note", &report.notes);
-    let drawing = if args.page.wanted() {
-        let models = [&before, &model];
-        let compared = page::compared(&models, &recorded, Role::Holdout, cutoff_hz)?;
-        let canvas = Canvas::new(&model.chain, &["URDF alone", "model"], &compared)?;
-        let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
-        let (provenance, filters) = (page::provenance(&args.page, files), page::filters(cutoff_hz));
-        Some(Drawing { provenance, filters, ..canvas.drawing() })
-    } else {
-        None
-    };
+    let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
+    let recorded = [(recorded.as_slice(), Role::Holdout)];
+    let models = [("URDF alone", &before), ("model", &model)];
+    let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
     let text = report.text();
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())

@@ -79,26 +79,16 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         let out_json = serde_json::to_string_pretty(report).map_err(|e| told(&e))? + "\n";
         Ok(Sitting { out_json, learned, seconds: started.elapsed().as_secs_f64() })
     };
-    let mut diagnosed = diagnose(&believed, &train);
-    if let Ok(diagnosis) = &diagnosed {
-        books.take_back(diagnosis);
-    }
-    let mut nothing_left = !books.faults.is_empty();
-    if nothing_left {
-        let kept: Option<Vec<Recording>> =
-            train.iter().map(|r| books.without_faulty(r, believed.chain.dof())).collect();
-        if let Some(kept) = kept {
-            diagnosed = diagnose(&believed, &kept);
-            nothing_left = diagnosed.is_err();
-        }
-    }
-    if nothing_left {
+    let heard = books.hear(believed.chain.dof(), &train, &[], |train, _| {
+        let diagnosis = diagnose(&believed, train)?;
+        Ok((DiagnosedModel::believed(&believed), diagnosis))
+    });
+    let Some(heard) = heard else {
         return handed_in(&DiagnoseReport::of_wrong_books(&believed.chain, &books, inputs), None);
-    }
-    let mut diagnosis = diagnosed.map_err(|e| told(&e))?;
+    };
+    let (before, mut diagnosis) = heard.map_err(|e| told(&e))?;
     diagnosis.doubt_gains(&books.drive_gains);
     diagnosis.confirm(std::slice::from_ref(&holdout)).map_err(|e| told(&e))?;
-    let before = DiagnosedModel::believed(&believed);
     let on_holdout = diagnosis.errors(&before, &holdout).map_err(|e| told(&e))?;
     let model_json = diagnosis.model.to_json().map_err(|e| told(&e))?;
     let efforts = diagnosis.model.predict(&paper.exam_motion).map_err(|e| told(&e))?;

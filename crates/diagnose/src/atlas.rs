@@ -11,6 +11,8 @@ use serde::Serialize;
 
 use crate::evidence::{At, Evidence};
 use crate::model::DiagnosedModel;
+use crate::problem::dot;
+use crate::ripple::wave_gain;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.
 const BINS: usize = 12;
@@ -129,13 +131,14 @@ pub(crate) fn character(
             .map(|regime| regime.share_before)
             .fold(0.0, f64::max)
     };
+    let total = dot(&rows, &rows).max(f64::MIN_POSITIVE);
     let position = states.columns.iter().find(|(name, _)| *name == "position");
     let wave = (1..=HIGHEST_ORDER)
         .filter_map(|order| {
             let phase = |q: &f64| order as f64 * q;
             let sine: Vec<f64> = position?.1.iter().map(|q| phase(q).sin()).collect();
             let cosine: Vec<f64> = position?.1.iter().map(|q| phase(q).cos()).collect();
-            Some([order as f64, explained(&sine, &rows) + explained(&cosine, &rows)])
+            Some([order as f64, wave_gain(&sine, &cosine, &rows) / total])
         })
         .max_by(|a, b| a[1].total_cmp(&b[1]))
         .unwrap_or([0.0; 2]);
@@ -148,7 +151,7 @@ pub(crate) fn character(
         work_share,
         memory_share: share_of(&["time_since_reversal", "travel_since_reversal"]),
         drift_share: share_of(&["time"]),
-        wave: [wave[0], wave[1].min(1.0)],
+        wave,
     }
 }
 
@@ -330,8 +333,7 @@ fn rms(values: &[f64]) -> f64 {
 
 /// Share of the mean square of `left` that one column explains by itself.
 fn explained(column: &[f64], left: &[f64]) -> f64 {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (cc, cl, ll) = (product(column, column), product(column, left), product(left, left));
+    let (cc, cl, ll) = (dot(column, column), dot(column, left), dot(left, left));
     if cc > 0.0 && ll > 0.0 { cl * cl / (cc * ll) } else { 0.0 }
 }
 

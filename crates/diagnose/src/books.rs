@@ -1,7 +1,5 @@
 //! The books first: a column in another unit, of another joint or with another sign is no physics.
 
-use std::collections::BTreeMap;
-
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::ArmModel;
 use armident_ident::check::{
@@ -12,6 +10,7 @@ use serde::Serialize;
 
 use crate::diagnosis::{DiagnoseError, Diagnosis, usable_signals};
 use crate::findings::Finding;
+use crate::model::DiagnosedModel;
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
@@ -35,6 +34,9 @@ const EXPLAINED: f64 = 3.0;
 const MOST_BELIEVED: f64 = 0.2;
 /// A probability that leaves no doubt.
 const SURE: f64 = 0.99;
+/// The model believed before, and a diagnosis against it.
+pub type Heard = Result<(DiagnosedModel, Diagnosis), DiagnoseError>;
+
 /// Share of the believed effort that must be gravity for a gain to be told from an inertia.
 const GRAVITY_SHARE: f64 = 0.5;
 /// Ends of an interval whose ratio is larger say nothing.
@@ -64,15 +66,7 @@ impl Books {
     /// # Errors
     /// Recordings that a diagnosis refuses.
     pub fn of(model: &ArmModel, recordings: &[Recording]) -> Result<Self, DiagnoseError> {
-        let mut signals: BTreeMap<String, Quantity> = BTreeMap::new();
-        let filled: Vec<Recording> = recordings
-            .iter()
-            .map(|recording| {
-                let (filled, of_recording) = with_drive_signals(recording);
-                signals.extend(of_recording);
-                filled
-            })
-            .collect();
+        let (filled, signals) = with_drive_signals(recordings);
         let joints = model.chain.joint_names();
         let joints_of_model: Vec<String> = joints.iter().map(ToString::to_string).collect();
         usable_signals(&joints_of_model, &filled)?;
@@ -160,10 +154,36 @@ impl Books {
         })
     }
 
+    /// Diagnoses recordings, and a reference of theirs, whose columns are in doubt: what physics explains is
+    /// taken back, and joints whose columns are wrong are left out of a
+    /// second run, for what is wrong with one column says nothing
+    /// against the other joints. `run` is given the recordings and the reference; nothing comes back where
+    /// the columns leave nothing to say of physics.
+    pub fn hear(
+        &mut self,
+        joints: usize,
+        recordings: &[Recording],
+        reference: &[Recording],
+        mut run: impl FnMut(&[Recording], &[Recording]) -> Heard,
+    ) -> Option<Heard> {
+        let heard = run(recordings, reference);
+        if let Ok((_, diagnosis)) = &heard {
+            self.take_back(diagnosis);
+        }
+        if self.faults.is_empty() {
+            return Some(heard);
+        }
+        let kept = |recordings: &[Recording]| -> Option<Vec<Recording>> {
+            recordings.iter().map(|r| self.without_faulty(r, joints)).collect()
+        };
+        let heard = run(&kept(recordings)?, &kept(reference)?);
+        heard.is_ok().then_some(heard)
+    }
+
     /// Takes back what physics explains: where the diagnosed model leaves over little more than noise, the
     /// columns are what they are called. Only links turned inside out and gains could turn a column of
     /// another joint, sign or unit into that: where these are found, the fault stands.
-    pub fn take_back(&mut self, diagnosis: &Diagnosis) {
+    fn take_back(&mut self, diagnosis: &Diagnosis) {
         let turned = |f: &Finding| f.link.is_some() || f.effect == "torque_scale";
         if diagnosis.findings.iter().any(turned) || diagnosis.inertial_error > MOST_BELIEVED {
             return;
@@ -177,7 +197,7 @@ impl Books {
 
     /// The recording without the efforts of joints whose columns are wrong, so that the others can be
     /// diagnosed; none where a fault is of the robot as a whole, or half the joints are at fault.
-    pub fn without_faulty(&self, recording: &Recording, joints: usize) -> Option<Recording> {
+    fn without_faulty(&self, recording: &Recording, joints: usize) -> Option<Recording> {
         let mut faulty: Vec<&String> = Vec::new();
         for fault in &self.faults {
             let joint = fault.joint.as_ref()?;

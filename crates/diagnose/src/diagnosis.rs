@@ -152,8 +152,12 @@ fn told(
     let mut rigid = rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
     choose_outputs(&mut rigid, evidence)?;
     let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
-    let at = evidence.at(&selection.point);
-    for finding in findings.iter_mut().filter(|f| f.effect == crate::UNMODELLED) {
+    let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
+    let at = match findings.iter().any(unnamed) {
+        true => evidence.at(&selection.point),
+        false => Vec::new(),
+    };
+    for finding in findings.iter_mut().filter(|f| unnamed(f)) {
         let index = |name: &str| names.iter().position(|n| n == name);
         let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
         let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);

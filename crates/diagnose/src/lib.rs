@@ -41,7 +41,7 @@ mod transmission;
 mod without;
 
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
-pub use books::{Books, DriveGain};
+pub use books::{Books, DriveGain, Heard};
 pub use change::diagnose_change;
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
 pub use findings::{Alternative, Finding, FindingEvidence, Value};

@@ -62,18 +62,7 @@ impl RippleColumns {
         let total = dot(residual, residual);
         let mut gains: Vec<(f64, f64)> = self.joints[joint]
             .iter()
-            .map(|(order, sine, cosine)| {
-                // both columns at once: over a short travel they are far from orthogonal
-                let (ss, sc, cc) = (dot(sine, sine), dot(sine, cosine), dot(cosine, cosine));
-                let (sr, cr) = (dot(sine, residual), dot(cosine, residual));
-                let determinant = ss * cc - sc * sc;
-                let gain = if determinant > 1e-6 * ss * cc {
-                    (cc * sr * sr - 2.0 * sc * sr * cr + ss * cr * cr) / determinant
-                } else {
-                    0.0
-                };
-                (gain, *order)
-            })
+            .map(|(order, sine, cosine)| (wave_gain(sine, cosine, residual), *order))
             .collect();
         gains.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut kept: Vec<f64> = Vec::new();
@@ -116,5 +105,18 @@ impl RippleColumns {
             }
         }
         offered
+    }
+}
+
+/// What a sine and a cosine take from the sum of squares of a residual. Both at once: over a short travel
+/// they are far from orthogonal.
+pub(crate) fn wave_gain(sine: &[f64], cosine: &[f64], residual: &[f64]) -> f64 {
+    let (ss, sc, cc) = (dot(sine, sine), dot(sine, cosine), dot(cosine, cosine));
+    let (sr, cr) = (dot(sine, residual), dot(cosine, residual));
+    let determinant = ss * cc - sc * sc;
+    if determinant > 1e-6 * ss * cc {
+        (cc * sr * sr - 2.0 * sc * sr * cr + ss * cr * cr) / determinant
+    } else {
+        0.0
     }
 }

@@ -10,6 +10,7 @@ use armident_recording::{
 
 use crate::band::Band;
 use crate::noise::{Noise, noise_of};
+use crate::problem::dot;
 
 /// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
 /// columns with signs and products are formed from it and only then filtered.
@@ -166,10 +167,9 @@ impl Signals {
     fn better_velocity(&self, recorded: &[f64], derived: &[f64]) -> Option<VelocityNoise> {
         let noise = noise_of(recorded, self.rate_hz);
         let rates = [recorded, derived].map(|v| self.band.rows(&differentiate(v, self.rate_hz)));
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         // two measurements of one motion, each with noise of its own
-        let both = product(&rates[0], &rates[1]);
-        let [of_recorded, of_derived] = rates.each_ref().map(|r| product(r, r) - both);
+        let both = dot(&rates[0], &rates[1]);
+        let [of_recorded, of_derived] = rates.each_ref().map(|r| dot(r, r) - both);
         let matters = of_derived > MATTERS.powi(2) * both;
         if noise.deviation <= 0.0 || !matters || of_recorded > CLEARLY_BETTER.powi(2) * of_derived {
             return None;
@@ -178,9 +178,8 @@ impl Signals {
         let recorded = self.band.rows(recorded);
         let speed = self.band.rows(derived);
         let rate = self.band.rows(&differentiate(derived, self.rate_hz));
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let (ss, sr, rr) = (product(&speed, &speed), product(&speed, &rate), product(&rate, &rate));
-        let (ys, yr) = (product(&recorded, &speed), product(&recorded, &rate));
+        let (ss, sr, rr) = (dot(&speed, &speed), dot(&speed, &rate), dot(&rate, &rate));
+        let (ys, yr) = (dot(&recorded, &speed), dot(&recorded, &rate));
         let determinant = ss * rr - sr * sr;
         if determinant <= 0.0 {
             return None;

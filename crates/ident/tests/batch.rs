@@ -2,19 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use std::f64::consts::TAU;
-use std::path::PathBuf;
+mod bench;
 
-use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::EVERYDAY;
-use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, MinimalSet, Quantity, Term,
-};
-use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_ident::{BatchEstimate, BatchProblem, BatchSettings, Quantity, Term};
+use armident_recording::Motion;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
+
+use bench::{Bench, Sines};
 
 const SIGNS_ONLY: BatchSettings = BatchSettings { admissible_signs: true, link_prior: None };
 const PRIOR_ONLY: BatchSettings = BatchSettings { admissible_signs: false, link_prior: Some(1.0) };
@@ -28,45 +26,13 @@ const EFFECTS: [[f64; 4]; 6] = [
     [1.4, 0.9, -0.2, 0.08],
 ];
 
-struct Bench {
-    model: ArmModel,
-    arm: RigidArm,
-    set: MinimalSet,
-}
-
 impl Bench {
-    fn new() -> Self {
-        let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../urdf/ur5.urdf");
-        let robot = load_urdf(&file).unwrap();
-        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
-        let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-        let arm = model.rigid_arm();
-        let set = MinimalSet::of(&arm).unwrap();
-        Self { model, arm, set }
-    }
-
     /// Sums of three sines a joint with exact derivatives, 10 s at 100 Hz, driven by the inverse
     /// dynamics of the URDF, the effects given, and white noise.
     fn motion(&self, effects: &[[f64; 4]; 6], noise: Option<(f64, u64)>) -> Motion {
-        let time: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k)).collect();
-        let columns = |derivative: i32| -> Vec<Vec<f64>> {
-            let joint = |j: usize| -> Vec<f64> {
-                let at = |t: &f64| -> f64 {
-                    (1..4)
-                        .map(|k| {
-                            let w = TAU * (0.11 * f64::from(k) + 0.017 * j as f64);
-                            let turn = 0.25 * TAU * f64::from(derivative);
-                            let phase = w * t + 1.3 * j as f64 + f64::from(k * k) + turn;
-                            0.9 / f64::from(k) * w.powi(derivative) * phase.sin()
-                        })
-                        .sum()
-                };
-                time.iter().map(at).collect()
-            };
-            (0..6).map(joint).collect()
-        };
-        let (q, dq, ddq) = (columns(0), columns(1), columns(2));
-        let mut effort = inverse_dynamics_of_motion(&self.arm, &q, &dq, &ddq);
+        let sines = Sines::new(1000, 0.0);
+        let Sines { q, dq, ddq, .. } = &sines;
+        let mut effort = inverse_dynamics_of_motion(&self.arm, q, dq, ddq);
         let mut random = noise
             .map(|(level, seed)| (Normal::new(0.0, level).unwrap(), Pcg64::seed_from_u64(seed)));
         for (j, [viscous, coulomb, offset, rotor]) in effects.iter().enumerate() {
@@ -77,18 +43,7 @@ impl Bench {
                 }
             }
         }
-        let names: Vec<&str> = self.model.chain.joint_names();
-        let channels = (0..6)
-            .map(|j| JointChannels {
-                position: Some(q[j].clone()),
-                velocity: Some(dq[j].clone()),
-                acceleration: Some(ddq[j].clone()),
-                effort: Some(effort[j].clone()),
-                ..JointChannels::new(names[j])
-            })
-            .collect();
-        let recording = Recording::new("simulated", time, channels).unwrap();
-        Motion::from_recording(&recording, &names, &MotionSettings::default()).unwrap()
+        self.recorded("simulated", &sines, &effort)
     }
 
     /// True values of all terms: those of the URDF and the effects, merged ones added on.

@@ -2,33 +2,26 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use std::f64::consts::TAU;
-use std::path::PathBuf;
+mod bench;
 
-use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::{
-    ArmModel, BatchProblem, BatchSettings, Coupling, KnownLoad, Method, MinimalSet, without_loads,
+    ArmModel, BatchProblem, BatchSettings, Coupling, KnownLoad, Method, without_loads,
 };
-use armident_kinematics::{
-    ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
-};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_kinematics::InertialParameters;
+use armident_recording::Motion;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
+
+use bench::{Bench, Sines};
 
 const SAMPLES: u32 = 1500;
 const MASS_KG: f64 = 2.0;
 const CENTRE_M: [f64; 3] = [0.02, -0.03, 0.06];
 /// N m/A.
 const GAINS: [f64; 6] = [13.2, 12.1, 9.7, 6.1, 5.5, 4.9];
-
-struct Bench {
-    model: ArmModel,
-    arm: RigidArm,
-    set: MinimalSet,
-}
 
 /// What a simulated recording has.
 #[derive(Clone, Copy, Default)]
@@ -43,40 +36,13 @@ struct Case {
 }
 
 impl Bench {
-    fn new() -> Self {
-        let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../urdf/ur5.urdf");
-        let robot = load_urdf(&file).unwrap();
-        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
-        let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-        let arm = model.rigid_arm();
-        let set = MinimalSet::of(&arm).unwrap();
-        Self { model, arm, set }
-    }
-
     fn names(&self) -> Vec<&str> {
         self.model.chain.joint_names()
     }
 
     fn motion(&self, case: &Case) -> Motion {
-        let time: Vec<f64> = (0..SAMPLES).map(|k| 0.01 * f64::from(k)).collect();
-        let columns = |derivative: i32| -> Vec<Vec<f64>> {
-            let joint = |j: usize| -> Vec<f64> {
-                let at = |t: &f64| -> f64 {
-                    (1..4)
-                        .map(|k| {
-                            let w = TAU * (0.11 * f64::from(k) + 0.017 * j as f64);
-                            let turn = 0.25 * TAU * f64::from(derivative);
-                            let shift = if case.loaded { 0.7 } else { 0.0 };
-                            let phase = w * t + (1.3 + shift) * j as f64 + f64::from(k * k) + turn;
-                            0.9 / f64::from(k) * w.powi(derivative) * phase.sin()
-                        })
-                        .sum()
-                };
-                time.iter().map(at).collect()
-            };
-            (0..6).map(joint).collect()
-        };
-        let (q, dq, ddq) = (columns(0), columns(1), columns(2));
+        let sines = Sines::new(SAMPLES, if case.loaded { 0.7 } else { 0.0 });
+        let Sines { time_s: time, q, dq, ddq } = &sines;
         let mut arm = self.arm.clone();
         if case.loaded {
             let point =
@@ -84,7 +50,7 @@ impl Bench {
             let in_joint = point.expressed_in(&self.model.chain.joints[5].child_link_in_e);
             arm.links[5] = arm.links[5].plus(&in_joint);
         }
-        let mut effort = inverse_dynamics_of_motion(&arm, &q, &dq, &ddq);
+        let mut effort = inverse_dynamics_of_motion(&arm, q, dq, ddq);
         let normal = Normal::new(0.0, 1.0).unwrap();
         let mut random = Pcg64::seed_from_u64(case.seed);
         for t in 0..time.len() {
@@ -102,18 +68,7 @@ impl Bench {
                 }
             }
         }
-        let names = self.names();
-        let channels = (0..6)
-            .map(|j| JointChannels {
-                position: Some(q[j].clone()),
-                velocity: Some(dq[j].clone()),
-                acceleration: Some(ddq[j].clone()),
-                effort: Some(effort[j].clone()),
-                ..JointChannels::new(names[j])
-            })
-            .collect();
-        let recording = Recording::new(case.name, time, channels).unwrap();
-        Motion::from_recording(&recording, &names, &MotionSettings::default()).unwrap()
+        self.recorded(case.name, &sines, &effort)
     }
 
     fn load(&self, centre_m: Option<[f64; 3]>, error_m: f64) -> KnownLoad {

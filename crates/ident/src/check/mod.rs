@@ -162,12 +162,14 @@ impl RecordingCheck {
     }
 }
 
-/// The recording with currents, or else voltages, in the place of efforts that are not there, and which
+/// The recordings with currents, or else voltages, in the place of efforts that are not there, and which
 /// joints that concerns. Columns of one joint keep their name and unit for the checks.
-pub fn with_drive_signals(recording: &Recording) -> (Recording, BTreeMap<String, Quantity>) {
-    let mut filled = recording.clone();
+pub fn with_drive_signals(
+    recordings: &[Recording],
+) -> (Vec<Recording>, BTreeMap<String, Quantity>) {
+    let mut filled = recordings.to_vec();
     let mut signals = BTreeMap::new();
-    for joint in &mut filled.joints {
+    for joint in filled.iter_mut().flat_map(|recording| &mut recording.joints) {
         if joint.effort.is_some() {
             continue;
         }
