@@ -40,8 +40,8 @@ pub struct Diagnosis {
     pub model: DiagnosedModel,
     /// The believed model with its rigid body identified again.
     pub rigid: DiagnosedModel,
-    /// The believed model. Like the others it predicts through the low-passes that suit the recordings: what
-    /// these take of the noise of encoders is no physics.
+    /// The believed model, with the low-passes of the diagnosed one: what these take of the noise of encoders
+    /// is no physics.
     pub believed: DiagnosedModel,
     /// for each finding, the model that does without it
     pub(crate) without: Vec<Option<DiagnosedModel>>,
@@ -155,7 +155,8 @@ fn told(
     let mut rigid = rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
     choose_outputs(&mut rigid, evidence)?;
     let mut believed = DiagnosedModel::believed(model);
-    choose_outputs(&mut believed, evidence)?;
+    believed.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
+    believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
     let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
     let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
     let at = match findings.iter().any(unnamed) {
