@@ -461,6 +461,7 @@ fn push_law(
         searched,
         places: law.law().places.to_vec(),
         transform: None,
+        above_band: 1.0,
     });
     problem.groups.len() - 1
 }

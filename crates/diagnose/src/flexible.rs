@@ -305,6 +305,7 @@ fn push(
         searched: 2,
         places,
         transform: None,
+        above_band: 1.0,
     });
     problem.groups.len() - 1
 }

@@ -48,14 +48,17 @@ pub(crate) fn with_hidden_motion(
             }
         }
     }
-    // a resonance is narrower than the steps of a grid
+    // a resonance, or the motion in a gap, is narrower than the steps of a grid
     for &joint in &driven {
         let metric = (found.scale, &found.wide[..]);
-        let near = nearest_spring(problem, metric, &found.answer, joint, &offered);
-        let spring = |g: &Group| g.slug() == "joint_elasticity" && g.site.joints == [joint];
-        if let Some(near) = near.filter(|n| n.score < found.answer.score) {
-            let polished = refine(evidence, at, contact, problem, metric, near, spring);
-            starts.push(polished.set);
+        for slug in ["joint_elasticity", "backlash"] {
+            let one = |g: &Group| g.slug() == slug && g.site.joints == [joint];
+            let offered = offered.iter().copied().filter(|g| one(&problem.groups[*g]));
+            let near = nearest(problem, metric, &found.answer, offered);
+            if let Some(near) = near.filter(|n| n.score < found.answer.score) {
+                let polished = refine(evidence, at, contact, problem, metric, near, one);
+                starts.push(polished.set);
+            }
         }
     }
     starts.extend(offered.iter().map(|g| vec![*g]));
@@ -92,21 +95,17 @@ pub(crate) fn with_hidden_motion(
     best.unwrap_or(fallback)
 }
 
-/// An answer with the spring on a joint, of those offered, that explains most beside it.
-fn nearest_spring(
+/// The best answer with one of the offered groups beside what it does not exclude.
+fn nearest(
     problem: &Problem,
     (scale, wide): (f64, &[usize]),
     beside: &Answer,
-    joint: usize,
-    offered: &[usize],
+    offered: impl Iterator<Item = usize>,
 ) -> Option<Answer> {
     let metric = problem.whitened(scale, wide);
     let groups = &problem.groups;
-    let springs = offered
-        .iter()
-        .filter(|g| groups[**g].slug() == "joint_elasticity" && groups[**g].site.joints == [joint]);
-    springs
-        .filter_map(|&g| {
+    offered
+        .filter_map(|g| {
             let others = beside.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g]));
             answer(&metric, others.chain([g]).collect())
         })

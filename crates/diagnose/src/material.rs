@@ -84,7 +84,8 @@ pub(crate) fn materiality(
     if let Some((_, rest)) = &without {
         for j in 0..with.len() {
             let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
-            let value = (square(&rest[j]) - square(&with[j])).max(0.0).sqrt();
+            let in_band = (square(&rest[j]) - square(&with[j])).max(0.0).sqrt();
+            let value = in_band * problem.groups[group].above_band;
             let found = Materiality {
                 value,
                 least: least.max(share_of_excess(problem) * left[j]),

@@ -49,6 +49,9 @@ pub(crate) struct Group {
     pub(crate) places: Vec<Place>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
+    /// root mean square of its effort as recorded over that in the band, 1 or more: impacts in a gap are
+    /// mostly above it
+    pub(crate) above_band: f64,
 }
 
 impl Group {

@@ -14,7 +14,7 @@ use armident_recording::{RecordingError, differentiate};
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::{At, Evidence};
-use crate::problem::{Group, Meaning, Problem, Site};
+use crate::problem::{Group, Meaning, Problem, Site, dot};
 use crate::signals::{Signals, extended, low_pass};
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
@@ -25,9 +25,9 @@ const STEP_S: f64 = 2.5e-4;
 const RESONANCES_HZ: [f64; 14] =
     [1.3, 1.6, 2.0, 2.5, 3.1, 3.9, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
 const DAMPINGS: [f64; 2] = [0.02, 0.08];
-/// Gaps tried on rotational joints \[rad\] and translational ones \[m\].
-const GAPS: [f64; 13] =
-    [3e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3, 4e-3, 5.6e-3, 8e-3, 1.1e-2, 1.6e-2, 3e-2];
+/// Gaps tried on rotational joints \[rad\] and translational ones \[m\]: from, to, and the factor between: the
+/// motion of a link in its gap is its own for every size.
+const GAPS: (f64, f64, f64) = (3e-4, 3.2e-2, 1.2);
 /// The flanks of a gear are stiffer than what the recordings resolve: the link bounces on them at this
 /// circular frequency \[rad/s\], with this share of critical damping.
 const FLANK_RATE: f64 = 350.0;
@@ -261,8 +261,22 @@ fn push_from(
         searched: shape.len(),
         places: vec![Place::Inertia],
         transform: None,
+        above_band: above_band(evidence, joint, &pieces),
     });
     Some(problem.groups.len() - 1)
+}
+
+/// Root mean square of an effort on a joint at all samples over that in the band, 1 or more. Bounded: how
+/// sharp an impact is depends on flanks whose stiffness is assumed.
+fn above_band(evidence: &Evidence<'_>, joint: usize, by_recording: &[Vec<Vec<f64>>]) -> f64 {
+    const MOST: f64 = 4.0;
+    let mean_square = |values: &[f64]| dot(values, values) / values.len().max(1) as f64;
+    let (mut raw, mut band) = (0.0, 0.0);
+    for (signals, efforts) in evidence.signals.iter().zip(by_recording) {
+        raw += mean_square(&efforts[joint]);
+        band += mean_square(&signals.band.rows(&efforts[joint]));
+    }
+    (raw / band.max(f64::MIN_POSITIVE)).sqrt().clamp(1.0, MOST)
 }
 
 /// The transmission that a shape stands for: stiffness and damping, or a gap.
@@ -308,8 +322,10 @@ pub(crate) fn offer(
             offered.extend(push("joint_elasticity", &shape));
         }
     }
-    for gap in GAPS {
+    let (mut gap, last, factor) = GAPS;
+    while gap < last {
         offered.extend(push("backlash", &[gap]));
+        gap *= factor;
     }
     offered
 }
