@@ -14,13 +14,16 @@ use std::path::Path;
 
 use armident_ident::check::with_drive_signals;
 use armident_ident::{
-    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded,
+    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, used_samples,
+    with_recorded_velocity,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_recording::{
     JointChannels, Mapping, Motion, MotionSettings, Quantity, Recording, read_csv, read_csv_mapped,
 };
 
+/// Stretches that a hold-out is cut into, for the scatter of the difference of two errors.
+const STRETCHES: usize = 8;
 /// Share of a recording that is fitted where there is only one.
 const TRAINING_SHARE: f64 = 2.0 / 3.0;
 
@@ -169,7 +172,9 @@ fn table(
     let plain = BatchProblem::new(&arm, &minimal);
     let rows = plain.accumulate(&all);
     let judged = plain.accumulate(&holdout_motions.iter().collect::<Vec<_>>());
+    let mut default_stretches = None;
     let (_, found, _) = plain.solve_by(Method::Ols, &model, &all, &BatchSettings::PLAIN)?;
+    let plain_stretches = stretches(&plain, &holdout_motions, &found.values);
     let mut columns = vec![(plain.fit(&judged, &found.values), plain.fit(&rows, &found.values))];
     let mut problem = BatchProblem::new(&arm, &minimal);
     let chosen = problem.choose(&all, &BatchSettings::default(), true)?;
@@ -205,6 +210,15 @@ fn table(
                     ));
                 }
                 let links = problem.nearest_consistent(&fitted.estimate)?;
+                if method == Method::Irls {
+                    let with_recorded = |(m, r)| with_recorded_velocity(m, r);
+                    let recorded = holdout_motions.iter().zip(&holdout).map(with_recorded);
+                    let motions = match fitted.velocity_gain {
+                        Some(_) => recorded.collect::<Option<Vec<_>>>().ok_or("no velocities")?,
+                        None => holdout_motions.clone(),
+                    };
+                    default_stretches = Some(stretches(&problem, &motions, &links.estimated));
+                }
                 columns.push((
                     problem.fit(judged, &links.estimated),
                     problem.fit(&fitted.rows, &links.estimated),
@@ -230,6 +244,20 @@ fn table(
             })
             .collect();
         println!("| {} | {joint} | {} |", set.folder, cells.join(" | "));
+        let place = 1 + Method::ALL.iter().position(|m| *m == Method::Irls).unwrap_or(0);
+        if let (Some(found), Some(plain), Some(of_default)) =
+            (error(place), error(0), &default_stretches)
+            && found > plain
+        {
+            notes.push(format!(
+                "{}: {joint} is {:.0} % above *plain* with `irls`, {:.1} standard errors of the mean of {} \
+                 stretches of the hold-out (logarithms of the errors)",
+                set.folder,
+                100.0 * (found / plain - 1.0),
+                in_errors(&of_default[j], &plain_stretches[j]),
+                plain_stretches[j].len(),
+            ));
+        }
         for (k, gains) in gains.iter_mut().enumerate() {
             if let (Some(found), Some(plain)) = (error(k + 1), error(0)) {
                 gains.push((found / plain).ln());
@@ -237,6 +265,32 @@ fn table(
         }
     }
     Ok(())
+}
+
+/// Per joint, the errors on stretches of motions.
+fn stretches(problem: &BatchProblem<'_>, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
+    let mut errors = vec![Vec::new(); problem.arm().dof()];
+    let each = STRETCHES.div_ceil(motions.len());
+    for motion in motions {
+        let used = used_samples(motion);
+        let at = |k: usize| used.start + k * used.len() / each;
+        for k in 0..each {
+            let rows = problem.accumulate_part(motion, at(k)..at(k + 1));
+            for (errors, fit) in errors.iter_mut().zip(problem.fit(&rows, values)) {
+                errors.push(fit.rmse);
+            }
+        }
+    }
+    errors
+}
+
+/// Mean logarithm of the ratio of errors, over its standard error.
+fn in_errors(of: &[f64], other: &[f64]) -> f64 {
+    let logs: Vec<f64> = of.iter().zip(other).map(|(a, b)| (a / b).ln()).collect();
+    let count = logs.len() as f64;
+    let mean = logs.iter().sum::<f64>() / count;
+    let scatter: f64 = logs.iter().map(|x| (x - mean).powi(2)).sum();
+    mean / (scatter / (count * (count - 1.0))).sqrt()
 }
 
 /// The samples whose stamps are wanted.

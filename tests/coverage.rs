@@ -1,6 +1,6 @@
 //! A small fixed sample of the study in `docs/studies/batch_coverage.md`.
 
-use armident_ident::Method;
+use armident_ident::{BatchSettings, Method};
 
 #[allow(dead_code, reason = "its table is not printed here")]
 #[path = "../examples/coverage_batch.rs"]
@@ -12,7 +12,7 @@ mod study;
 #[test]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     let recordings = 8;
-    let found = study::study(recordings, Method::Irls).unwrap();
+    let found = study::study(recordings, Method::Irls, &BatchSettings::default()).unwrap();
     let cases = recordings * found.count as u64;
     let inside: u64 = found.inside.iter().sum();
     let share = inside as f64 / cases as f64;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armident_recording::{
     Action, Encoded, FileFormat, FindingKind, Mapping, Motion, MotionSettings, Quantity,
-    ReadSettings, Recording, encode, quality, read_recording,
+    ReadSettings, Recording, encode, findings, read_recording,
 };
 
 use crate::args::{OutputArgs, ReadingArgs};
@@ -83,7 +83,7 @@ pub(crate) fn read_all(
             FindingKind::Gap,
             FindingKind::SuspectedUnit,
         ];
-        for finding in quality(recording).findings {
+        for finding in findings(recording) {
             if finding.action == Action::Kept && worth_saying.contains(&finding.kind) {
                 doubts.push(format!("{}: {}", recording.source, finding.message));
             }

@@ -38,9 +38,18 @@ impl JointGeometry {
 
     /// The joint at position `q` \[rad or m\].
     pub fn at<T: Real>(&self, q: T) -> JointPose<T> {
+        self.at_angle(q, self.sin_cos(q))
+    }
+
+    /// Sine and cosine of `θ` at position `q` \[rad or m\].
+    pub fn sin_cos<T: Real>(&self, q: T) -> (T, T) {
         let theta = T::splat(self.frame.theta_rad);
-        let theta = if self.kind.is_rotational() { theta + q } else { theta };
-        let (sin_theta, cos_theta) = theta.simd_sin_cos();
+        if self.kind.is_rotational() { (theta + q).simd_sin_cos() } else { theta.simd_sin_cos() }
+    }
+
+    /// The joint at position `q` \[rad or m\], whose [`Self::sin_cos`] is known.
+    #[inline(always)]
+    pub fn at_angle<T: Real>(&self, q: T, (sin_theta, cos_theta): (T, T)) -> JointPose<T> {
         let (cos_beta, sin_beta) = (T::splat(self.cos_beta), T::splat(self.sin_beta));
         let d = self.offset_m(q);
         JointPose {

@@ -67,4 +67,4 @@ pub use newton_euler::{
     LinkMotion, Sweep, inverse_dynamics, inverse_dynamics_into, inverse_dynamics_of_motion,
 };
 pub use real::{BATCH, Batch, Real, load_batch, store_batch};
-pub use regressor::{ParameterColumns, regressor_row_into, standard_regressor};
+pub use regressor::{ArmMotion, ParameterColumns, regressor_row_into, standard_regressor};

@@ -17,11 +17,12 @@ pub struct LinkMotion<T> {
     pub acceleration: Vector3<T>,
 }
 
-/// Outward pass: motions of links 1..n (Luh, Walker, Paul 1980, in driving-axis frames).
+/// Outward pass: motions of links 1..n (Luh, Walker, Paul 1980, in driving-axis frames), with the joints'
+/// poses by their index.
 #[inline(always)]
 fn outward<T: Real>(
     arm: &RigidArm,
-    q: &[T],
+    pose: impl Fn(usize) -> JointPose<T>,
     dq: &[T],
     ddq: &[T],
     poses: &mut Vec<JointPose<T>>,
@@ -36,7 +37,7 @@ fn outward<T: Real>(
         acceleration: -arm.gravity_e0.map(T::splat),
     };
     for (i, joint) in arm.joints.iter().enumerate() {
-        let pose = joint.at(q[i]);
+        let pose = pose(i);
         let (w, dw) = (&last.angular_velocity, &last.angular_acceleration);
         let moved = last.acceleration + dw.cross(&pose.s) + w.cross(&w.cross(&pose.s));
         let mut w = pose.to_child(w);
@@ -78,7 +79,21 @@ impl<T: Real> Sweep<T> {
     /// Poses and link motions of one sample (or one batch).
     #[inline(always)]
     pub fn run(&mut self, arm: &RigidArm, q: &[T], dq: &[T], ddq: &[T]) {
-        outward(arm, q, dq, ddq, &mut self.poses, &mut self.motions);
+        outward(arm, |i| arm.joints[i].at(q[i]), dq, ddq, &mut self.poses, &mut self.motions);
+    }
+
+    /// The same with sines and cosines of the joints that are known.
+    #[inline(always)]
+    pub(crate) fn run_at(
+        &mut self,
+        arm: &RigidArm,
+        q: &[T],
+        sin_cos: &[(T, T)],
+        dq: &[T],
+        ddq: &[T],
+    ) {
+        let pose = |i: usize| arm.joints[i].at_angle(q[i], sin_cos[i]);
+        outward(arm, pose, dq, ddq, &mut self.poses, &mut self.motions);
     }
 }
 

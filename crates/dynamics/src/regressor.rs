@@ -1,10 +1,12 @@
 //! The joint-effort regressor: `τ = Y(q, q̇, q̈) π`, linear in the standard parameters and in any
 //! linear combinations of them, the minimal constants among them.
 
+use std::collections::BTreeMap;
+
 use armident_kinematics::InertialParameters;
 use nalgebra::Vector3;
 
-use crate::arm::RigidArm;
+use crate::arm::{JointGeometry, RigidArm};
 use crate::constants::{BodyConstants, links_from_constants};
 use crate::newton_euler::{LinkMotion, Sweep};
 use crate::real::{BATCH, Batch, Real, load_batch, store_batch};
@@ -109,6 +111,18 @@ impl ParameterColumns {
         Self { columns: (0..TEN * dof).map(|k| vec![(k, 1.0)]).collect() }
     }
 
+    /// One column: those in `wanted`, each times its factor.
+    #[must_use]
+    pub fn combined(&self, wanted: &[usize], factors: &[f64]) -> Self {
+        let mut sum: BTreeMap<usize, f64> = BTreeMap::new();
+        for (&column, factor) in wanted.iter().zip(factors) {
+            for &(k, x) in &self.columns[column] {
+                *sum.entry(k).or_default() += factor * x;
+            }
+        }
+        Self { columns: vec![sum.into_iter().collect()] }
+    }
+
     /// Number of columns.
     pub fn len(&self) -> usize {
         self.columns.len()
@@ -141,7 +155,7 @@ impl ParameterColumns {
 
     /// Columns of one joint over a whole motion, `[column][sample]`, for the columns in `wanted`.
     ///
-    /// Four samples at a time; memory is the result alone.
+    /// Four samples at a time; memory is the result and the sines and cosines of the joints.
     pub fn of_motion(
         &self,
         arm: &RigidArm,
@@ -151,6 +165,18 @@ impl ParameterColumns {
         ddq: &[Vec<f64>],
         wanted: &[usize],
     ) -> Vec<Vec<f64>> {
+        self.of_arm_motion(arm, joint, &ArmMotion::new(arm, q, dq, ddq), wanted)
+    }
+
+    /// The same for a motion whose sines and cosines are known, as several joints need them.
+    pub fn of_arm_motion(
+        &self,
+        arm: &RigidArm,
+        joint: usize,
+        motion: &ArmMotion<'_>,
+        wanted: &[usize],
+    ) -> Vec<Vec<f64>> {
+        let ArmMotion { q, dq, ddq, sin, cos } = motion;
         let n = arm.dof();
         let samples = q[0].len();
         let chosen = Self { columns: wanted.iter().map(|&c| self.columns[c].clone()).collect() };
@@ -158,6 +184,7 @@ impl ParameterColumns {
         let zero = Batch::from([0.0; BATCH]);
         let mut sweep = Sweep::new(n);
         let (mut qb, mut vb, mut ab) = (vec![zero; n], vec![zero; n], vec![zero; n]);
+        let mut angles = vec![(zero, zero); n];
         let mut row = vec![zero; TEN * n];
         let mut out = vec![zero; wanted.len()];
         for start in (0..samples).step_by(BATCH) {
@@ -165,8 +192,9 @@ impl ParameterColumns {
                 qb[j] = load_batch(&q[j], start);
                 vb[j] = load_batch(&dq[j], start);
                 ab[j] = load_batch(&ddq[j], start);
+                angles[j] = (load_batch(&sin[j], start), load_batch(&cos[j], start));
             }
-            sweep.run(arm, &qb, &vb, &ab);
+            sweep.run_at(arm, &qb, &angles, &vb, &ab);
             regressor_row_into(arm, &sweep, joint, &mut row);
             chosen.map_row(&row, &mut out);
             for (column, value) in result.iter_mut().zip(&out) {
@@ -174,5 +202,26 @@ impl ParameterColumns {
             }
         }
         result
+    }
+}
+
+/// Positions, velocities and accelerations of the joints over a motion, joint-major, with the sines and
+/// cosines of the joints.
+#[derive(Debug, Clone)]
+pub struct ArmMotion<'a> {
+    q: &'a [Vec<f64>],
+    dq: &'a [Vec<f64>],
+    ddq: &'a [Vec<f64>],
+    sin: Vec<Vec<f64>>,
+    cos: Vec<Vec<f64>>,
+}
+
+impl<'a> ArmMotion<'a> {
+    /// Of columns of one length, as many as the arm has joints.
+    pub fn new(arm: &RigidArm, q: &'a [Vec<f64>], dq: &'a [Vec<f64>], ddq: &'a [Vec<f64>]) -> Self {
+        let of_joint =
+            |(joint, q): (&JointGeometry, &Vec<f64>)| q.iter().map(|&q| joint.sin_cos(q)).unzip();
+        let (sin, cos) = arm.joints.iter().zip(q).map(of_joint).unzip();
+        Self { q, dq, ddq, sin, cos }
     }
 }

@@ -56,6 +56,10 @@ impl Effect for JointCoupling {
         vec![both(common), both(direction)]
     }
 
+    fn coefficient_jumps(&self, coefficient: usize) -> bool {
+        coefficient == 1
+    }
+
     fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
         vec![shape[0], coefficients[0], coefficients[1]]
     }

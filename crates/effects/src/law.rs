@@ -292,6 +292,13 @@ pub trait Effect: Sync {
     /// What is written once.
     fn law(&self) -> &'static Law;
 
+    /// Estimator: whether the column of a coefficient jumps between two samples, at a reversal. All do of a law
+    /// of dry friction or of a shared transmission, unless it says otherwise.
+    fn coefficient_jumps(&self, _coefficient: usize) -> bool {
+        let places = self.law().places;
+        places.contains(&Place::Dry) || places.contains(&Place::Shared)
+    }
+
     /// Whether it comes about between two recordings of one arm; by default seldom.
     fn onset(&self) -> Onset {
         Onset::Seldom

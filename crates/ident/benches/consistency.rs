@@ -1,13 +1,16 @@
-//! Cost of the nearest consistent links: seven links, constants with noise of three sizes.
+//! Cost of the nearest consistent links: seven links, constants with noise of three sizes; and of public
+//! recordings, where `../shared/data` has them.
 
 #![allow(clippy::unwrap_used, reason = "a bench without its arm has nothing to measure")]
+#![allow(clippy::print_stderr, reason = "what was solved stands beside its time")]
 
 use std::path::Path;
 
 use armident_dynamics::RigidArm;
-use armident_ident::{ConsistencyProblem, EffectUnknown, MinimalSet};
+use armident_ident::{BatchProblem, ConsistencyProblem, EffectUnknown, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_numeric::Mat;
+use armident_recording::{Motion, MotionSettings, read_csv};
 use divan::{Bencher, black_box};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -45,4 +48,36 @@ fn nearest(bencher: Bencher<'_, '_>, (name, noise): (&str, f64)) {
         Mat::from_fn(values.len(), values.len(), |i, j| if i == j { 1.0 / errors[i] } else { 0.0 });
     let problem = ConsistencyProblem::new(&arm, &set, &effects);
     bencher.bench_local(|| black_box(problem.nearest(&values, &root).unwrap()));
+}
+
+/// What was estimated from a public recording, with the filter of its description.
+#[divan::bench(args = [("panda-unisa", 4.0), ("ur10-unisa", 8.0), ("staubli-tx40", 30.0)])]
+fn nearest_to_recorded(bencher: Bencher<'_, '_>, (set, cutoff_hz): (&str, f64)) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(set);
+    let Ok(recording) = read_csv(folder.join("train.csv")) else {
+        eprintln!("{} is not there", folder.display());
+        return;
+    };
+    let urdf = std::fs::read_dir(&folder)
+        .unwrap()
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .find(|path| path.extension().is_some_and(|end| end == "urdf"))
+        .unwrap();
+    let joints: Vec<String> = recording.joints.iter().map(|j| j.name.clone()).collect();
+    let selection = ChainSelection { recorded_joints: Some(joints), ..ChainSelection::default() };
+    let chain = SerialChain::from_description(&load_urdf(&urdf).unwrap(), &selection).unwrap();
+    let chain = DrivingAxisChain::from_chain(&chain);
+    let names: Vec<&str> = chain.joints.iter().map(|j| j.name.as_str()).collect();
+    let settings = MotionSettings { cutoff_hz: Some(cutoff_hz), ..MotionSettings::default() };
+    let motion = Motion::from_recording(&recording, &names, &settings).unwrap();
+    let arm = RigidArm::from_chain(&chain);
+    let minimal = MinimalSet::of(&arm).unwrap();
+    let problem = BatchProblem::new(&arm, &minimal);
+    let estimate = problem.estimate(&problem.accumulate(&[&motion])).unwrap();
+    let found = problem.nearest_consistent(&estimate).unwrap();
+    eprintln!(
+        "{set}: {} steps, distance {:.3} (at least {:.3}), converged: {}",
+        found.steps, found.distance_in_standard_errors, found.distance_at_least, found.converged
+    );
+    bencher.bench_local(|| black_box(problem.nearest_consistent(&estimate).unwrap()));
 }

@@ -12,7 +12,7 @@ use armident_recording::Motion;
 
 use crate::batch::{BatchProblem, BatchSettings, Term};
 use crate::left_out::{clear_gain, errors_left_out, noise_alone, noise_of};
-use crate::rows::{JointRows, joint_motion};
+use crate::rows::{JointRows, TermColumn, joint_motion};
 
 /// The law of a shared transmission.
 pub(crate) const SHARED: &dyn Effect = &JointCoupling;
@@ -165,20 +165,39 @@ impl BatchProblem<'_> {
         Ok(nearest.map(|(_, coupling)| coupling))
     }
 
-    /// Columns of the shared transmissions of a joint, not filtered, with the indices of their terms.
-    pub(crate) fn shared_columns(&self, joint: usize, motion: &Motion) -> Vec<(usize, Vec<f64>)> {
-        let mut formed: Vec<(Coupling, Vec<[Vec<f64>; 2]>)> = Vec::new();
+    /// The shared transmissions among the unknowns that a joint is part of.
+    pub(crate) fn couplings_on(&self, joint: usize) -> Vec<Coupling> {
+        let mut all: Vec<Coupling> = Vec::new();
+        for &k in &self.by_joint[joint] {
+            if let Term::Shared { coupling, .. } = self.terms[k]
+                && !all.contains(&coupling)
+            {
+                all.push(coupling);
+            }
+        }
+        all
+    }
+
+    /// Columns of a shared transmission of a joint that jump with the direction of motion, or the others, not
+    /// filtered.
+    pub(crate) fn shared_columns(
+        &self,
+        joint: usize,
+        coupling: Coupling,
+        motion: &Motion,
+        jumping: bool,
+    ) -> Vec<TermColumn> {
+        let joints = coupling.joints();
+        let kinds = joints.map(|j| self.arm().joints[j].kind);
+        let mut formed = pair_columns(SHARED, &[coupling.ratio], joints, kinds, motion);
         let mut columns = Vec::new();
         for &k in &self.by_joint[joint] {
-            let Term::Shared { coupling, coefficient } = self.terms[k] else { continue };
-            let index = formed.iter().position(|(of, _)| *of == coupling).unwrap_or_else(|| {
-                let joints = coupling.joints();
-                let kinds = joints.map(|j| self.arm().joints[j].kind);
-                let pair = pair_columns(SHARED, &[coupling.ratio], joints, kinds, motion);
-                formed.push((coupling, pair));
-                formed.len() - 1
-            });
-            columns.push((k, formed[index].1[coefficient][joint - coupling.first].clone()));
+            if let Term::Shared { coupling: of, coefficient } = self.terms[k]
+                && of == coupling
+                && SHARED.coefficient_jumps(coefficient) == jumping
+            {
+                columns.push((k, std::mem::take(&mut formed[coefficient][joint - coupling.first])));
+            }
         }
         columns
     }

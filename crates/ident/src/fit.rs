@@ -61,20 +61,25 @@ impl BatchFit {
             pairs.map(|(motion, recording)| with_recorded_velocity(motion, recording)).collect()
         };
         let other = with_recorded(train).zip(with_recorded(holdout));
-        let velocity_gain = match &other {
-            Some((motions, _)) => {
-                let of_positions = log_error(problem, settings, train.motions)?;
-                let off = log_error(problem, settings, motions)? - of_positions;
-                (off < -VELOCITY_GAIN).then(|| 1.0 - off.exp())
+        let rows_of = |motions: &[Motion]| problem.accumulate(&motions.iter().collect::<Vec<_>>());
+        let mut rows = rows_of(train.motions);
+        let mut velocity_gain = None;
+        if let Some((motions, _)) = &other {
+            let recorded = rows_of(motions);
+            let off =
+                log_error(problem, settings, &recorded)? - log_error(problem, settings, &rows)?;
+            if off < -VELOCITY_GAIN {
+                velocity_gain = Some(1.0 - off.exp());
+                rows = recorded;
             }
-            None => None,
-        };
+        }
         let (train, holdout) = match (&other, velocity_gain) {
             (Some((train, holdout)), Some(_)) => (&train[..], &holdout[..]),
             _ => (train.motions, holdout.motions),
         };
         let all: Vec<&Motion> = train.iter().collect();
-        let (rows, estimate, endogeneity) = problem.solve_by(method, model, &all, settings)?;
+        let (rows, estimate, endogeneity) =
+            problem.solve_rows_by(rows, method, model, &all, settings)?;
         let holdout_rows =
             (!holdout.is_empty()).then(|| problem.accumulate(&holdout.iter().collect::<Vec<_>>()));
         let motions = train.to_vec();
@@ -104,10 +109,9 @@ impl BatchFit {
 fn log_error(
     problem: &BatchProblem<'_>,
     settings: &BatchSettings,
-    motions: &[Motion],
+    rows: &JointRows,
 ) -> Result<f64, NumericError> {
-    let rows = problem.accumulate(&motions.iter().collect::<Vec<_>>());
-    let fits = problem.estimate_with(&rows, settings)?.train;
+    let fits = problem.estimate_with(rows, settings)?.train;
     Ok(fits.iter().map(|f| f.rmse.ln()).sum::<f64>() / fits.len() as f64)
 }
 

@@ -110,13 +110,15 @@ impl BatchProblem<'_> {
         // the load's effort behind the columns of each joint
         let rows = self.accumulate_with(
             motions,
-            |index, joint, columns, _| {
+            |index, joint, current| {
+                let mut columns = self.columns(joint, motions[index]);
                 columns.push(match &efforts[index] {
                     Some(effort) => effort[joint].clone(),
                     None => vec![0.0; motions[index].len()],
                 });
+                (columns, current.to_vec())
             },
-            |problem, joint| problem.by_joint[joint].len() + 1,
+            |joint| self.by_joint[joint].len() + 1,
         );
         let loaded =
             loads.iter().any(|l| l.mass_kg > 0.0 && motions.iter().any(|m| l.is_on(&m.source)));

@@ -108,15 +108,19 @@ impl BatchProblem<'_> {
         let mut usual = self.clone();
         usual.speed_resolution = resolutions.usual();
         let others = resolutions.shares.get(1..).unwrap_or_default();
+        let moved = usual.arm_motions(motions);
         usual.accumulate_with(
             motions,
-            |index, joint, columns, _| {
-                for share in others {
-                    let at = share * resolutions.rms_speed[joint];
-                    columns.push(usual.direction_column(joint, motions[index], at));
-                }
+            |index, joint, effort| {
+                let jumping = usual.jumping_columns(joint, motions[index]);
+                let mut columns =
+                    usual.columns_beside(joint, motions[index], &moved[index], &jumping);
+                let rms = resolutions.rms_speed[joint];
+                let at: Vec<f64> = others.iter().map(|share| share * rms).collect();
+                columns.extend(usual.direction_columns(joint, motions[index], &at));
+                (columns, effort.to_vec())
             },
-            |problem, joint| problem.by_joint[joint].len() + others.len(),
+            |joint| usual.by_joint[joint].len() + others.len(),
         )
     }
 

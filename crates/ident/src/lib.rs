@@ -50,6 +50,6 @@ pub use minimal_set::{DroppedConstant, MinimalSet};
 pub use model::{ArmModel, MODEL_SCHEMA, ModelError};
 pub use payload::{KnownLoad, without_loads};
 pub use quantiles::student_t_975;
-pub use rows::JointRows;
+pub use rows::{JointRows, used_samples};
 pub use theorem2::Theorem2;
 pub use velocity::with_recorded_velocity;

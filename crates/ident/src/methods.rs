@@ -18,16 +18,16 @@
 //! Statistics 17 (1989); for t quantiles with blocks, C. A. Bester, T. G. Conley, C. B. Hansen, Journal of
 //! Econometrics 165 (2011).
 
-use std::sync::Mutex;
-
+use armident_dynamics::ArmMotion;
 use armident_numeric::{AccumulatedQr, Mat, NumericError};
 use armident_recording::{DerivativeSource, Motion, MotionSettings};
 use armident_simulation::{SimulatedArm, SimulationError, TrackingGains, Trajectory, track};
+use rayon::prelude::*;
 
 use crate::batch::{BatchEstimate, BatchProblem, BatchSettings, Beliefs, RANK_CUT};
 use crate::model::ArmModel;
 use crate::quantiles::{student_t_975, student_t_tail};
-use crate::rows::{JointRows, kept};
+use crate::rows::{JointRows, TermColumn, kept};
 
 /// Huber's constant: 95 % efficiency where the noise is normal after all.
 const HUBER: f64 = 1.345;
@@ -116,6 +116,18 @@ impl BatchProblem<'_> {
         settings: &BatchSettings,
     ) -> Result<(JointRows, BatchEstimate, Option<Endogeneity>), MethodError> {
         let rows = self.accumulate(motions);
+        self.solve_rows_by(rows, method, model, motions, settings)
+    }
+
+    /// The same with the rows of the motions.
+    pub(crate) fn solve_rows_by(
+        &self,
+        rows: JointRows,
+        method: Method,
+        model: &ArmModel,
+        motions: &[&Motion],
+        settings: &BatchSettings,
+    ) -> Result<(JointRows, BatchEstimate, Option<Endogeneity>), MethodError> {
         let weighted = self.estimate_with(&rows, settings)?;
         let beliefs = self.beliefs(settings)?;
         let mut endogeneity = None;
@@ -169,44 +181,47 @@ impl BatchProblem<'_> {
         let beliefs = self.beliefs(settings)?;
         let mut found = start;
         let mut rows = plain.clone();
-        let mut scales = Vec::new();
+        let n = self.by_joint.len();
+        // what jumps is the costly part, and the same in every pass
+        let jumping: Vec<Vec<Vec<TermColumn>>> = (0..n)
+            .into_par_iter()
+            .map(|joint| motions.iter().map(|m| self.jumping_columns(joint, m)).collect())
+            .collect();
+        let moved = self.arm_motions(motions);
+        let mut scales = vec![0.0; n];
         // the weights follow the values: only samples within the scale resist, all carry weight
         // (Huber's Σψ' against Σw)
         let mut widening = 1.0;
         for pass in 0..MOST_ROBUST_PASSES {
             let values = found.values.clone();
-            if pass < SCALE_PASSES {
-                scales = self.scales(motions, &values);
+            let mut weighing: Vec<Weighing> = (0..n)
+                .into_par_iter()
+                .map(|joint| self.left_of_joint(joint, motions, &moved, &jumping[joint], &values))
+                .collect();
+            for (weighing, scale) in weighing.iter_mut().zip(&mut scales) {
+                if pass < SCALE_PASSES {
+                    *scale = weighing.scale();
+                }
+                weighing.weigh(HUBER * *scale);
             }
-            // sum of the weights, samples within the scale, and all; per joint, as threads share them
-            let sums = Mutex::new(vec![(0.0_f64, 0.0_f64, 0.0_f64); self.by_joint.len()]);
             rows = self.accumulate_with(
                 motions,
-                |index, joint, columns, y| {
-                    let mut own = (0.0, 0.0, 0.0);
-                    for t in kept(motions[index]) {
-                        let fitted = self.fitted(joint, columns, &values, t);
-                        let off = (y[t] - fitted).abs() / (HUBER * scales[joint]);
-                        own.2 += 1.0;
-                        own.0 += off.max(1.0).recip();
-                        if off <= 1.0 {
-                            own.1 += 1.0;
-                        } else {
-                            let weight = off.recip().sqrt();
-                            columns.iter_mut().for_each(|c| c[t] *= weight);
-                            y[t] *= weight;
-                        }
+                |index, joint, effort| {
+                    let jumping = &jumping[joint][index];
+                    let mut columns =
+                        self.columns_beside(joint, motions[index], &moved[index], jumping);
+                    let mut y = effort.to_vec();
+                    let roots = &weighing[joint].roots[index];
+                    for column in columns.iter_mut().chain([&mut y]) {
+                        let kept = &mut column[kept(motions[index])];
+                        kept.iter_mut().zip(roots).for_each(|(x, root)| *x *= root);
                     }
-                    if let Ok(mut sums) = sums.lock() {
-                        let sum = &mut sums[joint];
-                        *sum = (sum.0 + own.0, sum.1 + own.1, sum.2 + own.2);
-                    }
+                    (columns, y)
                 },
-                |problem, joint| problem.by_joint[joint].len(),
+                |joint| self.by_joint[joint].len(),
             );
-            let sums = sums.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-            let total = |pick: fn(&(f64, f64, f64)) -> f64| sums.iter().map(pick).sum::<f64>();
-            widening = total(|s| s.0) / f64::max(total(|s| s.1), 0.5 * total(|s| s.2));
+            let total = |of: fn(&Weighing) -> f64| weighing.iter().map(of).sum::<f64>();
+            widening = total(|w| w.sum) / f64::max(total(|w| w.within), 0.5 * total(|w| w.samples));
             found = self.estimate_with(&rows, settings)?;
             let moved = (0..values.len())
                 .filter_map(|k| {
@@ -227,27 +242,23 @@ impl BatchProblem<'_> {
         Ok(found)
     }
 
-    fn fitted(&self, joint: usize, columns: &[Vec<f64>], values: &[f64], t: usize) -> f64 {
-        columns.iter().zip(&self.by_joint[joint]).map(|(c, &k)| c[t] * values[k]).sum()
-    }
-
-    /// Robust scale of each joint's residuals.
-    fn scales(&self, motions: &[&Motion], values: &[f64]) -> Vec<f64> {
-        (0..self.by_joint.len())
-            .map(|joint| {
-                let mut off = Vec::new();
-                for motion in motions {
-                    let Some(effort) = &motion.effort_filtered else { continue };
-                    let columns = self.columns(joint, motion);
-                    off.extend(kept(motion).map(|t| {
-                        (effort[joint][t] - self.fitted(joint, &columns, values, t)).abs()
-                    }));
-                }
-                let middle = off.len() / 2;
-                let median = *off.select_nth_unstable_by(middle, f64::total_cmp).1;
-                (MAD_TO_SIGMA * median).max(f64::MIN_POSITIVE)
-            })
-            .collect()
+    /// What values leave of the efforts of a joint.
+    fn left_of_joint(
+        &self,
+        joint: usize,
+        motions: &[&Motion],
+        moved: &[ArmMotion<'_>],
+        jumping: &[Vec<TermColumn>],
+        values: &[f64],
+    ) -> Weighing {
+        let left = |index: usize| -> Option<Vec<f64>> {
+            let motion = motions[index];
+            let effort = &motion.effort_filtered.as_ref()?[joint];
+            let explained = self.explained(joint, motion, &moved[index], &jumping[index], values);
+            Some(kept(motion).map(|t| (effort[t] - explained[t]).abs()).collect())
+        };
+        let roots = (0..motions.len()).map(|index| left(index).unwrap_or_default());
+        Weighing { roots: roots.collect(), sum: 0.0, within: 0.0, samples: 0.0 }
     }
 
     /// Two-stage least squares with the columns of the simulated arm for instruments, and the test.
@@ -273,12 +284,12 @@ impl BatchProblem<'_> {
             .map_err(|error| MethodError::NoInstruments(Box::new(error)))?;
         let stacked = self.accumulate_with(
             motions,
-            |index, joint, columns, _| {
+            |index, joint, effort| {
                 let mut all = self.columns(joint, &simulated[index]);
-                all.append(columns);
-                *columns = all;
+                all.extend(self.columns(joint, motions[index]));
+                (all, effort.to_vec())
             },
-            |problem, joint| 2 * problem.by_joint[joint].len(),
+            |joint| 2 * self.by_joint[joint].len(),
         );
         let projected = |rows: &JointRows| JointRows {
             triangles: rows.triangles.iter().map(first_stage).collect(),
@@ -378,6 +389,43 @@ impl BatchProblem<'_> {
             values[k] = x + mean.as_ref().map_or(0.0, |m| m[k]);
         }
         Ok(values)
+    }
+}
+
+/// Huber's weights of one joint.
+struct Weighing {
+    /// per motion and kept sample: what is left of the effort, then the root of the weight
+    roots: Vec<Vec<f64>>,
+    /// sum of the weights, samples within the scale, and all
+    sum: f64,
+    within: f64,
+    samples: f64,
+}
+
+impl Weighing {
+    /// Standard deviation of what is left, if it is normal, from its median.
+    fn scale(&self) -> f64 {
+        let mut left: Vec<f64> = self.roots.concat();
+        let middle = left.len() / 2;
+        if left.is_empty() {
+            return f64::MIN_POSITIVE;
+        }
+        let median = *left.select_nth_unstable_by(middle, f64::total_cmp).1;
+        (MAD_TO_SIGMA * median).max(f64::MIN_POSITIVE)
+    }
+
+    fn weigh(&mut self, limit: f64) {
+        for left in self.roots.iter_mut().flatten() {
+            let off = *left / limit;
+            self.samples += 1.0;
+            self.sum += off.max(1.0).recip();
+            if off <= 1.0 {
+                self.within += 1.0;
+                *left = 1.0;
+            } else {
+                *left = off.recip().sqrt();
+            }
+        }
     }
 }
 

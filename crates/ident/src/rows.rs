@@ -1,12 +1,13 @@
 //! From motions to rows: the columns of every joint, reduced to triangles.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::ops::Range;
 
+use armident_dynamics::ArmMotion;
 use armident_effects::{EVERYDAY, Effect, JointMotion, Place, directions_with};
 use armident_kinematics::JointKind;
 use armident_numeric::AccumulatedQr;
 use armident_recording::Motion;
+use rayon::prelude::*;
 
 use crate::batch::{BatchProblem, Term};
 
@@ -44,6 +45,25 @@ struct RowsOfJoint {
 }
 
 impl JointRows {
+    /// Adds the rows of other samples, of the same problem. The order does not matter, and neither does how
+    /// samples were dealt out: orthogonal sums.
+    pub fn merge(&mut self, other: &Self) {
+        let count = |rows: &Self| rows.effort.iter().map(|e| e.0).sum::<usize>() as f64;
+        let (own, others) = (count(self), count(other));
+        if own + others > 0.0 {
+            self.share = (own * self.share + others * other.share) / (own + others);
+        }
+        for (triangle, other) in self.triangles.iter_mut().zip(&other.triangles) {
+            triangle.merge(other);
+        }
+        for (sums, other) in self.effort.iter_mut().zip(&other.effort) {
+            *sums = (sums.0 + other.0, sums.1 + other.1, sums.2 + other.2);
+        }
+        for (blocks, other) in self.blocks.iter_mut().zip(&other.blocks) {
+            blocks.extend(other.iter().cloned());
+        }
+    }
+
     /// Counts and shares without triangles.
     pub(crate) fn clone_without_rows(&self) -> Self {
         Self { triangles: Vec::new(), blocks: Vec::new(), effort: self.effort.clone(), ..*self }
@@ -64,8 +84,42 @@ impl JointRows {
     }
 }
 
+impl RowsOfJoint {
+    fn new(width: usize) -> Self {
+        Self { triangle: AccumulatedQr::new(width), effort: (0, 0.0, 0.0), blocks: Vec::new() }
+    }
+
+    /// Adds stretches of samples, block by block.
+    fn add(
+        &mut self,
+        columns: &[Vec<f64>],
+        y: &[f64],
+        blocks: impl IntoIterator<Item = Range<usize>>,
+    ) {
+        for block in blocks {
+            let part: Vec<&[f64]> = columns.iter().map(|c| &c[block.clone()]).collect();
+            let mut triangle = AccumulatedQr::new(columns.len());
+            triangle.push_columns(&part, &y[block]);
+            self.triangle.merge(&triangle);
+            self.blocks.push(triangle);
+        }
+    }
+
+    /// Counts efforts.
+    fn count(&mut self, effort: &[f64]) {
+        self.effort.0 += effort.len();
+        self.effort.1 += effort.iter().sum::<f64>();
+        self.effort.2 += effort.iter().map(|e| e * e).sum::<f64>();
+    }
+}
+
+/// Samples of a motion that fits use: without its ends, which the filter spoils.
+pub fn used_samples(motion: &Motion) -> Range<usize> {
+    kept(motion)
+}
+
 /// Samples that a fit uses: without the ends, which the filter spoils.
-pub(crate) fn kept(motion: &Motion) -> std::ops::Range<usize> {
+pub(crate) fn kept(motion: &Motion) -> Range<usize> {
     let edge = match &motion.filter {
         Some(filter) => {
             let edge = (EDGE_PERIODS * motion.rate_hz / filter.cutoff_hz()).ceil() as usize;
@@ -78,7 +132,7 @@ pub(crate) fn kept(motion: &Motion) -> std::ops::Range<usize> {
 
 /// Ranges of samples of one motion that standard errors take for independent, `total_s` being the length
 /// of all motions.
-fn blocks_of(motion: &Motion, total_s: f64) -> Vec<std::ops::Range<usize>> {
+fn blocks_of(motion: &Motion, total_s: f64) -> Vec<Range<usize>> {
     let kept = kept(motion);
     let length_s = kept.len() as f64 / motion.rate_hz;
     let most = motion
@@ -98,19 +152,47 @@ impl BatchProblem<'_> {
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
     pub fn accumulate(&self, motions: &[&Motion]) -> JointRows {
-        self.accumulate_with(motions, |_, _, _, _| {}, |_, joint| self.by_joint[joint].len())
+        let moved = self.arm_motions(motions);
+        self.accumulate_with(
+            motions,
+            |index, joint, effort| {
+                let jumping = self.jumping_columns(joint, motions[index]);
+                let columns = self.columns_beside(joint, motions[index], &moved[index], &jumping);
+                (columns, effort.to_vec())
+            },
+            |joint| self.by_joint[joint].len(),
+        )
     }
 
-    /// The same with columns as `prepare(motion index, joint, columns, effort)` leaves them, of which
-    /// there are `width(joint)`.
+    /// Rows of some of the samples of one motion, filtered as a whole: [merged](JointRows::merge) over all
+    /// parts of [`used_samples`] they are those of the motion.
+    ///
+    /// # Panics
+    /// When the motion has no effort or other joints than the arm, or fewer samples.
+    pub fn accumulate_part(&self, motion: &Motion, part: Range<usize>) -> JointRows {
+        let moved = self.arm_motion(motion);
+        let of_joint = |joint: usize| {
+            let jumping = self.jumping_columns(joint, motion);
+            let columns = self.columns_beside(joint, motion, &moved, &jumping);
+            let effort = effort_of(motion, joint);
+            let mut rows = RowsOfJoint::new(columns.len());
+            rows.add(&columns, effort, [part.clone()]);
+            rows.count(&effort[part.clone()]);
+            rows
+        };
+        let of_joints = (0..self.by_joint.len()).into_par_iter().map(of_joint).collect();
+        rows_of_joints(of_joints, motion.independent_share())
+    }
+
+    /// The same with columns and right-hand sides as `form(motion index, joint, effort)` gives them,
+    /// `width(joint)` columns.
     pub(crate) fn accumulate_with(
         &self,
         motions: &[&Motion],
-        prepare: impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>) + Sync,
-        width: impl Fn(&Self, usize) -> usize,
+        form: impl Fn(usize, usize, &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) + Sync,
+        width: impl Fn(usize) -> usize + Sync,
     ) -> JointRows {
         let n = self.by_joint.len();
-        let widths: Vec<usize> = (0..n).map(|joint| width(self, joint)).collect();
         let total_s: f64 = motions.iter().map(|m| kept(m).len() as f64 / m.rate_hz).sum();
         let (mut independent, mut samples) = (0.0, 0.0);
         for motion in motions {
@@ -118,130 +200,144 @@ impl BatchProblem<'_> {
             independent += motion.independent_share() * count;
             samples += count;
         }
-        // joints are dealt out to threads; each is summed in the order of its recordings, so that the
-        // result does not depend on who was first
-        let next = AtomicUsize::new(0);
-        let done: Mutex<Vec<Option<RowsOfJoint>>> = Mutex::new(vec![None; n]);
-        let work = || {
-            loop {
-                let joint = next.fetch_add(1, Ordering::Relaxed);
-                if joint >= n {
-                    break;
-                }
-                let rows = self.rows_of_joint(joint, widths[joint], motions, total_s, &prepare);
-                if let Ok(mut done) = done.lock() {
-                    done[joint] = Some(rows);
-                }
-            }
-        };
-        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        std::thread::scope(|scope| {
-            for _ in 1..threads.min(n) {
-                scope.spawn(work);
-            }
-            work();
-        });
-        let done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let mut rows = JointRows {
-            triangles: Vec::with_capacity(n),
-            effort: Vec::with_capacity(n),
-            share: if samples > 0.0 { independent / samples } else { 1.0 },
-            blocks: Vec::with_capacity(n),
-        };
-        for of_joint in done.into_iter().flatten() {
-            rows.triangles.push(of_joint.triangle);
-            rows.effort.push(of_joint.effort);
-            rows.blocks.push(of_joint.blocks);
-        }
-        rows
-    }
-
-    fn rows_of_joint(
-        &self,
-        joint: usize,
-        width: usize,
-        motions: &[&Motion],
-        total_s: f64,
-        prepare: &impl Fn(usize, usize, &mut Vec<Vec<f64>>, &mut Vec<f64>),
-    ) -> RowsOfJoint {
-        let mut rows = RowsOfJoint {
-            triangle: AccumulatedQr::new(width),
-            effort: (0, 0.0, 0.0),
-            blocks: Vec::new(),
-        };
-        for (index, motion) in motions.iter().enumerate() {
-            #[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
-            let effort = motion.effort_filtered.as_ref().expect("a motion with efforts");
-            let own = &effort[joint][kept(motion)];
-            rows.effort.0 += own.len();
-            rows.effort.1 += own.iter().sum::<f64>();
-            rows.effort.2 += own.iter().map(|e| e * e).sum::<f64>();
-            let mut columns = self.columns(joint, motion);
-            let mut y = effort[joint].clone();
-            prepare(index, joint, &mut columns, &mut y);
-            for block in blocks_of(motion, total_s) {
-                let part: Vec<Vec<f64>> =
-                    columns.iter().map(|c| c[block.clone()].to_vec()).collect();
-                let mut triangle = AccumulatedQr::new(columns.len());
-                triangle.push_columns(&part, &y[block]);
-                rows.triangle.merge(&triangle);
-                rows.blocks.push(triangle);
-            }
-        }
-        rows
+        // each joint is summed in the order of its recordings, so that the result does not depend on who
+        // was first
+        let of_joints: Vec<RowsOfJoint> = (0..n)
+            .into_par_iter()
+            .map(|joint| rows_of_joint(joint, width(joint), motions, total_s, &form))
+            .collect();
+        rows_of_joints(of_joints, if samples > 0.0 { independent / samples } else { 1.0 })
     }
 
     /// Columns of one joint over a motion, through its filter, in the order of
     /// [`Self::terms_of_joint`].
     pub(crate) fn columns(&self, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
-        let wanted: Vec<usize> = self.by_joint[joint]
+        let jumping = self.jumping_columns(joint, motion);
+        self.columns_beside(joint, motion, &self.arm_motion(motion), &jumping)
+    }
+
+    /// What all joints need of motions.
+    pub(crate) fn arm_motions<'m>(&self, motions: &[&'m Motion]) -> Vec<ArmMotion<'m>> {
+        motions.par_iter().map(|motion| self.arm_motion(motion)).collect()
+    }
+
+    fn arm_motion<'m>(&self, motion: &'m Motion) -> ArmMotion<'m> {
+        ArmMotion::new(self.arm(), &motion.position, &motion.velocity, &motion.acceleration)
+    }
+
+    /// [`Self::columns`] where what all joints need, and what jumps, is formed already.
+    pub(crate) fn columns_beside(
+        &self,
+        joint: usize,
+        motion: &Motion,
+        moved: &ArmMotion<'_>,
+        jumping: &[TermColumn],
+    ) -> Vec<Vec<f64>> {
+        let (mut terms, wanted) = self.constants_of(joint);
+        let constants = self.set().columns();
+        let mut columns = constants.of_arm_motion(self.arm(), joint, moved, &wanted);
+        for (k, column) in self.smooth_columns(joint, motion) {
+            terms.push(k);
+            columns.push(column);
+        }
+        motion.filter_columns(&mut columns);
+        let mut all: Vec<TermColumn> = terms.into_iter().zip(columns).collect();
+        all.extend(jumping.iter().cloned());
+        // the order of the terms of a joint is that of all terms
+        all.sort_by_key(|(k, _)| *k);
+        all.into_iter().map(|(_, column)| column).collect()
+    }
+
+    /// Effort of one joint over a motion as values explain it, through the filter: all that is smooth
+    /// goes through it as one column.
+    pub(crate) fn explained(
+        &self,
+        joint: usize,
+        motion: &Motion,
+        moved: &ArmMotion<'_>,
+        jumping: &[TermColumn],
+        values: &[f64],
+    ) -> Vec<f64> {
+        let (terms, wanted) = self.constants_of(joint);
+        let factors: Vec<f64> = terms.iter().map(|&k| values[k]).collect();
+        let rigid = self.set().columns().combined(&wanted, &factors);
+        let mut explained = rigid.of_arm_motion(self.arm(), joint, moved, &[0]);
+        let add = |k: usize, column: &[f64], to: &mut [Vec<f64>]| {
+            to[0].iter_mut().zip(column).for_each(|(sum, x)| *sum += values[k] * x);
+        };
+        for (k, column) in self.smooth_columns(joint, motion) {
+            add(k, &column, &mut explained);
+        }
+        motion.filter_columns(&mut explained);
+        for (k, column) in jumping {
+            add(*k, column, &mut explained);
+        }
+        explained.swap_remove(0)
+    }
+
+    /// The terms of a joint that are constants, and which ones.
+    fn constants_of(&self, joint: usize) -> (Vec<usize>, Vec<usize>) {
+        self.by_joint[joint]
             .iter()
             .filter_map(|&k| match self.terms[k] {
-                Term::Constant(c) => Some(c),
+                Term::Constant(c) => Some((k, c)),
                 Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => None,
             })
-            .collect();
-        let mut columns = self.set().columns().of_motion(
-            self.arm(),
-            joint,
-            &motion.position,
-            &motion.velocity,
-            &motion.acceleration,
-            &wanted,
-        );
-        motion.filter_columns(&mut columns);
-        // what follows the sign of a speed jumps between samples
+            .unzip()
+    }
+
+    /// Columns of effects and shared transmissions that do not jump and of loads, not filtered.
+    fn smooth_columns(&self, joint: usize, motion: &Motion) -> Vec<TermColumn> {
+        let mut columns = self.effect_columns_where(joint, motion, |law| !jumps(law));
+        for coupling in self.couplings_on(joint) {
+            columns.extend(self.shared_columns(joint, coupling, motion, false));
+        }
+        columns.extend(self.load_columns(joint, motion));
+        columns
+    }
+
+    /// Columns of what follows the sign of a speed, formed from all samples (it jumps between two of them)
+    /// and brought through the filter to those of the motion.
+    pub(crate) fn jumping_columns(&self, joint: usize, motion: &Motion) -> Vec<TermColumn> {
         let fine = motion.fine();
+        let mut done: Vec<TermColumn> = Vec::new();
+        let mut waiting = self.effect_columns_where(joint, fine, jumps);
+        let mut filter = |waiting: &mut Vec<TermColumn>| {
+            let (terms, columns): (Vec<usize>, Vec<_>) = waiting.drain(..).unzip();
+            done.extend(terms.into_iter().zip(motion.filtered_fine(columns)));
+        };
+        for coupling in self.couplings_on(joint) {
+            // a few at a time: these columns have all samples
+            if waiting.len() >= 4 {
+                filter(&mut waiting);
+            }
+            waiting.extend(self.shared_columns(joint, coupling, fine, true));
+        }
+        filter(&mut waiting);
+        done
+    }
+
+    /// Columns of the effects of the library that are wanted, not filtered.
+    fn effect_columns_where(
+        &self,
+        joint: usize,
+        motion: &Motion,
+        wanted: impl Fn(&dyn Effect) -> bool,
+    ) -> Vec<TermColumn> {
         let resolution = self.resolution(joint);
+        let kind = self.arm().joints[joint].kind;
         let mut of_effect: Vec<Option<Vec<Vec<f64>>>> = vec![None; EVERYDAY.len()];
+        let mut columns = Vec::new();
         for &k in &self.by_joint[joint] {
             let Term::Effect { effect, parameter, .. } = self.terms[k] else { continue };
             let law = EVERYDAY[effect];
-            let formed = of_effect[effect].get_or_insert_with(|| {
-                let kind = self.arm().joints[joint].kind;
-                let jumps = law.law().places.contains(&Place::Dry);
-                let from = if jumps { fine } else { motion };
-                let mut formed = effect_columns(law, &[], kind, joint, from, resolution);
-                if jumps {
-                    formed = formed.into_iter().map(|c| motion.filtered_fine(c)).collect();
-                } else {
-                    motion.filter_columns(&mut formed);
-                }
-                formed
-            });
-            columns.push(formed[parameter].clone());
+            if wanted(law) {
+                let formed = of_effect[effect].get_or_insert_with(|| {
+                    effect_columns(law, &[], kind, joint, motion, resolution)
+                });
+                columns.push((k, formed[parameter].clone()));
+            }
         }
-        let mut further: Vec<(usize, Vec<f64>)> = (self.shared_columns(joint, fine).into_iter())
-            .map(|(k, column)| (k, motion.filtered_fine(column)))
-            .collect();
-        for (k, column) in self.load_columns(joint, motion) {
-            let mut column = [column];
-            motion.filter_columns(&mut column);
-            let [column] = column;
-            further.push((k, column));
-        }
-        further.sort_by_key(|(k, _)| *k);
-        columns.extend(further.into_iter().map(|(_, column)| column));
         columns
     }
 
@@ -249,21 +345,64 @@ impl BatchProblem<'_> {
         self.speed_resolution.as_ref().map(|r| r[joint])
     }
 
-    /// The column of the direction of motion of a joint at another speed resolution, as
-    /// [`Self::columns`] has it.
-    pub(crate) fn direction_column(
+    /// Columns of the direction of motion of a joint at other speed resolutions, as [`Self::columns`] has
+    /// it.
+    pub(crate) fn direction_columns(
         &self,
         joint: usize,
         motion: &Motion,
-        resolution: f64,
-    ) -> Vec<f64> {
+        resolutions: &[f64],
+    ) -> Vec<Vec<f64>> {
         let kind = self.arm().joints[joint].kind;
-        let jumping = EVERYDAY.iter().find(|law| law.law().places.contains(&Place::Dry));
-        let formed = jumping.and_then(|law| {
-            effect_columns(*law, &[], kind, joint, motion.fine(), Some(resolution)).pop()
-        });
-        motion.filtered_fine(formed.unwrap_or_else(|| vec![0.0; motion.fine().len()]))
+        let Some(law) = EVERYDAY.iter().find(|law| jumps(**law)) else { return Vec::new() };
+        let formed = resolutions
+            .iter()
+            .filter_map(|&at| effect_columns(*law, &[], kind, joint, motion.fine(), Some(at)).pop())
+            .collect();
+        motion.filtered_fine(formed)
     }
+}
+
+/// A column, and the term it belongs to.
+pub(crate) type TermColumn = (usize, Vec<f64>);
+
+/// Whether a law follows the sign of a speed.
+fn jumps(law: &dyn Effect) -> bool {
+    law.law().places.contains(&Place::Dry)
+}
+
+fn rows_of_joint(
+    joint: usize,
+    width: usize,
+    motions: &[&Motion],
+    total_s: f64,
+    form: &(impl Fn(usize, usize, &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) + Sync),
+) -> RowsOfJoint {
+    let mut rows = RowsOfJoint::new(width);
+    for (index, motion) in motions.iter().enumerate() {
+        let effort = effort_of(motion, joint);
+        let (columns, y) = form(index, joint, effort);
+        rows.add(&columns, &y, blocks_of(motion, total_s));
+        // the effort itself, whatever was made of it
+        rows.count(&effort[kept(motion)]);
+    }
+    rows
+}
+
+#[expect(clippy::expect_used, reason = "documented panic: checked by the callers")]
+fn effort_of(motion: &Motion, joint: usize) -> &[f64] {
+    &motion.effort_filtered.as_ref().expect("a motion with efforts")[joint]
+}
+
+fn rows_of_joints(of_joints: Vec<RowsOfJoint>, share: f64) -> JointRows {
+    let mut rows =
+        JointRows { triangles: Vec::new(), effort: Vec::new(), share, blocks: Vec::new() };
+    for of_joint in of_joints {
+        rows.triangles.push(of_joint.triangle);
+        rows.effort.push(of_joint.effort);
+        rows.blocks.push(of_joint.blocks);
+    }
+    rows
 }
 
 /// Columns of an effect on one joint of a motion, not filtered.

@@ -23,7 +23,9 @@ pub fn with_recorded_velocity(motion: &Motion, recording: &Recording) -> Option<
             Some(motion.on_grid(recorded))
         })
         .collect::<Option<_>>()?;
-    motion.filter_columns(&mut velocity);
+    if let Some(filter) = &motion.filter {
+        filter.filter_columns_in_parallel(&mut velocity);
+    }
     let mut moved = motion.clone();
     moved.acceleration = velocity.iter().map(|v| differentiate(v, motion.rate_hz)).collect();
     moved.velocity = velocity;

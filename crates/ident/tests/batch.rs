@@ -6,9 +6,9 @@ mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::EVERYDAY;
-use armident_ident::{BatchEstimate, BatchProblem, BatchSettings, Quantity, Term};
-use armident_recording::Motion;
-use rand::SeedableRng;
+use armident_ident::{BatchEstimate, BatchProblem, BatchSettings, Quantity, Term, used_samples};
+use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 
@@ -256,5 +256,50 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     for (hits, all) in pooled {
         let coverage = hits as f64 / all as f64;
         assert!((0.92..=0.98).contains(&coverage), "{coverage} of {all}");
+    }
+}
+
+/// The samples of a filtered motion, dealt out to any number of accumulators in any order.
+#[test]
+fn any_partition_of_the_filtered_samples_gives_the_same_answer() {
+    let bench = Bench::new();
+    let sines = Sines::new(1500, 0.0);
+    let effort = inverse_dynamics_of_motion(&bench.arm, &sines.q, &sines.dq, &sines.ddq);
+    let exact = bench.recorded("simulated", &sines, &effort);
+    let names: Vec<&str> = exact.joints.iter().map(String::as_str).collect();
+    let joints = names.iter().zip(&exact.position).zip(&effort).enumerate();
+    let channels = joints.map(|(j, ((name, position), effort))| {
+        let mut channels = JointChannels::new(*name);
+        let noise = |t: usize| 0.02 * ((7 * t * t + 13 * t * j) as f64).sin();
+        channels.position = Some(position.clone());
+        channels.effort = Some(effort.iter().enumerate().map(|(t, e)| e + noise(t)).collect());
+        channels
+    });
+    let recording = Recording::new("sines", exact.time_s.clone(), channels.collect()).unwrap();
+    let settings = MotionSettings { cutoff_hz: Some(6.0), ..MotionSettings::default() };
+    let motion = Motion::from_recording(&recording, &names, &settings).unwrap();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let whole = problem.estimate(&problem.accumulate(&[&motion])).unwrap();
+    let used = used_samples(&motion);
+    assert!(motion.filter.is_some() && used.len() > 1000);
+    let mut random = Pcg64::seed_from_u64(4);
+    for count in [1, 2, 7, 40] {
+        let mut cuts: Vec<usize> = (1..count).map(|_| random.random_range(used.clone())).collect();
+        cuts.extend([used.start, used.end]);
+        cuts.sort_unstable();
+        let mut parts: Vec<_> = cuts.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        parts.sort_by_key(|part| (part.start * 7919) % 101);
+        let mut rows = problem.accumulate_part(&motion, parts[0].clone());
+        for part in &parts[1..] {
+            rows.merge(&problem.accumulate_part(&motion, part.clone()));
+        }
+        let merged = problem.estimate(&rows).unwrap();
+        for (k, (a, b)) in whole.values.iter().zip(&merged.values).enumerate() {
+            let error = whole.standard_error(k).unwrap_or(0.0);
+            assert!((a - b).abs() <= 1e-9 * (a.abs() + error), "{count} parts, term {k}: {a} {b}");
+        }
+        for (a, b) in whole.train.iter().zip(&merged.train) {
+            assert!((a.rmse / b.rmse - 1.0).abs() < 1e-9, "{count} parts: {a:?} {b:?}");
+        }
     }
 }

@@ -40,7 +40,8 @@ impl AccumulatedQr {
     ///
     /// # Panics
     /// When the number of columns is not `p` or the lengths differ.
-    pub fn push_columns(&mut self, columns: &[Vec<f64>], rhs: &[f64]) {
+    pub fn push_columns<C: AsRef<[f64]>>(&mut self, columns: &[C], rhs: &[f64]) {
+        let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
         assert_eq!(columns.len(), self.unknowns, "one column per unknown");
         assert!(columns.iter().all(|c| c.len() == rhs.len()), "columns of one length");
         let mut start = 0;

@@ -13,6 +13,21 @@ pub fn gram_of_columns(columns: &[&[f64]]) -> Mat<f64> {
     gram
 }
 
+/// Scalar product, in several sums at a time: one would wait for itself.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const SUMS: usize = 8;
+    let n = a.len().min(b.len());
+    let (a, b) = (&a[..n], &b[..n]);
+    let (mut sums, whole) = ([0.0; SUMS], n - n % SUMS);
+    for (a, b) in a.chunks_exact(SUMS).zip(b.chunks_exact(SUMS)) {
+        for k in 0..SUMS {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let rest: f64 = a[whole..].iter().zip(&b[whole..]).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
 /// Eigenvalues (rising) and eigenvectors (columns) of a symmetric matrix.
 ///
 /// # Errors
@@ -43,10 +58,9 @@ impl Cholesky {
             let row = &mut row[..=i];
             for j in 0..i {
                 let other = &above[j * order..j * order + j + 1];
-                let sum: f64 = row[..j].iter().zip(&other[..j]).map(|(a, b)| a * b).sum();
-                row[j] = (entry(i, j) - sum) / other[j];
+                row[j] = (entry(i, j) - dot(&row[..j], &other[..j])) / other[j];
             }
-            let pivot = entry(i, i) - row[..i].iter().map(|x| x * x).sum::<f64>();
+            let pivot = entry(i, i) - dot(&row[..i], &row[..i]);
             if pivot.is_nan() || pivot <= 0.0 {
                 return None;
             }
@@ -60,8 +74,7 @@ impl Cholesky {
         let mut x = b.to_vec();
         for i in 0..self.order {
             let row = &self.lower[i * self.order..i * self.order + i + 1];
-            let sum: f64 = row[..i].iter().zip(&x).map(|(a, b)| a * b).sum();
-            x[i] = (x[i] - sum) / row[i];
+            x[i] = (x[i] - dot(&row[..i], &x[..i])) / row[i];
         }
         x
     }
@@ -71,9 +84,8 @@ impl Cholesky {
         let mut x = b.to_vec();
         for i in (0..self.order).rev() {
             x[i] /= self.lower[i * self.order + i];
-            for j in 0..i {
-                x[j] -= self.lower[i * self.order + j] * x[i];
-            }
+            let (row, last) = (&self.lower[i * self.order..i * self.order + i], x[i]);
+            x[..i].iter_mut().zip(row).for_each(|(x, l)| *x -= l * last);
         }
         x
     }

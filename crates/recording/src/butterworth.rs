@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use sci_rs::na::DVector;
 use sci_rs::signal::filter::design::{
     DigitalFilter, FilterBandType, FilterOutputType, Sos, butter_dyn,
 };
-use sci_rs::signal::filter::{odd_ext_dyn, sosfilt_dyn, sosfilt_zi_dyn};
+use sci_rs::signal::filter::sosfilt_zi_dyn;
+
+use rayon::prelude::*;
 
 use crate::error::{Fault, RecordingError};
 
@@ -18,6 +19,9 @@ pub const HIGHEST_ORDER: usize = 8;
 pub const LOWEST_CUTOFF_SHARE: f64 = 1e-4;
 /// The cutoff must stay below this share of the sample rate.
 pub const CUTOFF_SHARE_BOUND: f64 = 0.49;
+/// Signals filtered at a time, for the processor's vector lanes: a recursion waits for itself most of the
+/// time.
+const LANES: usize = 4;
 /// Points of the quadrature between the cutoff and the nearer end of the spectrum.
 const POINTS_PER_BAND: f64 = 64.0;
 
@@ -60,24 +64,61 @@ impl ZeroPhaseLowPass {
 
     /// The filtered signal, as long as the given one.
     pub fn filter(&self, signal: &[f64]) -> Vec<f64> {
-        let Some(longest_pad) = signal.len().checked_sub(1) else { return Vec::new() };
-        // not sci-rs' own sosfiltfilt: it panics on signals no longer than the pad
-        let pad = self.default_pad().min(longest_pad);
-        let extended = odd_ext_dyn(DVector::from_column_slice(signal), pad, 0);
-        let forward = self.pass(extended.as_slice().iter());
-        let backward = self.pass(forward.iter().rev());
-        backward[pad..pad + signal.len()].iter().rev().copied().collect()
+        let mut filtered = signal.to_vec();
+        self.filter_together([&mut filtered[..]]);
+        filtered
+    }
+
+    /// Filters signals in their place, several at a time: a few times faster than one after the other, with
+    /// the same numbers.
+    pub fn filter_columns(&self, columns: &mut [Vec<f64>]) {
+        for together in columns.chunks_mut(LANES) {
+            match together {
+                [a, b, c, d] if [&*b, &*c, &*d].iter().all(|x| x.len() == a.len()) => {
+                    self.filter_together([&mut a[..], &mut b[..], &mut c[..], &mut d[..]]);
+                }
+                others => others.iter_mut().for_each(|x| self.filter_together([&mut x[..]])),
+            }
+        }
+    }
+
+    /// The same on all processors.
+    pub fn filter_columns_in_parallel(&self, columns: &mut [Vec<f64>]) {
+        columns.par_chunks_mut(LANES).for_each(|together| self.filter_columns(together));
+    }
+
+    /// Signals of one length, forward and backward, continued at both ends by odd extension.
+    fn filter_together<const W: usize>(&self, mut signals: [&mut [f64]; W]) {
+        let n = signals[0].len();
+        let Some(last) = n.checked_sub(1) else { return };
+        let pad = self.default_pad().min(last);
+        let at = |k: usize| -> [f64; W] { std::array::from_fn(|lane| signals[lane][k]) };
+        let mirrored = |end: usize, k: usize| -> [f64; W] {
+            std::array::from_fn(|lane| 2.0 * signals[lane][end] - signals[lane][k])
+        };
+        let mut values: Vec<[f64; W]> = Vec::with_capacity(n + 2 * pad);
+        values.extend((1..=pad).rev().map(|k| mirrored(0, k)));
+        values.extend((0..n).map(at));
+        values.extend((1..=pad).map(|k| mirrored(last, last - k)));
+        self.pass(values.iter_mut());
+        self.pass(values.iter_mut().rev());
+        for (k, value) in values[pad..pad + n].iter().enumerate() {
+            for (signal, value) in signals.iter_mut().zip(value) {
+                signal[k] = *value;
+            }
+        }
     }
 
     /// One pass, started in the steady state of the first value.
-    fn pass<'a>(&self, signal: impl Iterator<Item = &'a f64> + Clone) -> Vec<f64> {
-        let first = signal.clone().next().copied().unwrap_or_default();
-        let mut sections = self.steady_sections.clone();
-        for section in &mut sections {
-            section.zi0 *= first;
-            section.zi1 *= first;
+    fn pass<'a, const W: usize>(&self, values: impl Iterator<Item = &'a mut [f64; W]>) {
+        // orders up to 8 have up to four sections
+        match &self.steady_sections[..] {
+            [a] => pass([a], values),
+            [a, b] => pass([a, b], values),
+            [a, b, c] => pass([a, b, c], values),
+            [a, b, c, d] => pass([a, b, c, d], values),
+            _ => {}
         }
-        sosfilt_dyn(signal, &mut sections)
     }
 
     /// Samples of extension at each end: three times the number of coefficients.
@@ -127,6 +168,29 @@ impl ZeroPhaseLowPass {
     }
 }
 
+/// Sections one behind the other (transposed direct form II), in place.
+fn pass<'a, const W: usize, const S: usize>(
+    sections: [&Sos<f64>; S],
+    values: impl Iterator<Item = &'a mut [f64; W]>,
+) {
+    let coefficients = sections.map(|s| [s.b[0], s.b[1], s.b[2], s.a[1], s.a[2]]);
+    let mut state: Option<[[[f64; W]; 2]; S]> = None;
+    for value in values {
+        let state = state.get_or_insert_with(|| {
+            sections.map(|s| [value.map(|first| s.zi0 * first), value.map(|first| s.zi1 * first)])
+        });
+        for ([b0, b1, b2, a1, a2], [z0, z1]) in coefficients.iter().zip(state) {
+            for lane in 0..W {
+                let x = value[lane];
+                let y = b0 * x + z0[lane];
+                z0[lane] = b1 * x - a1 * y + z1[lane];
+                z1[lane] = b2 * x - a2 * y;
+                value[lane] = y;
+            }
+        }
+    }
+}
+
 fn sections(order: usize, cutoff_share: f64) -> Option<Vec<Sos<f64>>> {
     let filter = butter_dyn(
         order,
@@ -159,6 +223,21 @@ mod tests {
         let filtered = filter.filter(&pulse);
         for k in 0..100 {
             assert!((filtered[500 - k] - filtered[500 + k]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn signals_filtered_together_are_those_filtered_alone() {
+        for order in 1..=HIGHEST_ORDER {
+            let filter = ZeroPhaseLowPass::new(order, 5.0, 200.0).unwrap();
+            let signal = |k: usize| (0..300).map(move |t| ((k * t) as f64 * 0.01).sin() + k as f64);
+            let columns: Vec<Vec<f64>> = (0..7).map(|k| signal(k).collect()).collect();
+            let alone: Vec<Vec<f64>> = columns.iter().map(|c| filter.filter(c)).collect();
+            let (mut together, mut parallel) = (columns.clone(), columns);
+            filter.filter_columns(&mut together);
+            filter.filter_columns_in_parallel(&mut parallel);
+            assert_eq!(together, alone);
+            assert_eq!(parallel, alone);
         }
     }
 

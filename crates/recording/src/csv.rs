@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Terminator};
+use rayon::prelude::*;
 
 use crate::error::{Fault, RecordingError};
 use crate::header::Header;
@@ -12,6 +13,12 @@ use crate::mapping::Mapping;
 use crate::raw::{RawColumn, RawColumns};
 use crate::recording::Recording;
 
+/// Bytes read at a time,
+const BLOCK_BYTES: u64 = 8 << 20;
+/// bytes looked at together for the end of the last line,
+const LINE_BYTES: u64 = 1 << 12;
+/// and bytes of the pieces that processors share.
+const PIECE_BYTES: usize = 1 << 18;
 /// Bytes looked at to tell other formats.
 pub(crate) const START_BYTES: u64 = 4096;
 
@@ -100,61 +107,85 @@ fn read_columns(
 ) -> Result<RawColumns, RecordingError> {
     let fault = |fault| RecordingError::new(fault, source);
     let io_fault = |error| fault(Fault::Io { doing: "read", error });
-    let mut start = Vec::new();
-    reader.by_ref().take(START_BYTES).read_to_end(&mut start).map_err(io_fault)?;
-    if let Some(format) = other_format(&start) {
+    let first = read_block(&mut reader, BLOCK_BYTES).map_err(io_fault)?;
+    if let Some(format) = other_format(&first[..first.len().min(START_BYTES as usize)]) {
         return Err(fault(Fault::NotCsv { format }));
     }
-    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
-    // a line always ends with LF here, CR is trimmed off the last field: then the reader's line
-    // count after a record is exactly one more than the record's line
-    let mut rows = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .terminator(Terminator::Any(b'\n'))
-        .buffer_capacity(1 << 16)
-        .from_reader(start.chain(reader).chain(b"\n".as_slice()));
-    let csv_fault = |error: csv::Error| match error.into_kind() {
-        csv::ErrorKind::Io(error) => io_fault(error),
-        other => io_fault(io::Error::other(format!("{other:?}"))),
-    };
-
+    let start = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&first);
+    let mut rows = rows_of(start.chain(&mut reader));
     let mut row = ByteRecord::new();
     loop {
-        if !rows.read_byte_record(&mut row).map_err(csv_fault)? {
+        if !rows.read_byte_record(&mut row).map_err(|e| csv_fault(e, source))? {
             return Err(fault(Fault::Empty));
         }
         if !is_blank(&row) {
             break;
         }
     }
-    let line = rows.position().line() - 1;
+    let (line, body) = (rows.position().line() - 1, rows.position().byte() as usize);
     let columns = header_names(&row).ok_or_else(|| fault(Fault::HeaderNotUtf8).on_line(line))?;
     if columns.iter().any(|name| name.contains('\r')) {
         return Err(fault(Fault::NotCsv { format: "text whose lines end with CR alone" }));
     }
     if let Some(separator) = wrong_separator(&columns) {
-        let below = rows.read_byte_record(&mut row).map_err(csv_fault)?;
+        let below = rows.read_byte_record(&mut row).map_err(|e| csv_fault(e, source))?;
         let decimal_commas = below && row.len() > 1;
         return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(line));
     }
     let chosen = choose(&columns, line)?;
     let mut table = Table::new(columns, &chosen, source);
-    while rows.read_byte_record(&mut row).map_err(csv_fault)? {
-        if is_blank(&row) && chosen.len() > 1 {
-            continue;
-        }
-        let line = rows.position().line() - 1;
-        if let Err(error) = table.push(&row, line) {
-            let unclosed =
-                || Some(fault(Fault::UnclosedQuote).on_line(unclosed_quote(&row, line)?));
-            return Err(unclosed().unwrap_or(error));
+    if start.contains(&b'"') {
+        // quotes may hold line ends: one row after the other
+        table.push_all(&mut rows, 0)?;
+    } else {
+        drop(rows);
+        let mut block = start[body.min(start.len())..].to_vec();
+        let mut lines = line;
+        while !block.is_empty() {
+            if block.contains(&b'"') {
+                table.push_all(&mut rows_of(block.chain(&mut reader)), lines)?;
+                break;
+            }
+            lines += table.push_block(&block, lines)?;
+            block = read_block(&mut reader, BLOCK_BYTES).map_err(io_fault)?;
         }
     }
     if table.raw.lines.is_empty() {
         return Err(fault(Fault::HeaderOnly));
     }
     Ok(table.raw)
+}
+
+/// So many bytes and what is left of their last line; less at the end, nothing behind it.
+fn read_block(reader: &mut impl Read, bytes: u64) -> io::Result<Vec<u8>> {
+    let mut block = Vec::with_capacity(bytes as usize + 1);
+    reader.by_ref().take(bytes).read_to_end(&mut block)?;
+    while (block.len() as u64) >= bytes && block.last() != Some(&b'\n') {
+        if reader.by_ref().take(LINE_BYTES).read_to_end(&mut block)? == 0 {
+            break;
+        }
+    }
+    Ok(block)
+}
+
+/// Rows of text that is at the beginning of a line.
+fn rows_of<'a>(text: impl Read + 'a) -> csv::Reader<impl Read + 'a> {
+    // a line always ends with LF here, CR is trimmed off the last field: then the reader's line
+    // count after a record is exactly one more than the record's line
+    ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .terminator(Terminator::Any(b'\n'))
+        .buffer_capacity(1 << 16)
+        .from_reader(text.chain(b"\n".as_slice()))
+}
+
+fn csv_fault(error: csv::Error, source: &str) -> RecordingError {
+    let error = match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    };
+    RecordingError::new(Fault::Io { doing: "read", error }, source)
 }
 
 /// The rows read so far.
@@ -171,6 +202,58 @@ impl<'a> Table<'a> {
             .map(|(name, chosen)| RawColumn { name, values: chosen.then(Vec::new) })
             .collect();
         Self { source, raw: RawColumns { columns, ..RawColumns::new(source) } }
+    }
+
+    /// Adds all rows, of which so many lines stand before the first.
+    fn push_all<R: Read>(
+        &mut self,
+        rows: &mut csv::Reader<R>,
+        lines_before: u64,
+    ) -> Result<(), RecordingError> {
+        let mut row = ByteRecord::new();
+        while rows.read_byte_record(&mut row).map_err(|e| csv_fault(e, self.source))? {
+            if is_blank(&row) && self.raw.columns.len() > 1 {
+                continue;
+            }
+            let line = lines_before + rows.position().line() - 1;
+            if let Err(error) = self.push(&row, line) {
+                let unclosed = unclosed_quote(&row, line).map(|line| {
+                    RecordingError::new(Fault::UnclosedQuote, self.source).on_line(line)
+                });
+                return Err(unclosed.unwrap_or(error));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the rows of whole lines without quotes, on all processors; gives the number of lines.
+    ///
+    /// Lines that hold anything but numbers are left to [`Self::push_all`], which knows what to say.
+    fn push_block(&mut self, block: &[u8], lines_before: u64) -> Result<u64, RecordingError> {
+        let pieces = pieces_of(block);
+        let read: Vec<(u64, Option<Piece>)> = pieces
+            .par_iter()
+            .map(|piece| {
+                let lines = piece.iter().filter(|byte| **byte == b'\n').count() as u64;
+                (lines, Piece::of(piece, &self.raw.columns))
+            })
+            .collect();
+        let mut lines = 0;
+        for (text, (count, piece)) in pieces.iter().zip(read) {
+            match piece {
+                Some(piece) => {
+                    let columns = self.raw.columns.iter_mut().filter_map(|c| c.values.as_mut());
+                    for (values, new) in columns.zip(piece.columns) {
+                        values.extend(new);
+                    }
+                    let first = lines_before + lines + 1;
+                    self.raw.lines.extend(piece.lines.iter().map(|line| first + u64::from(*line)));
+                }
+                None => self.push_all(&mut rows_of(*text), lines_before + lines)?,
+            }
+            lines += count;
+        }
+        Ok(lines)
     }
 
     fn push(&mut self, row: &ByteRecord, line: u64) -> Result<(), RecordingError> {
@@ -199,6 +282,64 @@ impl<'a> Table<'a> {
         }
         self.raw.lines.push(line);
         Ok(())
+    }
+}
+
+/// Lines cut into pieces for the processors.
+fn pieces_of(block: &[u8]) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
+    let mut rest = block;
+    while !rest.is_empty() {
+        let from = PIECE_BYTES.min(rest.len());
+        let end = rest[from..].iter().position(|byte| *byte == b'\n');
+        let (piece, others) = rest.split_at(end.map_or(rest.len(), |end| from + end + 1));
+        pieces.push(piece);
+        rest = others;
+    }
+    pieces
+}
+
+/// Rows of some lines, each with as many finite numbers as there are columns.
+struct Piece {
+    /// of the columns that are read
+    columns: Vec<Vec<f64>>,
+    /// counted from the first of the piece
+    lines: Vec<u32>,
+}
+
+impl Piece {
+    /// None if there is anything else in the lines.
+    fn of(text: &[u8], columns: &[RawColumn]) -> Option<Self> {
+        let text = std::str::from_utf8(text).ok()?;
+        let wanted: Vec<bool> = columns.iter().map(|column| column.values.is_some()).collect();
+        let count = wanted.iter().filter(|wanted| **wanted).count();
+        let mut piece = Self { columns: vec![Vec::new(); count], lines: Vec::new() };
+        for (number, line) in text.split_terminator('\n').enumerate() {
+            if line.trim_ascii().is_empty() {
+                // of one column it is an empty field
+                if wanted.len() > 1 {
+                    continue;
+                }
+                return None;
+            }
+            let mut fields = line.split(',');
+            let mut values = piece.columns.iter_mut();
+            for wanted in &wanted {
+                let field = fields.next()?;
+                if *wanted {
+                    let value = field.trim_ascii().parse::<f64>().ok()?;
+                    if !value.is_finite() {
+                        return None;
+                    }
+                    values.next()?.push(value);
+                }
+            }
+            if fields.next().is_some() {
+                return None;
+            }
+            piece.lines.push(u32::try_from(number).ok()?);
+        }
+        Some(piece)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
+use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
 use crate::error::RecordingError;
@@ -76,7 +77,7 @@ pub fn common_cutoff_hz(
 /// of another.
 pub fn default_cutoff_hz(positions: &[Vec<f64>], rate_hz: f64) -> f64 {
     let bands: Vec<Band> =
-        positions.iter().filter_map(|position| Band::of(position, rate_hz)).collect();
+        positions.par_iter().filter_map(|position| Band::of(position, rate_hz)).collect();
     let highest = |of: fn(&Band) -> f64| bands.iter().map(of).fold(0.0, f64::max);
     let quiet_hz = bands.iter().map(|band| band.quiet_hz).fold(f64::INFINITY, f64::min);
     (CUTOFF_OVER_EDGE * highest(|band| band.edge_hz))

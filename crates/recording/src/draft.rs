@@ -118,7 +118,7 @@ impl Draft {
             *joints[index].channel_mut(channel.quantity) = Some(channel.values);
         }
         let mut recording = Recording::new(source, self.time_s, joints)?;
-        if let Some(finding) = velocity_check::refusal(&recording, by_mapping) {
+        if let Some(finding) = velocity_check::refusal(&recording, &timing, by_mapping) {
             let quantity = finding.quantity.unwrap_or(Quantity::Position);
             let place = format!("{}/{quantity}", finding.joint.as_deref().unwrap_or_default());
             let fault = Fault::Refused(Box::new(finding));
@@ -176,13 +176,18 @@ impl Draft {
         let (row, column, name, value) = stamp.into_iter().chain(value).min_by_key(|at| at.0)?;
         let text =
             column.map_or_else(|| value.to_string(), |column| self.raw.text(row, column, value));
-        let count = self.count_not_finite();
-        Some(self.fault_at(Fault::NotFinite { text, count }, row, column, &name))
+        let (count, total) = self.count_not_finite();
+        Some(self.fault_at(Fault::NotFinite { text, count, total }, row, column, &name))
     }
 
-    fn count_not_finite(&self) -> usize {
+    /// Values that are not finite, and all.
+    fn count_not_finite(&self) -> (usize, usize) {
         let of = |values: &[f64]| values.iter().filter(|value| !value.is_finite()).count();
-        of(&self.time_s) + self.channels.iter().map(|channel| of(&channel.values)).sum::<usize>()
+        let columns = || {
+            let channels = self.channels.iter().map(|channel| &channel.values[..]);
+            channels.chain([&self.time_s[..]])
+        };
+        (columns().map(of).sum(), columns().map(<[f64]>::len).sum())
     }
 
     /// Brings rows into the order of time if that was asked for, else refuses stamps that go back.
@@ -209,7 +214,8 @@ impl Draft {
             self.raw.lines = order.iter().map(|k| self.raw.lines[*k]).collect();
         }
         let message = format!(
-            "the time went backwards {count} time{}, first to t = {} s: rows sorted by time",
+            "the time went backwards {count} time{} in {total} samples, first to t = {} s: rows sorted by \
+             time",
             crate::error::plural(count),
             spans[0].from_s
         );
@@ -237,7 +243,8 @@ impl Draft {
         let text = channel
             .column
             .map_or_else(|| "NaN".to_owned(), |column| self.raw.text(row, column, f64::NAN));
-        let fault = Fault::NotFinite { text, count: self.count_not_finite() };
+        let (count, total) = self.count_not_finite();
+        let fault = Fault::NotFinite { text, count, total };
         Some(self.fault_at(fault, row, channel.column, &channel.name()))
     }
 
@@ -289,7 +296,7 @@ impl Draft {
         let Some(&first) = repeated.first() else { return Ok(()) };
         let count = repeated.len();
         if count as f64 > REPEATED_SHARE * total as f64 {
-            return Err(self.time_fault(Fault::RepeatedStamps { count, total }, None));
+            return Err(self.time_fault(Fault::RepeatedStamps { count, total }, Some(first)));
         }
         let runs: Vec<(usize, usize)> = repeated.iter().map(|k| (*k, *k)).collect();
         let spans = spans_of(&self.time_s, &runs);
@@ -336,10 +343,11 @@ impl Draft {
             let runs: Vec<(usize, usize)> = jumps.iter().map(|k| (*k, *k)).collect();
             let spans = spans_of(&self.time_s, &runs);
             let message = format!(
-                "the angle jumped by a full turn {} time{} and was made continuous, first at t = \
-                 {:.3} s",
+                "the angle jumped by a full turn {} time{} in {} samples and was made continuous, first \
+                 at t = {:.3} s",
                 jumps.len(),
                 crate::error::plural(jumps.len()),
+                channel.values.len(),
                 spans[0].from_s
             );
             let share = jumps.len() as f64 / channel.values.len() as f64;

@@ -224,12 +224,14 @@ pub enum Fault {
         text: String,
     },
     /// A value is NaN or infinite.
-    #[error("the value is {text}; the recording has {count} such value{}", plural(*.count))]
+    #[error("the value is {text}; the recording has {count} such value{} among {total}", plural(*.count))]
     NotFinite {
         /// The first one found.
         text: String,
         /// How many NaN or infinite values there are in all.
         count: usize,
+        /// How many values there are.
+        total: usize,
     },
     /// Time runs backwards.
     #[error(

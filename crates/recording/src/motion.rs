@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::butterworth::{DEFAULT_ORDER, ZeroPhaseLowPass};
 use crate::cutoff::default_cutoff_hz;
 use crate::differentiate::differentiate;
@@ -136,9 +138,11 @@ impl Motion {
             .map(|cutoff_hz| ZeroPhaseLowPass::new(settings.order, cutoff_hz, rate_hz))
             .transpose()
             .map_err(|error| error.of_source(&recording.source))?;
-        let filtered = |columns: Vec<Vec<f64>>| match &filter {
-            Some(filter) => columns.iter().map(|column| filter.filter(column)).collect(),
-            None => columns,
+        let filtered = |mut columns: Vec<Vec<f64>>| {
+            if let Some(filter) = &filter {
+                filter.filter_columns_in_parallel(&mut columns);
+            }
+            columns
         };
 
         let position = filtered(raw_position);
@@ -146,7 +150,7 @@ impl Motion {
             (filtered(on_grid(Quantity::Velocity)?), filtered(on_grid(Quantity::Acceleration)?))
         } else {
             let derived = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
-                columns.iter().map(|column| differentiate(column, rate_hz)).collect()
+                columns.par_iter().map(|column| differentiate(column, rate_hz)).collect()
             };
             let velocity = derived(&position);
             let acceleration = derived(&velocity);
@@ -228,18 +232,15 @@ impl Motion {
         self.fine.as_ref().map_or(self, |(fine, _)| fine)
     }
 
-    /// Puts a column formed from [all samples](Self::fine) through the filter, and brings it to the samples
+    /// Puts columns formed from [all samples](Self::fine) through the filter, and brings them to the samples
     /// of this motion.
-    pub fn filtered_fine(&self, column: Vec<f64>) -> Vec<f64> {
-        let fine = self.fine();
-        let filtered = match &fine.filter {
-            Some(filter) => filter.filter(&column),
+    pub fn filtered_fine(&self, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        self.fine().filter_columns(&mut columns);
+        let thinned = |column: Vec<f64>| match &self.fine {
+            Some((_, factor)) => column.into_iter().step_by(*factor).collect(),
             None => column,
         };
-        match &self.fine {
-            Some((_, factor)) => filtered.into_iter().step_by(*factor).collect(),
-            None => filtered,
-        }
+        columns.into_iter().map(thinned).collect()
     }
 
     /// Number of samples on the grid.
@@ -255,9 +256,8 @@ impl Motion {
     /// Puts regressor columns on the grid through the filter that the effort went through;
     /// leaves them alone if there is none.
     pub fn filter_columns(&self, columns: &mut [Vec<f64>]) {
-        let Some(filter) = &self.filter else { return };
-        for column in columns {
-            *column = filter.filter(column);
+        if let Some(filter) = &self.filter {
+            filter.filter_columns(columns);
         }
     }
 

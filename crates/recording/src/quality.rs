@@ -1,5 +1,6 @@
 //! How good a recording is: timing, noise, steps, bandwidth, and everything doubtful.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::cutoff::{band_edge_hz, noise_sigma};
@@ -74,22 +75,40 @@ pub fn quality(recording: &Recording) -> QualityReport {
     let timing = Timing::of(&recording.time_s);
     // a recording that is mostly gaps has no grid, so no spectrum
     let grid = EvenGrid::new(&recording.time_s, &recording.source).ok();
-    let mut findings = recording.findings.clone();
-    findings.extend(of_stamps(&timing, recording.len()));
-    findings.extend(recording.joints.iter().filter_map(far_position));
-    findings.extend(velocity_check::findings(recording));
-    for joint in &recording.joints {
-        findings.extend(stuck(&recording.time_s, &timing, joint));
-        findings.extend(saturated(&recording.time_s, joint));
-    }
-    let mut channels = Vec::new();
-    for joint in &recording.joints {
-        for (quantity, values) in joint.channels() {
-            channels.push(of_channel(joint, quantity, values, grid.as_ref(), &findings));
-        }
-    }
+    let findings = findings_at(recording, &timing);
+    let all: Vec<(&JointChannels, Quantity, &[f64])> = recording
+        .joints
+        .iter()
+        .flat_map(|joint| joint.channels().map(move |(quantity, values)| (joint, quantity, values)))
+        .collect();
+    let channels = all
+        .into_par_iter()
+        .map(|(joint, quantity, values)| {
+            of_channel(joint, quantity, values, grid.as_ref(), &findings)
+        })
+        .collect();
     let (source, samples) = (recording.source.clone(), recording.len());
     QualityReport { source, samples, timing, channels, findings }
+}
+
+/// What [`quality`] finds doubtful, without the measures of the channels: a fraction of its time.
+pub fn findings(recording: &Recording) -> Vec<Finding> {
+    findings_at(recording, &Timing::of(&recording.time_s))
+}
+
+fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
+    let mut findings = recording.findings.clone();
+    findings.extend(of_stamps(timing, recording.len()));
+    findings.extend(recording.joints.iter().filter_map(far_position));
+    findings.extend(velocity_check::findings(recording, timing));
+    let of_joint = |joint: &JointChannels| {
+        let mut of_joint = stuck(&recording.time_s, timing, joint);
+        of_joint.extend(saturated(&recording.time_s, joint));
+        of_joint
+    };
+    let of_joints: Vec<Vec<Finding>> = recording.joints.par_iter().map(of_joint).collect();
+    findings.extend(of_joints.into_iter().flatten());
+    findings
 }
 
 fn of_channel(

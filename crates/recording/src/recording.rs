@@ -226,7 +226,7 @@ impl Recording {
     fn check_finite(&self, column: &str, values: &[f64]) -> Result<(), RecordingError> {
         let Some(first) = values.iter().find(|value| !value.is_finite()) else { return Ok(()) };
         let count = values.iter().filter(|value| !value.is_finite()).count();
-        let fault = Fault::NotFinite { text: first.to_string(), count };
+        let fault = Fault::NotFinite { text: first.to_string(), count, total: values.len() };
         Err(RecordingError::new(fault, &self.source).in_column(column))
     }
 
@@ -289,7 +289,7 @@ mod tests {
         broken.effort = Some(vec![f64::NAN; 9]);
         assert_eq!(
             place(ramp(9), vec![broken]).0,
-            "the value is NaN; the recording has 9 such values"
+            "the value is NaN; the recording has 9 such values among 9"
         );
         assert_eq!(place(vec![0.0; 9], vec![joint("a", 9)]).1, "x, column `t`");
         assert_eq!(place(ramp(9), vec![joint("a", 9), joint("a", 9)]).1, "x");

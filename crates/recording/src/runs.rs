@@ -1,5 +1,7 @@
 //! Steps of quantised channels, and values that repeat: stuck or saturated.
 
+use std::cell::LazyCell;
+
 use crate::cutoff::RESTING_RANGE;
 use crate::finding::{Action, Finding, FindingKind, percent, places, spans_of};
 use crate::recording::{JointChannels, Quantity};
@@ -95,13 +97,20 @@ fn range(values: &[f64]) -> f64 {
 pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> Vec<Finding> {
     let Some(position) = joint.position.as_deref() else { return Vec::new() };
     let fewest = ((STUCK_S / timing.median_step_s).ceil() as usize).max(STUCK_SAMPLES);
-    let step = quantisation_step(position).unwrap_or(0.0);
-    let moved = (MOVES_STEPS * step).max(RESTING_RANGE);
+    // steps take a sorted copy of the channel, and mostly nobody asks
+    let moved = LazyCell::new(|| {
+        let step = quantisation_step(position).unwrap_or(0.0);
+        (MOVES_STEPS * step).max(RESTING_RANGE)
+    });
     let mut findings = Vec::new();
     for (quantity, values) in joint.channels() {
         let mut runs = repetitions(values, fewest);
+        if runs.is_empty() {
+            continue;
+        }
+        let moved = *moved;
         match quantity {
-            Quantity::Position => runs.retain(|run| stands_still(time_s, joint, *run, moved)),
+            Quantity::Position => retain_still(&mut runs, time_s, joint, moved),
             Quantity::Velocity => {
                 let resolution = quantisation_step(values).unwrap_or(0.0);
                 runs.retain(|&(from, to)| {
@@ -160,30 +169,36 @@ pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> V
     findings
 }
 
-/// Whether a position that repeats is contradicted by the velocity, or by the jump that ends it.
-fn stands_still(
-    time_s: &[f64],
-    joint: &JointChannels,
-    (from, to): (usize, usize),
-    moved: f64,
-) -> bool {
-    let Some(position) = joint.position.as_deref() else { return false };
+/// Keeps the stretches of a repeating position that the velocity contradicts, or the jump that ends them.
+fn retain_still(runs: &mut Vec<(usize, usize)>, time_s: &[f64], joint: &JointChannels, moved: f64) {
+    let Some(position) = joint.position.as_deref() else { return runs.clear() };
     let moved = moved.max(LEAST_CONTRADICTION);
-    let contradicted = joint.velocity.as_deref().is_some_and(|velocity| {
-        // a filtered velocity goes on for a while after the joint has stopped
-        let middle = (from + to) / 2;
-        let steps = (middle..to)
-            .map(|k| 0.5 * (velocity[k] + velocity[k + 1]) * (time_s[k + 1] - time_s[k]));
-        // a velocity at rest may be off by its step for long
-        let resolution = quantisation_step(velocity).unwrap_or(0.0);
-        let explained = resolution * (time_s[to] - time_s[middle]);
-        steps.sum::<f64>().abs() > moved + explained
+    let velocity = joint.velocity.as_deref();
+    // a velocity at rest may be off by its step for long
+    let resolution = LazyCell::new(|| velocity.and_then(quantisation_step).unwrap_or(0.0));
+    let usual = LazyCell::new(|| {
+        let mut steps: Vec<f64> =
+            position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let place = steps.len() * 99 / 100;
+        quantile(&mut steps, place).unwrap_or(0.0)
     });
-    let jump = position.get(to + 1).map_or(0.0, |next| (next - position[to]).abs());
-    let mut steps: Vec<f64> = position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    let usual = steps.get(steps.len() * 99 / 100).copied().unwrap_or(0.0);
-    contradicted || jump > moved.max(JUMP_STEPS * usual)
+    runs.retain(|&(from, to)| {
+        let contradicted = velocity.is_some_and(|velocity| {
+            // a filtered velocity goes on for a while after the joint has stopped
+            let middle = (from + to) / 2;
+            let steps = (middle..to)
+                .map(|k| 0.5 * (velocity[k] + velocity[k + 1]) * (time_s[k + 1] - time_s[k]));
+            let explained = *resolution * (time_s[to] - time_s[middle]);
+            steps.sum::<f64>().abs() > moved + explained
+        });
+        let jump = position.get(to + 1).map_or(0.0, |next| (next - position[to]).abs());
+        contradicted || jump > moved.max(JUMP_STEPS * *usual)
+    });
+}
+
+/// The value that would stand at `place` if they were sorted.
+fn quantile(values: &mut [f64], place: usize) -> Option<f64> {
+    (place < values.len()).then(|| *values.select_nth_unstable_by(place, f64::total_cmp).1)
 }
 
 fn extremes(values: &[f64]) -> (f64, f64) {
@@ -228,19 +243,22 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<Finding> {
 
 fn flat_tops(values: &[f64]) -> Vec<(usize, usize)> {
     let (largest, smallest) = extremes(values);
-    let mut steps: Vec<f64> = values
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).abs())
-        .filter(|step| *step > 0.0)
-        .collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    let Some(smallest_step) = steps.get(steps.len() / 20).copied() else { return Vec::new() };
-    let step = quantisation_step(values).unwrap_or(smallest_step);
     let mut runs = repetitions(values, FLAT_SAMPLES);
     // zero is where a drive that is off rests
     runs.retain(|&(from, _)| {
         values[from] != 0.0 && (values[from] == largest || values[from] == smallest)
     });
+    if runs.is_empty() {
+        return runs;
+    }
+    let mut steps: Vec<f64> = values
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .filter(|step| *step > 0.0)
+        .collect();
+    let place = steps.len() / 20;
+    let Some(smallest_step) = quantile(&mut steps, place) else { return Vec::new() };
+    let step = quantisation_step(values).unwrap_or(smallest_step);
     let is_run_into = |&(from, to): &(usize, usize)| {
         let entry = from.checked_sub(1).map_or(0.0, |k| (values[k] - values[from]).abs());
         let exit = values.get(to + 1).map_or(0.0, |next| (next - values[to]).abs());

@@ -3,6 +3,8 @@
 //! Both are compared over short windows: the change of the position with the integral of the
 //! velocity. That needs no filter and no even stamps, and quantisation averages out.
 
+use rayon::prelude::*;
+
 use crate::finding::{Action, Finding, FindingKind};
 use crate::recording::{JointChannels, Quantity, Recording};
 use crate::timing::{GAP_STEPS, Timing};
@@ -13,6 +15,8 @@ const WINDOW_S: f64 = 0.05;
 const FEWEST_STEPS: usize = 4;
 /// Fewest windows, below which nothing is concluded.
 const FEWEST_WINDOWS: usize = 40;
+/// Most windows that are compared, spread over the recording: a long one has enough of them.
+const MOST_WINDOWS: usize = 4000;
 /// Smallest travel that says something \[rad or m\].
 const LEAST_TRAVEL: f64 = 0.05;
 /// Correlation above which a scale is believed.
@@ -66,7 +70,7 @@ fn correlate(
 ) -> Option<(f64, f64)> {
     let n = time_s.len();
     let (mut sum, mut of_position, mut of_velocity, mut windows) = (0.0, 0.0, 0.0, 0);
-    let stride = (steps / 2).max(1);
+    let stride = (steps / 2).max(n / MOST_WINDOWS).max(1);
     for from in (margin..n.saturating_sub(margin + steps)).step_by(stride) {
         let to = from + steps;
         // a window over lost samples says nothing
@@ -88,10 +92,13 @@ fn correlate(
     (believable && scale.is_finite() && correlation.is_finite()).then_some((scale, correlation))
 }
 
-/// Compares the two channels of a joint; none if the joint rests or the recording is short.
-pub(crate) fn compare(time_s: &[f64], position: &[f64], velocity: &[f64]) -> Option<Comparison> {
-    let timing = Timing::of(time_s);
-    let step_s = timing.median_step_s;
+/// Compares the two channels of a joint, `step_s` being the median step of the stamps; none if the joint rests or the recording is short.
+pub(crate) fn compare(
+    time_s: &[f64],
+    step_s: f64,
+    position: &[f64],
+    velocity: &[f64],
+) -> Option<Comparison> {
     let largest = position.iter().copied().fold(f64::MIN, f64::max);
     let smallest = position.iter().copied().fold(f64::MAX, f64::min);
     if step_s <= 0.0 || largest - smallest < LEAST_TRAVEL {
@@ -126,8 +133,8 @@ pub(crate) fn compare(time_s: &[f64], position: &[f64], velocity: &[f64]) -> Opt
     Some(Comparison { scale, correlation, delay_s: delay_steps * step_s, delay_steps })
 }
 
-fn of_joint(time_s: &[f64], joint: &JointChannels) -> Option<Comparison> {
-    compare(time_s, joint.position.as_deref()?, joint.velocity.as_deref()?)
+fn of_joint(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Comparison> {
+    compare(time_s, step_s, joint.position.as_deref()?, joint.velocity.as_deref()?)
 }
 
 fn is_near(found: f64, expected: f64) -> bool {
@@ -136,9 +143,10 @@ fn is_near(found: f64, expected: f64) -> bool {
 
 /// Why a recording cannot be taken as it is: its velocities prove the positions to be in another
 /// unit, or the derivatives that would be used contradict the positions.
-pub(crate) fn refusal(recording: &Recording, by_mapping: bool) -> Option<Finding> {
-    recording.joints.iter().find_map(|joint| {
-        let found = of_joint(&recording.time_s, joint)?;
+pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) -> Option<Finding> {
+    let step_s = timing.median_step_s;
+    recording.joints.par_iter().find_map_first(|joint| {
+        let found = of_joint(&recording.time_s, step_s, joint)?;
         if found.correlation.abs() < BELIEVED {
             return None;
         }
@@ -183,7 +191,7 @@ pub(crate) fn refusal(recording: &Recording, by_mapping: bool) -> Option<Finding
 }
 
 /// What is odd about the velocities, without consequences for motions made from positions.
-pub(crate) fn findings(recording: &Recording) -> Vec<Finding> {
+pub(crate) fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     let lacking: Vec<&str> = recording
         .joints
         .iter()
@@ -200,14 +208,16 @@ pub(crate) fn findings(recording: &Recording) -> Vec<Finding> {
         let finding = Finding::of_stamps(FindingKind::MissingVelocity, Action::Kept, share);
         findings.push(finding.saying(message));
     }
-    let of_joints = recording.joints.iter();
-    findings.extend(of_joints.filter_map(|joint| finding_of(&recording.time_s, joint)));
+    let of_joints = recording.joints.par_iter();
+    let found =
+        of_joints.filter_map(|joint| finding_of(&recording.time_s, timing.median_step_s, joint));
+    findings.extend(found.collect::<Vec<_>>());
     findings
 }
 
-fn finding_of(time_s: &[f64], joint: &JointChannels) -> Option<Finding> {
+fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Finding> {
     let kept = |kind| Finding::of_channel(kind, Action::Kept, &joint.name, Quantity::Velocity, 1.0);
-    let found = of_joint(time_s, joint)?;
+    let found = of_joint(time_s, step_s, joint)?;
     let (scale, correlation) = (found.scale, found.correlation);
     const NOT_USED: &str = "velocities are formed from the position, so this one is not used";
     if correlation.abs() < UNRELATED {
@@ -271,7 +281,7 @@ mod tests {
         for (factor, lag) in [(1.0, 0.0), (57.3, 0.0), (-1.0, 0.0), (1.0, 3.0), (-0.5, 5.5)] {
             let (time_s, position, mut velocity) = swing(lag);
             velocity.iter_mut().for_each(|v| *v *= factor);
-            let found = compare(&time_s, &position, &velocity).unwrap();
+            let found = compare(&time_s, 1.0 / RATE_HZ, &position, &velocity).unwrap();
             assert!((found.scale / factor - 1.0).abs() < 0.01, "{found:?}");
             assert!((found.delay_steps - lag).abs() < 0.2, "{found:?} for {lag}");
             assert!(found.correlation.abs() > 0.99);
@@ -281,10 +291,10 @@ mod tests {
     #[test]
     fn nothing_is_concluded_from_little() {
         let (time_s, position, velocity) = swing(0.0);
-        assert!(compare(&time_s[..60], &position[..60], &velocity[..60]).is_none());
-        assert!(compare(&time_s, &vec![0.3; 2000], &velocity).is_none());
-        assert!(compare(&time_s, &position, &vec![0.0; 2000]).is_none());
+        assert!(compare(&time_s[..60], 1.0 / RATE_HZ, &position[..60], &velocity[..60]).is_none());
+        assert!(compare(&time_s, 1.0 / RATE_HZ, &vec![0.3; 2000], &velocity).is_none());
+        assert!(compare(&time_s, 1.0 / RATE_HZ, &position, &vec![0.0; 2000]).is_none());
         let huge = vec![1e300; 2000];
-        assert!(compare(&time_s, &huge, &huge).is_none());
+        assert!(compare(&time_s, 1.0 / RATE_HZ, &huge, &huge).is_none());
     }
 }

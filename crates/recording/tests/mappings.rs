@@ -220,7 +220,7 @@ fn rows_are_sorted_on_demand() {
     assert_eq!(recording.joints[0].position.as_ref(), Some(&recording.time_s));
     assert_eq!(
         recording.notes,
-        ["the time went backwards 1 time, first to t = 0.04 s: rows sorted by time"]
+        ["the time went backwards 1 time in 10 samples, first to t = 0.04 s: rows sorted by time"]
     );
 }
 

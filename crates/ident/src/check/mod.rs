@@ -184,6 +184,15 @@ pub fn with_drive_signals(
     (filled, signals)
 }
 
+/// A recording without joints that are not the arm's: how fast a gripper moves says nothing of the arm.
+fn of_joints(recording: &Recording, names: &[&str]) -> Recording {
+    let is_own = |joint: &str| names.contains(&joint);
+    let mut own = recording.clone();
+    own.joints.retain(|joint| is_own(&joint.name));
+    own.findings.retain(|finding| finding.joint.as_deref().is_none_or(is_own));
+    own
+}
+
 /// Checks recordings against a robot.
 ///
 /// `motions` are those of `recordings`, of all joints of the model and with efforts; `signals` names
@@ -216,8 +225,9 @@ pub fn check(
     }
     let channels = channel::channels(&problem, &rows)?;
     let (constants, rank) = excitation::excitation(&problem, &names, &rows, &aligned)?;
-    let quality: Vec<QualityReport> = recordings.iter().map(quality).collect();
-    let differences = armident_recording::differences(recordings);
+    let own: Vec<Recording> = recordings.iter().map(|r| of_joints(r, &names)).collect();
+    let quality: Vec<QualityReport> = own.iter().map(quality).collect();
+    let differences = armident_recording::differences(&own);
 
     let mut checks = say::quality(&quality, &differences);
     checks.extend(say::rate(&quality, motions));

@@ -66,6 +66,8 @@ const HEAVY: f64 = 1e10;
 const MOST_MEETING_STEPS: usize = 12;
 /// Steps that the boundary cuts short before the way is given up.
 const MOST_CUT_STEPS: usize = 3;
+/// Two steps later a step is below this share of itself, or the way is given up.
+const DWINDLES: f64 = 0.7;
 /// Residual of data that are met, relative to the size of what makes them up.
 const MET: f64 = 1e-9;
 
@@ -214,7 +216,7 @@ impl Barrier {
         for (aim, share) in [(aim, 1.0), (aim, reach * reach), (mu.max(weight), 0.0)] {
             let step = solve(aim, Some((&predictor, share)))?;
             let length = scaled.length(&step);
-            let left = scaled.after(&step, length).0;
+            let left = scaled.mean_after(&step, length);
             if best.as_ref().is_none_or(|b| left < b.0) {
                 best = Some((left, length, step));
             }
@@ -261,6 +263,7 @@ impl Barrier {
         }
         let size = self.size_of_terms(&point).max(norm(target));
         let (mut left, mut cut) = (f64::INFINITY, 0);
+        let mut lengths: Vec<f64> = Vec::new();
         for _ in 0..MOST_MEETING_STEPS {
             let columns = self.columns(&point, absent);
             let residual = self.residual(&point, target);
@@ -280,7 +283,9 @@ impl Barrier {
                 return Ok(Some(point));
             }
             cut += usize::from(length < 1.0);
-            if cut > MOST_CUT_STEPS {
+            lengths.push(moved);
+            let before = lengths.len().checked_sub(3).map_or(f64::INFINITY, |k| lengths[k]);
+            if cut > MOST_CUT_STEPS || moved > DWINDLES * before {
                 break;
             }
             point = self.moved(&point, &step.direction, length);
@@ -376,10 +381,9 @@ impl Barrier {
                     (pa * pb.transpose() + pb * pa.transpose()) * std::f64::consts::FRAC_1_SQRT_2
                 };
                 let parameters = InertialParameters::from_pseudo_inertia(&moved).to_array();
-                for row in 0..rows {
-                    let own = parameters.iter().enumerate();
-                    columns[(row, TEN * k + c)] =
-                        own.map(|(p, x)| self.data[(row, TEN * k + p)] * x).sum();
+                let column = columns.col_as_slice_mut(TEN * k + c);
+                for (p, x) in parameters.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+                    add(column, *x, self.data.col_as_slice(TEN * k + p));
                 }
             }
         }
@@ -389,9 +393,7 @@ impl Barrier {
                 Bound::Free => FREE,
                 Bound::NonNegative => *t,
             };
-            for row in 0..rows {
-                columns[(row, TEN * n + k)] = scale * self.data[(row, TEN * n + k)];
-            }
+            add(columns.col_as_slice_mut(TEN * n + k), scale, self.data.col_as_slice(TEN * n + k));
         }
         columns
     }
@@ -403,9 +405,11 @@ impl Barrier {
 
     /// `B x - target`.
     fn residual(&self, point: &Point, target: &[f64]) -> Vec<f64> {
-        let x = self.parameters(point);
-        let row = |i: usize| x.iter().enumerate().map(|(j, x)| self.data[(i, j)] * x).sum::<f64>();
-        target.iter().enumerate().map(|(i, y)| row(i) - y).collect()
+        let mut residual: Vec<f64> = target.iter().map(|y| -y).collect();
+        for (j, x) in self.parameters(point).iter().enumerate() {
+            add(&mut residual, *x, self.data.col_as_slice(j));
+        }
+        residual
     }
 
     /// Norm of the terms that `B x` sums: what round-off is measured against.
@@ -439,10 +443,11 @@ impl Barrier {
                 _ => 0.0,
             });
         }
-        let direction = DampedLeastSquares::new(heavy).solve(&rhs, &downhill)?;
-        let change: Vec<f64> = (0..columns.nrows())
-            .map(|i| direction.iter().enumerate().map(|(j, y)| columns[(i, j)] * y).sum())
-            .collect();
+        let direction = DampedLeastSquares::accurate(heavy).solve(&rhs, &downhill)?;
+        let mut change = vec![0.0; columns.nrows()];
+        for (j, y) in direction.iter().enumerate() {
+            add(&mut change, *y, columns.col_as_slice(j));
+        }
         let mut eigenvalues = Vec::with_capacity(4 * point.factors.len() + self.bounds.len());
         for (y, factor) in direction.chunks(TEN).zip(&point.factors) {
             let y = symmetric(y);
@@ -523,5 +528,11 @@ fn norm(x: &[f64]) -> f64 {
 }
 
 fn transposed_times(a: &Mat<f64>, x: &[f64]) -> Vec<f64> {
-    (0..a.ncols()).map(|j| x.iter().enumerate().map(|(i, x)| a[(i, j)] * x).sum()).collect()
+    let product = |j: usize| a.col_as_slice(j).iter().zip(x).map(|(a, x)| a * x).sum();
+    (0..a.ncols()).map(product).collect()
+}
+
+/// Adds `factor` times a column.
+fn add(to: &mut [f64], factor: f64, column: &[f64]) {
+    to.iter_mut().zip(column).for_each(|(y, x)| *y += factor * x);
 }

@@ -1,7 +1,7 @@
 """Numbers that judge `ConsistencyProblem`: the same problems by CVXPY with Clarabel.
 
-Reads `consistency_inputs.json` (written by `cargo test -p armident-ident --test consistency --
---ignored write_judge_inputs`) and writes `consistency.json` beside it, one object per case:
+Reads `consistency_inputs.json` (written by `cargo run -p armident-ident --example
+consistency_judge_inputs`) and writes `consistency.json` beside it, one object per case:
 
     stage_1    smallest |R (E theta - estimate)| over real links and effects, and E theta there
     weighted   minimiser of 1/2 |R (E theta - estimate)|^2 + weight d(theta): links, effects

@@ -149,38 +149,60 @@ impl Scaled {
         Direction { primal, dual, longest }
     }
 
-    /// Mean and smallest eigenvalue of `X S` after a step.
-    pub(super) fn after(&self, step: &Direction, length: f64) -> (f64, f64) {
-        let (mut sum, mut smallest, mut degree) = (0.0, f64::INFINITY, 0);
+    /// Mean eigenvalue of `X S` after a step; infinite outside the cone.
+    pub(super) fn mean_after(&self, step: &Direction, length: f64) -> f64 {
+        self.after(step, length, &mut Vec::new()).unwrap_or(f64::INFINITY)
+    }
+
+    /// The same with the products, symmetric ones of the same eigenvalues.
+    fn after(
+        &self,
+        step: &Direction,
+        length: f64,
+        products: &mut Vec<Matrix4<f64>>,
+    ) -> Option<f64> {
+        products.clear();
+        let (mut sum, mut degree) = (0.0, 0);
         for (k, d) in self.diagonals.iter().enumerate() {
             let own = TEN * k..TEN * (k + 1);
             let d = Matrix4::from_diagonal(d);
-            let Some(root) = (d + symmetric(&step.primal[own.clone()]) * length).cholesky() else {
-                return (f64::INFINITY, 0.0);
-            };
-            let root = root.l();
+            let root = (d + symmetric(&step.primal[own.clone()]) * length).cholesky()?.l();
             let dual = d + symmetric(&step.dual[own]) * length;
-            let values = (root.transpose() * dual * root).symmetric_eigenvalues();
-            sum += values.sum();
-            smallest = smallest.min(values.min());
+            let product = root.transpose() * dual * root;
+            sum += product.trace();
             degree += 4;
+            products.push(product);
         }
-        let first = TEN * self.diagonals.len();
-        for (k, d) in self.effect_diagonals.iter().enumerate().filter(|(_, d)| **d > 0.0) {
-            let value = (d + length * step.primal[first + k]) * (d + length * step.dual[first + k]);
-            sum += value;
-            smallest = smallest.min(value);
+        for product in self.effects_after(step, length) {
+            sum += product;
             degree += 1;
         }
-        (sum / f64::from(degree.max(1)), smallest)
+        Some(sum / f64::from(degree.max(1)))
+    }
+
+    fn effects_after(&self, step: &Direction, length: f64) -> impl Iterator<Item = f64> {
+        let first = TEN * self.diagonals.len();
+        let effects = self.effect_diagonals.iter().zip(&step.primal[first..]);
+        effects
+            .zip(&step.dual[first..])
+            .filter(|((d, _), _)| **d > 0.0)
+            .map(move |((d, primal), dual)| (d + length * primal) * (d + length * dual))
     }
 
     /// The longest step that keeps every eigenvalue of `X S` above a share of their mean: 1 at most.
     pub(super) fn length(&self, step: &Direction) -> f64 {
         let mut length = (TO_WALL * step.longest).min(1.0);
+        let mut products = Vec::with_capacity(self.diagonals.len());
         for _ in 0..MOST_CUTS {
-            let (mean, smallest) = self.after(step, length);
-            if smallest >= CENTRAL * mean {
+            let central = self.after(step, length, &mut products).is_some_and(|mean| {
+                let least = CENTRAL * mean;
+                let above = |product: &Matrix4<f64>| {
+                    (product - Matrix4::identity() * least).cholesky().is_some()
+                };
+                self.effects_after(step, length).all(|product| product >= least)
+                    && products.iter().all(above)
+            });
+            if central {
                 break;
             }
             length *= CUT;
