@@ -26,6 +26,8 @@ mod params_json;
 mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
+/// the steps of `armident.toml`
+mod run;
 
 /// cases made, diagnosed unseen and scored
 mod challenge;

@@ -3,6 +3,7 @@
 //! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
 //! The fields are described in `docs/json.md`.
 
+mod bar;
 mod check;
 mod consistency;
 mod diagnose;
@@ -13,6 +14,7 @@ mod plan;
 mod table;
 mod validate;
 
+pub use bar::Bars;
 pub use check::{ChannelRow, CheckReport};
 pub use consistency::ConsistencyReport;
 pub use diagnose::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
