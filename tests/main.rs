@@ -54,5 +54,5 @@ mod real_data;
 
 /// who may depend on whom, and what no file may hold
 mod flow;
-/// the commands of README.md and their output
+/// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;

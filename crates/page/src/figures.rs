@@ -593,8 +593,9 @@ pub(crate) fn confusion(
         .iter()
         .map(|row| columns.iter().map(|column| table[*row].get(*column).copied()).collect())
         .collect();
+    let most = z.iter().flatten().flatten().copied().max().unwrap_or(1);
     let data = json!({
-        "type": "heatmap", "x": columns, "y": rows, "z": z, "showscale": false, "zmin": 0,
+        "type": "heatmap", "x": columns, "y": rows, "z": z, "showscale": false, "zmin": 0, "zmax": most,
         "colorscale": [[0, "@middle"], [1, "#0072B2"]], "xgap": 2, "ygap": 2, "hoverongaps": false,
         "texttemplate": "%{z}",
         "hovertemplate": "concealed: %{y}<br>named: %{x}<br>%{z} times<extra></extra>"
