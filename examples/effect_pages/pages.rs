@@ -34,6 +34,8 @@ struct Prose {
     /// Joint of the picture, and of the command.
     #[serde(default)]
     joint: String,
+    /// The second of two neighbours.
+    other_joint: Option<String>,
     /// Parameters of the picture.
     parameters: Vec<f64>,
     /// Seconds of a contact.
@@ -118,8 +120,8 @@ fn page(law: &Law, prose: &Prose) -> String {
         );
     }
     let _ = writeln!(text, "\n## Signature\n\n![{}: its effort]({}.svg)\n\n{}\n", law.title, law.slug, prose.see.trim());
-    if prose.window_s.is_none() {
-        // contacts have a time window, for which the command line has no place
+    // the command line has no place for a time window and for a second joint
+    if prose.window_s.is_none() && prose.other_joint.is_none() {
         let joint = &prose.joint;
         let numbers: Vec<String> = prose.parameters.iter().map(ToString::to_string).collect();
         let _ = writeln!(
@@ -208,6 +210,7 @@ impl Arm {
         let law = effect.law();
         let mut on_joint = EffectOnJoint::new(law.slug, &prose.joint, prose.parameters.clone());
         on_joint.window_s = prose.window_s;
+        on_joint.other_joint.clone_from(&prose.other_joint);
         let arm = SimulatedArm::on_chain(&self.chain, &[on_joint])?;
         let with = efforts(&inverse(&arm, &self.trajectory)?);
         let added: Vec<Vec<f64>> = with
