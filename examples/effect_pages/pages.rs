@@ -64,7 +64,8 @@ pub(crate) fn pages() -> Result<BTreeMap<String, String>, Box<dyn Error>> {
     let mut table = String::from(INDEX);
     for effect in LIBRARY {
         let law = effect.law();
-        let prose = prose.get(law.slug).ok_or_else(|| format!("effects.toml has no [{}]", law.slug))?;
+        let prose =
+            prose.get(law.slug).ok_or_else(|| format!("effects.toml has no [{}]", law.slug))?;
         files.insert(format!("effects/{}.svg", law.slug), arm.picture(*effect, prose)?);
         files.insert(format!("effects/{}.md", law.slug), page(law, prose));
         let _ = writeln!(
@@ -106,7 +107,12 @@ fn acts_on(scope: Scope) -> &'static str {
 fn page(law: &Law, prose: &Prose) -> String {
     let mut text = format!("# {}\n\n{}\n\n", capital(law.title), prose.about.trim());
     let _ = writeln!(text, "```text\n{}\n```\n", law.formula);
-    let _ = writeln!(text, "Name in files and commands: `{}`. Acts on {}.\n", law.slug, acts_on(law.scope));
+    let _ = writeln!(
+        text,
+        "Name in files and commands: `{}`. Acts on {}.\n",
+        law.slug,
+        acts_on(law.scope)
+    );
     text += "| parameter | unit, rotational | unit, translational | sign |\n| --- | --- | --- | --- |\n";
     for p in law.parameters {
         let sign = match p.admissible {
@@ -119,7 +125,13 @@ fn page(law: &Law, prose: &Prose) -> String {
             p.name, p.unit_rotational, p.unit_translational
         );
     }
-    let _ = writeln!(text, "\n## Signature\n\n![{}: its effort]({}.svg)\n\n{}\n", law.title, law.slug, prose.see.trim());
+    let _ = writeln!(
+        text,
+        "\n## Signature\n\n![{}: its effort]({}.svg)\n\n{}\n",
+        law.title,
+        law.slug,
+        prose.see.trim()
+    );
     // the command line has no place for a time window and for a second joint
     if prose.window_s.is_none() && prose.other_joint.is_none() {
         let joint = &prose.joint;
@@ -145,7 +157,8 @@ fn page(law: &Law, prose: &Prose) -> String {
         let _ = writeln!(text, "| {name} | {} |", other.separated_by);
     }
     if !law.contains.is_empty() {
-        let names: Vec<String> = law.contains.iter().map(|slug| format!("[{slug}]({slug}.md)")).collect();
+        let names: Vec<String> =
+            law.contains.iter().map(|slug| format!("[{slug}]({slug}.md)")).collect();
         let _ = writeln!(
             text,
             "\nIt contains {}: its own name is given only where it beats that.",
@@ -153,10 +166,13 @@ fn page(law: &Law, prose: &Prose) -> String {
         );
     }
     let held = match (law.export.urdf, law.export.mjcf) {
-        (None, None) => "Neither URDF nor MJCF has a place for it: `export` says that it is lost.".to_owned(),
+        (None, None) => {
+            "Neither URDF nor MJCF has a place for it: `export` says that it is lost.".to_owned()
+        }
         (urdf, mjcf) => {
             let place = |format: &str, attribute: Option<&str>| {
-                attribute.map_or_else(|| format!("lost in {format}"), |a| format!("`{a}` in {format}"))
+                attribute
+                    .map_or_else(|| format!("lost in {format}"), |a| format!("`{a}` in {format}"))
             };
             format!("`export` writes it as {} and {}.", place("URDF", urdf), place("MJCF", mjcf))
                 .replace("as lost in URDF and ", "only as ")
@@ -251,7 +267,10 @@ impl Arm {
                 .caption(format!("f on {}", name(most)), ("sans-serif", 14))
                 .x_label_area_size(36)
                 .y_label_area_size(52)
-                .build_cartesian_2d(range(points.iter().map(|p| p.0)), range(points.iter().map(|p| p.1)))?;
+                .build_cartesian_2d(
+                    range(points.iter().map(|p| p.0)),
+                    range(points.iter().map(|p| p.1)),
+                )?;
             grid(&mut chart, label)?;
             chart.draw_series(points.iter().map(|p| Circle::new(*p, 1, COLOURS[0].filled())))?;
             let all = lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.1));
@@ -281,7 +300,8 @@ impl Arm {
     }
 }
 
-type Plane = Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>;
+type Plane =
+    Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>;
 
 fn grid<DB: DrawingBackend>(
     chart: &mut ChartContext<'_, DB, Plane>,
@@ -313,7 +333,8 @@ fn thinned(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
 
 /// A range a little wider than the values.
 fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     let more = (0.06 * (high - low)).max(0.05 * high.abs()).max(1e-6);
     low - more..high + more
 }

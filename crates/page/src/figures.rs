@@ -554,7 +554,7 @@ pub(crate) fn reliability(bins: &[Reliability]) -> Option<Figure> {
         }),
     ];
     let layout = json!({
-        "hovermode": "closest",
+        "hovermode": "closest", "hoverdistance": -1,
         "xaxis": { "title": { "text": "confidence that was stated" }, "range": [0, 1.03], "automargin": true },
         "yaxis": { "title": { "text": "share that is right" }, "range": [0, 1.05], "automargin": true },
     });
