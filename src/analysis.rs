@@ -182,7 +182,7 @@ impl Analysis {
             }
             DeValue::Array(values) => {
                 let mut texts = Vec::new();
-                for value in values.iter() {
+                for value in values {
                     texts.push(match value.get_ref().as_table() {
                         Some(table) => parts(table).ok_or_else(|| {
                             let what = format!("`{key}` cannot hold this");

@@ -757,8 +757,22 @@ fn parse_slug(text: &str) -> Result<String, String> {
     if known {
         return Ok(text.to_owned());
     }
-    let slugs: Vec<&str> = armident_effects::LIBRARY.iter().map(|e| e.law().slug).collect();
-    Err(format!("there is no such effect; there are {} and unlisted", slugs.join(", ")))
+    Err(no_effect(text, &["unlisted"]))
+}
+
+/// A name that no effect has, and the one that may be meant.
+fn no_effect(text: &str, more: &[&'static str]) -> String {
+    /// Similarity by Jaro and Winkler, 0 to 1, which weighs the beginning.
+    const SIMILAR: f64 = 0.85;
+    let slugs = armident_effects::LIBRARY.iter().map(|e| e.law().slug).chain(more.iter().copied());
+    let known: Vec<&str> = slugs.collect();
+    let near = known
+        .iter()
+        .map(|slug| (strsim::jaro_winkler(text, slug), slug))
+        .filter(|(similarity, _)| *similarity > SIMILAR)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let meant = near.map_or_else(String::new, |(_, slug)| format!("; did you mean {slug}?"));
+    format!("there is no effect `{text}`{meant} (there are {})", known.join(", "))
 }
 
 fn parse_challenge_fail_on(text: &str) -> Result<ChallengeFailOn, String> {
@@ -847,6 +861,9 @@ fn parse_effect(text: &str) -> Result<armident_effects::EffectOnJoint, String> {
     let form = "expected EFFECT:JOINT=P1[,P2..], for example coulomb_friction:joint_2=4.5";
     let (effect, rest) = text.split_once(':').ok_or(form)?;
     let (joint, numbers) = rest.rsplit_once('=').ok_or(form)?;
+    if armident_effects::effect(effect).is_none() {
+        return Err(no_effect(effect, &[]));
+    }
     let on_joint = armident_effects::EffectOnJoint::new(effect, joint, parse_numbers(numbers)?);
     on_joint.resolve().map_err(|e| e.to_string())?;
     Ok(on_joint)

@@ -105,6 +105,7 @@ fn visible(text: &str) -> Range<usize> {
 
 /// Fields of a line of comma-separated text; an empty one is its comma.
 fn fields(text: &str) -> Vec<Range<usize>> {
+    let text_len = text.len();
     let mut quoted = false;
     let mut start = 0;
     let mut fields = Vec::new();
@@ -115,7 +116,7 @@ fn fields(text: &str) -> Vec<Range<usize>> {
                 let field = start..i;
                 let text = visible(&text[field.clone()]);
                 fields.push(if text.is_empty() {
-                    start.saturating_sub(1)..i + 1
+                    start.saturating_sub(1)..(i + 1).min(text_len)
                 } else {
                     start + text.start..start + text.end
                 });
@@ -133,12 +134,9 @@ mod tests {
 
     #[test]
     fn fields_of_a_row() {
-        let row = "0.1, 2,\"a,b\",,x";
-        let texts: Vec<&str> = fields(row)
-            .into_iter()
-            .map(|range| &row[range.start..range.end.min(row.len())])
-            .collect();
-        assert_eq!(texts, ["0.1", "2", "\"a,b\"", ",,", "x"]);
+        let row = "0.1, 2,\"a,b\",,x,";
+        let texts: Vec<&str> = fields(row).into_iter().map(|range| &row[range]).collect();
+        assert_eq!(texts, ["0.1", "2", "\"a,b\"", ",,", "x", ","]);
     }
 
     #[test]

@@ -65,7 +65,6 @@ impl Failure {
         )
     }
 
-    #[expect(clippy::print_stderr, reason = "the one place where failures are shown")]
     pub(crate) fn print(&self) {
         anstream::eprintln!("{ERROR}error:{ERROR:#} {}", self.what);
         if !self.place.is_empty() {

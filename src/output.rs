@@ -42,7 +42,6 @@ pub(crate) fn write_result(
 }
 
 /// One line on stderr per message, unless quiet.
-#[expect(clippy::print_stderr, reason = "the one place where messages are shown")]
 pub(crate) fn say_all(output: &OutputArgs, kind: &str, messages: &[String]) {
     if !output.quiet {
         let style = if kind == "warning" { WARNING } else { NOTE };

@@ -46,7 +46,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-#[expect(clippy::print_stderr, reason = "a message")]
 fn say(step: usize, line: &str) {
     let gap = if step == 0 { "" } else { "\n" };
     anstream::eprintln!("{gap}$ {line}");

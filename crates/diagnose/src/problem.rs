@@ -427,7 +427,7 @@ impl Whitened<'_> {
 
     /// The same of the posterior with the laws as they are, and what a unit of each coefficient of the fit
     /// does to the standard parameters.
-    pub(crate) fn inertial_posterior(&self, fit: &Fit) -> Option<(Vec<Vec<f64>>, Vec<Vec<f64>>)> {
+    pub(crate) fn inertial_posterior(&self, fit: &Fit) -> Option<[Vec<Vec<f64>>; 2]> {
         let Prior { weight, cholesky, directions, .. } = self.prior.as_ref()?;
         let rigid = self.problem.rigid;
         // A = L L': the rows of L^-1 D
@@ -450,7 +450,7 @@ impl Whitened<'_> {
                     .collect()
             })
             .collect();
-        Some((rows, sensitivity))
+        Some([rows, sensitivity])
     }
 
     /// Rows whose outer products add up to the covariance of the coefficients of a fit.

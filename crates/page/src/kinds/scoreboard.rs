@@ -117,7 +117,7 @@ impl Case {
     }
 }
 
-pub(crate) fn view(of: Scoreboard, drawing: &Drawing) -> View {
+pub(crate) fn view(of: &Scoreboard, drawing: &Drawing) -> View {
     let sum =
         |rate: fn(&Group) -> Rate| of.groups.iter().map(rate).fold(Rate::default(), Rate::and);
     let (named, alarms) = (sum(|g| g.recall), sum(|g| g.false_alarms));
@@ -143,10 +143,10 @@ pub(crate) fn view(of: Scoreboard, drawing: &Drawing) -> View {
             Tone::Bad
         },
         headline,
-        sentences: sentences(&of, named, wrong),
-        next: next(&of, drawing),
-        overview: overview(&of),
-        sections: of.groups.iter().map(group).chain([cases(&of)]).collect(),
+        sentences: sentences(of, named, wrong),
+        next: next(of, drawing),
+        overview: overview(of),
+        sections: of.groups.iter().map(group).chain([cases(of)]).collect(),
         robot: format!("{} cases", of.cases.len()),
         ..View::default()
     }
