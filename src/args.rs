@@ -17,7 +17,7 @@ Start here:
   armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
   armident diagnose urdf/ur10.urdf log.csv                 what does the model leave out
-  armident run                                             the steps of armident.toml, again and again
+  armident run                                             the steps of armident.toml
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
 /acceleration, /effort (rad, m, N m, N), Parquet files of such columns, or MCAP files of ROS 2 joint
