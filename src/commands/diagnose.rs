@@ -64,10 +64,10 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         } else if let Some(terms) = args.placebo {
             diagnose_with_placebo(&model, train, terms).map(|(diagnosis, tried)| {
                 placebo = Some(tried);
-                (DiagnosedModel::believed(&model), diagnosis)
+                (diagnosis.believed.clone(), diagnosis)
             })
         } else {
-            diagnose(&model, train).map(|diagnosis| (DiagnosedModel::believed(&model), diagnosis))
+            diagnose(&model, train).map(|diagnosis| (diagnosis.believed.clone(), diagnosis))
         }
     });
     let Some(heard) = heard else {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use armident_diagnose::{Books, DiagnosedModel, diagnose};
+use armident_diagnose::{Books, diagnose};
 use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_recording::{JointChannels, Recording};
@@ -81,7 +81,7 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     };
     let heard = books.hear(believed.chain.dof(), &train, &[], |train, _| {
         let diagnosis = diagnose(&believed, train)?;
-        Ok((DiagnosedModel::believed(&believed), diagnosis))
+        Ok((diagnosis.believed.clone(), diagnosis))
     });
     let Some(heard) = heard else {
         return handed_in(&DiagnoseReport::of_wrong_books(&believed.chain, &books, inputs), None);

@@ -84,6 +84,22 @@ pub struct JointAtlas {
     pub regimes: Vec<Regime>,
 }
 
+/// Multiple of the noise in the band below which a joint's efforts are explained: several times what the
+/// estimate of the noise is uncertain by.
+const EXPLAINED: f64 = 3.0;
+
+impl JointAtlas {
+    /// What the diagnosed model leaves over, in units of the noise.
+    pub fn left_over_noise(&self) -> f64 {
+        self.after / self.noise.max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether the diagnosed model leaves over little more than noise.
+    pub fn explained(&self) -> bool {
+        self.left_over_noise() < EXPLAINED
+    }
+}
+
 /// What kind of structure has no name.
 #[derive(Debug, Clone, Serialize)]
 pub struct Character {

@@ -8,6 +8,7 @@ use armident_ident::check::{
 use armident_recording::{Motion, MotionSettings, Quantity, Recording, common_cutoff_hz};
 use serde::Serialize;
 
+use crate::atlas::JointAtlas;
 use crate::diagnosis::{DiagnoseError, Diagnosis, usable_signals};
 use crate::findings::Finding;
 use crate::model::DiagnosedModel;
@@ -28,8 +29,6 @@ pub struct DriveGain {
     pub determined: bool,
 }
 
-/// Multiple of the noise in the band below which a joint's efforts are explained.
-const EXPLAINED: f64 = 3.0;
 /// Relative error of all links beyond which they may be anything.
 const MOST_BELIEVED: f64 = 0.2;
 /// A probability that leaves no doubt.
@@ -189,8 +188,8 @@ impl Books {
             return;
         }
         let explained = |joint: Option<&String>| {
-            let of = diagnosis.atlas.iter().filter(|a| joint.is_none_or(|j| a.joint == *j));
-            of.map(|a| a.after / a.noise.max(f64::MIN_POSITIVE)).fold(0.0, f64::max) < EXPLAINED
+            let mut of = diagnosis.atlas.iter().filter(|a| joint.is_none_or(|j| a.joint == *j));
+            of.all(JointAtlas::explained)
         };
         self.faults.retain(|fault| !explained(fault.joint.as_ref()));
     }

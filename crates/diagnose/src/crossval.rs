@@ -1,11 +1,11 @@
 //! Blocked cross-validation: what an effect explains must also be explained in stretches of the
 //! recordings that its coefficients have not seen.
 
-use armident_effects::EVERYDAY;
+use armident_effects::{EVERYDAY, Onset};
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::problem::{Group, Meaning, PRICE_OF_SELDOM, Problem, Whitened};
 use crate::rows::Blocks;
 use crate::search::{Answer, all_admissible, answer};
 
@@ -14,6 +14,9 @@ const BLOCKS_PER_RECORDING: usize = 3;
 
 /// Stretches where only the error is asked for: short, so that little is missing in the fit.
 const SHORT_BLOCKS: usize = 10;
+
+/// Least length of a stretch, where many are wanted \[s\]: about as long as a motion goes one way.
+const SHORTEST_BLOCK_S: f64 = 1.0;
 
 /// The problem of an answer cut into what is fitted and what is predicted.
 struct Fold {
@@ -46,23 +49,15 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
                 .iter()
                 .filter_map(|g| small_id(*g))
                 .collect();
-            // on the joints where it acts; as a ratio, so that no stretch outweighs the others
-            let joints: Vec<usize> = if group.site.joints.is_empty() || group.transform.is_some() {
-                (0..metric.problem.rows.joints()).collect()
-            } else {
-                group.site.joints.clone()
-            };
-            let total = |errors: &[f64]| joints.iter().map(|j| errors[*j]).sum::<f64>();
-            let gains: Vec<f64> = errors(&rest)
-                .iter()
-                .zip(&with)
-                .map(|(without, with)| (total(without) / total(with)).ln())
-                .filter(|gain| gain.is_finite())
-                .collect();
+            let gains = gains(group, &errors(&rest), &with);
             if gains.len() < 2 {
                 continue;
             }
-            let ratio = in_standard_errors(&gains);
+            let mut ratio = in_standard_errors(&gains);
+            if metric.problem.rows.changed_from > 0 {
+                let least = least_evidence(metric.problem.groups.len(), group);
+                ratio = ratio.min(evidence(metric.problem, group, &gains) / least);
+            }
             if ratio < 1.0 && worst.is_none_or(|w| ratio < w.0) {
                 worst = Some((ratio, g));
             }
@@ -72,6 +67,85 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
         let plain: Vec<usize> = of.set.iter().copied().filter(|o| *o != g).collect();
         match answer(metric, rest).or_else(|| answer(metric, plain)) {
             Some(next) => of = next,
+            None => return of,
+        }
+    }
+}
+
+/// Logarithms of the error of stretches without a group over that with it, on the joints where it acts: as
+/// a ratio, so that no stretch outweighs the others.
+fn gains(group: &Group, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
+    let total = |errors: &Vec<f64>| match acts_everywhere(group) {
+        true => errors.iter().sum::<f64>(),
+        false => group.site.joints.iter().map(|j| errors[*j]).sum(),
+    };
+    let pairs = without.iter().zip(with);
+    pairs.map(|(w, o)| (total(w) / total(o)).ln()).filter(|gain| gain.is_finite()).collect()
+}
+
+/// Whether a group loads other joints than those it is named by.
+fn acts_everywhere(group: &Group) -> bool {
+    group.site.joints.is_empty() || group.transform.is_some()
+}
+
+/// Chance of a change that is none, among all that are tried; and how many standard errors the gain in the
+/// stretches must be off zero.
+const CHANCE: f64 = 0.01;
+const CONSISTENT: f64 = 2.0;
+
+/// Twice the logarithm of how much more probable a group makes stretches of a change that were not fitted.
+fn evidence(problem: &Problem, group: &Group, gains: &[f64]) -> f64 {
+    let rows = &problem.rows;
+    let judged = (rows.len() - rows.judged_from()) as f64 / gains.len().max(1) as f64;
+    let joints = if acts_everywhere(group) { rows.joints() } else { group.site.joints.len() };
+    rows.share * judged * joints as f64 * gains.iter().sum::<f64>()
+}
+
+/// What that must be for a group chosen from so many.
+fn least_evidence(choices: usize, group: &Group) -> f64 {
+    let seldom = if group.onset() == Onset::Seldom { PRICE_OF_SELDOM } else { 0.0 };
+    2.0 * (choices as f64 / CHANCE).ln() + seldom
+}
+
+/// Adds the changes by which stretches that were not fitted become clearly more probable, the most probable
+/// first. The search prices every coefficient of a change by the number of independent samples, of which an
+/// imperfect model has few; a stretch that was not fitted has paid for them already.
+pub(crate) fn with_changes(metric: &Whitened<'_>, mut of: Answer) -> Answer {
+    let problem = metric.problem;
+    let linear = |g: &usize| {
+        let group = &problem.groups[*g];
+        matches!(group.meaning, Meaning::Law(_))
+            && group.shape.is_empty()
+            && group.site.window.is_none()
+    };
+    loop {
+        let candidates: Vec<usize> = (0..problem.groups.len())
+            .filter(|g| linear(g) && !of.set.contains(g))
+            .filter(|g| of.set.iter().all(|o| !problem.groups[*o].excludes(&problem.groups[*g])))
+            .collect();
+        let all = [of.set.clone(), candidates.clone()].concat();
+        let (small, ids) = problem.restricted(&all);
+        let folds = folds(&small);
+        let errors = |set: &[usize]| -> Vec<Vec<f64>> {
+            folds.iter().map(|f| f.errors(set, metric.scale, &metric.wide)).collect()
+        };
+        let set = &ids[..of.set.len()];
+        let without = errors(set);
+        let mut best: Option<(f64, Answer)> = None;
+        for (&g, &id) in candidates.iter().zip(&ids[of.set.len()..]) {
+            let group = &problem.groups[g];
+            let gains = gains(group, &without, &errors(&[set, &[id]].concat()));
+            let evidence = evidence(problem, group, &gains);
+            let least = least_evidence(candidates.len(), group);
+            let sure = gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT;
+            if !sure || evidence < least || best.as_ref().is_some_and(|b| b.0 >= evidence - least) {
+                continue;
+            }
+            let found = answer(metric, [of.set.clone(), vec![g]].concat());
+            best = found.map(|found| (evidence - least, found)).or(best);
+        }
+        match best {
+            Some((_, found)) => of = found,
             None => return of,
         }
     }
@@ -275,8 +349,14 @@ fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
 
 /// One fold for every stretch.
 fn folds(problem: &Problem) -> Vec<Fold> {
-    let starts = &problem.rows.starts[problem.rows.changed_from..];
-    folds_of(problem, starts, BLOCKS_PER_RECORDING)
+    let rows = &problem.rows;
+    let starts = &rows.starts[rows.changed_from..];
+    if rows.changed_from == 0 {
+        return folds_of(problem, starts, BLOCKS_PER_RECORDING);
+    }
+    let longest = starts.windows(2).map(|p| p[1] - p[0]).max().unwrap_or(0) as f64 / rows.rows_hz;
+    let blocks = ((longest / SHORTEST_BLOCK_S) as usize).clamp(BLOCKS_PER_RECORDING, SHORT_BLOCKS);
+    folds_of(problem, starts, blocks)
 }
 
 fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {

@@ -41,6 +41,9 @@ pub struct Diagnosis {
     pub model: DiagnosedModel,
     /// The believed model with its rigid body identified again.
     pub rigid: DiagnosedModel,
+    /// The believed model, with the low-passes of the diagnosed one: what these take of the noise of encoders
+    /// is no physics.
+    pub believed: DiagnosedModel,
     /// for each finding, the model that does without it
     pub(crate) without: Vec<Option<DiagnosedModel>>,
     /// for each finding, the models with its alternatives in its place
@@ -155,6 +158,9 @@ fn told(
         .collect();
     let mut rigid = rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
     choose_outputs(&mut rigid, evidence)?;
+    let mut believed = DiagnosedModel::believed(model);
+    believed.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
+    believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
     let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
     let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
     let at = match findings.iter().any(unnamed) {
@@ -175,13 +181,14 @@ fn told(
         }
         finding.evidence.character = Some(character(evidence, &at, joint, &effort));
     }
-    let atlas = atlas(evidence, &DiagnosedModel::believed(model), &rigid, &learned_model)?;
+    let atlas = atlas(evidence, &believed, &rigid, &learned_model)?;
     Ok(Diagnosis {
         atlas,
         constants,
         findings,
         model: learned_model,
         rigid,
+        believed,
         without,
         rivals,
         effort_noise: names.iter().cloned().zip(evidence.rows.sample_deviation.clone()).collect(),
@@ -273,13 +280,13 @@ impl Diagnosis {
         Ok(())
     }
 
-    /// Puts the doubt in the gains of drives into the standard errors of masses: a mass is the gain's as
-    /// much as the efforts'.
+    /// Puts the doubt in the gains of drives into the standard errors of masses and moments: they are the
+    /// gain's as much as the efforts'.
     pub fn doubt_gains(&mut self, gains: &[DriveGain]) {
         for finding in self.findings.iter_mut().filter(|f| f.link.is_some()) {
             let of_joint = |name: &str| gains.iter().find(|g| g.joint == name);
             let Some(gain) = of_joint(&finding.evidence.joint) else { continue };
-            for name in ["mass", "delta_mass"] {
+            for name in ["mass", "delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"] {
                 if let Some(value) = finding.parameters.get_mut(name) {
                     let own = value.stderr.unwrap_or(0.0);
                     value.stderr = Some(own.hypot(value.value * gain.relative_stderr()));

@@ -205,7 +205,9 @@ const IN_A_DESCRIPTION: f64 = 0.45;
 
 fn described_anyway(problem: &Problem, answer: &Answer, group: &Group) -> bool {
     let friction = [Place::Viscous, Place::Drag];
-    if !group.places.iter().any(|p| friction.contains(p)) {
+    if matches!(group.meaning, Meaning::Flexible(_))
+        || !group.places.iter().any(|p| friction.contains(p))
+    {
         return false;
     }
     answer.set.iter().map(|g| &problem.groups[*g]).any(|other| {
@@ -270,6 +272,9 @@ fn stem(source: &str) -> String {
         .map_or_else(|| source.to_owned(), |s| s.to_string_lossy().into_owned())
 }
 
+/// Slope over the columns' unit below which a number of a body does not appear in them.
+const UNSEEN: f64 = 1e-6;
+
 fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Value> {
     let View { evidence, metric, answer, point, ref gain } = *view;
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
@@ -327,13 +332,16 @@ fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Valu
         .iter()
         .zip(&values)
         .enumerate()
-        .map(|(p, (parameter, &value))| {
+        .filter_map(|(p, (parameter, &value))| {
             let variance: f64 = (0..coefficients.len())
                 .flat_map(|a| (0..coefficients.len()).map(move |b| (a, b)))
                 .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
                 .sum();
             let stderr = (variance > 0.0).then(|| variance.sqrt());
-            (parameter.name, Value { value, stderr, unit: parameter.unit(kind) })
+            // a number of a body that none of the efforts holds
+            let unseen = group.transform.is_some() && slopes.iter().all(|s| s[p].abs() < UNSEEN);
+            (!unseen)
+                .then_some((parameter.name, Value { value, stderr, unit: parameter.unit(kind) }))
         })
         .collect()
 }

@@ -74,11 +74,14 @@ pub enum Form {
     Size,
     /// `v²`
     Square,
+    /// Direction of motion, `sign(v)`, bridged where the joint stops.
+    Direction,
 }
 
 impl Factor {
-    fn value(&self, v: f64) -> f64 {
+    fn value(&self, v: f64, direction: f64) -> f64 {
         match self.form {
+            Form::Direction => direction,
             Form::Linear => v,
             Form::SignedSquare => v * v.abs(),
             Form::Cube => v * v * v,
@@ -160,6 +163,7 @@ impl Basis {
             match factor.form {
                 Form::Linear if own(&factor.joint) => places.push(Place::Viscous),
                 Form::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
+                Form::Direction if own(&factor.joint) => places.push(Place::Dry),
                 _ => {}
             }
         }
@@ -169,6 +173,19 @@ impl Basis {
     /// Number of functions.
     fn size(&self) -> usize {
         self.axes.iter().map(|a| a.knots).product()
+    }
+
+    /// Product of the factors over a motion; joints that are not there rest.
+    fn factor_values(&self, at: &At<'_>, index: &impl Fn(&str) -> Option<usize>) -> Vec<f64> {
+        let mut product = vec![1.0; at.signals.len()];
+        for factor in &self.factors {
+            let joint = index(&factor.joint);
+            for (t, p) in product.iter_mut().enumerate() {
+                let of = |values: &[Vec<f64>]| joint.map_or(0.0, |j| values[j][t]);
+                *p *= factor.value(of(&at.signals.velocity), of(&at.signals.direction));
+            }
+        }
+        product
     }
 
     /// Values of the functions over a motion, `[function][sample]`.
@@ -183,15 +200,8 @@ impl Basis {
         };
         let axes: Vec<Option<&[f64]>> =
             self.axes.iter().map(|a| column(&a.joint, a.quantity)).collect();
-        let factors: Vec<Option<&[f64]>> =
-            self.factors.iter().map(|f| column(&f.joint, Quantity::Velocity)).collect();
-        for t in 0..samples {
-            let factor: f64 = self
-                .factors
-                .iter()
-                .zip(&factors)
-                .map(|(f, v)| f.value(v.map_or(0.0, |v| v[t])))
-                .product();
+        let factors = self.factor_values(at, index);
+        for (t, &factor) in factors.iter().enumerate() {
             // hats overlap in pairs: at most four products are not zero
             let mut cells = vec![(0, factor)];
             for (axis, values) in self.axes.iter().zip(&axes) {
@@ -349,7 +359,14 @@ fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis
         Basis { factors: Vec::new(), axes: vec![axis(joint, Quantity::Position, POSITION_KNOTS)] },
         Basis { factors: Vec::new(), axes: vec![axis(joint, Quantity::Velocity, VELOCITY_KNOTS)] },
     ];
-    for form in [Form::Linear, Form::SignedSquare, Form::Cube, Form::Saturating] {
+    // the teeth of a gear or the poles of a motor are felt in its friction too
+    for form in [Form::Linear, Form::Direction] {
+        bases.push(Basis {
+            factors: vec![factor(joint, form)],
+            axes: vec![axis(joint, Quantity::Position, POSITION_KNOTS)],
+        });
+    }
+    for form in [Form::Linear, Form::Direction, Form::SignedSquare, Form::Cube, Form::Saturating] {
         for along in std::iter::once(joint).chain(others.iter().copied()) {
             bases.push(Basis {
                 factors: vec![factor(joint, form)],
@@ -408,31 +425,9 @@ fn reduced(
     effort: f64,
 ) -> Option<(Flexible, Vec<Vec<f64>>)> {
     let rows = rows_of(evidence, at, joint, &basis);
-    let factor: f64 = {
-        let squares: f64 = at
-            .iter()
-            .flat_map(|at| {
-                let index = |name: &str| evidence.names.iter().position(|n| n == name);
-                let velocities: Vec<Option<&Vec<f64>>> = basis
-                    .factors
-                    .iter()
-                    .map(|f| index(&f.joint).map(|j| &at.signals.velocity[j]))
-                    .collect();
-                (0..at.signals.len())
-                    .map(|t| {
-                        basis
-                            .factors
-                            .iter()
-                            .zip(&velocities)
-                            .map(|(f, v)| f.value(v.map_or(0.0, |v| v[t])))
-                            .product::<f64>()
-                            .powi(2)
-                    })
-                    .collect::<Vec<f64>>()
-            })
-            .sum();
-        (squares / at.iter().map(|at| at.signals.len()).sum::<usize>() as f64).sqrt()
-    };
+    let index = |name: &str| evidence.names.iter().position(|n| n == name);
+    let factors: Vec<f64> = at.iter().flat_map(|at| basis.factor_values(at, &index)).collect();
+    let factor = (dot(&factors, &factors) / factors.len().max(1) as f64).sqrt();
     let deviation = ROUGHNESS * effort / factor.max(f64::MIN_POSITIVE);
     let (values, vectors) = symmetric_eigen(&basis.penalty()).ok()?;
     let size = basis.size();

@@ -16,6 +16,9 @@ pub(crate) const LEAST: f64 = 0.8;
 pub(crate) const LEAST_BESIDE_INERTIA: f64 = 0.6;
 /// What a joint's own leftover hides: nothing smaller is named there.
 const SHARE_OF_EXCESS: f64 = 0.9;
+/// The same for a change: an imperfect model is imperfect before and after, and a change must hold in stretch
+/// after stretch (`crossval::least_gain`).
+const SHARE_FOR_CHANGE: f64 = 0.3;
 
 /// How much an effect matters, on the joint where it matters most.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +57,10 @@ pub(crate) fn band_noise(problem: &Problem, joint: usize) -> f64 {
     rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
 
+fn share_of_excess(problem: &Problem) -> f64 {
+    if problem.rows.changed_from > 0 { SHARE_FOR_CHANGE } else { SHARE_OF_EXCESS }
+}
+
 /// How much a group of an answer matters: against the answer without it, its simpler relative in its
 /// place.
 pub(crate) fn materiality(
@@ -78,8 +85,11 @@ pub(crate) fn materiality(
         for j in 0..with.len() {
             let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
             let value = (square(&rest[j]) - square(&with[j])).max(0.0).sqrt();
-            let found =
-                Materiality { value, least: least.max(SHARE_OF_EXCESS * left[j]), joint: j };
+            let found = Materiality {
+                value,
+                least: least.max(share_of_excess(problem) * left[j]),
+                joint: j,
+            };
             if found.ratio() > worst.ratio() {
                 worst = found;
             }
@@ -198,7 +208,8 @@ fn effort_materiality(problem: &Problem, terms: &[(usize, f64)], left: &[f64]) -
             }
         }
         let value = problem.rows.in_sample_noise(j, &effort);
-        let found = Materiality { value, least: LEAST.max(SHARE_OF_EXCESS * left), joint: j };
+        let least = LEAST.max(share_of_excess(problem) * left);
+        let found = Materiality { value, least, joint: j };
         if found.ratio() > worst.ratio() {
             worst = found;
         }

@@ -1,6 +1,6 @@
 //! The weighted linear problem: columns, their products, and the groups of columns that are laws.
 
-use armident_effects::Place;
+use armident_effects::{Onset, Place, effect};
 use armident_numeric::{Cholesky, Mat, gram_of_columns};
 
 use crate::rows::{Blocks, Rows};
@@ -12,6 +12,8 @@ const LEAST_UNIQUE: f64 = 1e-6;
 /// Price of a group in the score: the logarithm of the some three hundred groups it was chosen from,
 /// doubled.
 pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
+/// Price of a change that seldom comes about: odds of one in a hundred against those that often do.
+pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
 
 /// How many times larger the errors of a link with a wrong body may be than those of all others.
 const WIDE: f64 = 12.0;
@@ -54,6 +56,14 @@ impl Group {
         match &self.meaning {
             Meaning::Law(slug) => slug,
             Meaning::Flexible(_) => crate::UNMODELLED,
+        }
+    }
+
+    /// How often it comes about between two recordings.
+    pub(crate) fn onset(&self) -> Onset {
+        match self.meaning {
+            Meaning::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
+            Meaning::Flexible(_) => Onset::Seldom,
         }
     }
 
@@ -376,7 +386,16 @@ impl Whitened<'_> {
         samples * (sum_of_squares / rows).ln()
             + samples.ln() * (columns + searched) as f64
             + PRICE_OF_CHOICE * (set.len() + self.wide.len()) as f64
+            + PRICE_OF_SELDOM * self.seldom(set) as f64
             + self.log_determinant
+    }
+
+    /// Number of groups that seldom come about between two recordings, where a change is sought.
+    fn seldom(&self, set: &[usize]) -> usize {
+        if self.problem.rows.changed_from == 0 {
+            return 0;
+        }
+        set.iter().filter(|g| self.problem.groups[**g].onset() == Onset::Seldom).count()
     }
 
     /// Posterior mean of the relative inertial errors, and with it the change of all standard

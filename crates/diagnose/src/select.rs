@@ -7,7 +7,7 @@ use armident_effects::{Place, Scope, effect};
 use armident_numeric::{Cholesky, gram_of_columns};
 
 use crate::contact::ContactColumns;
-use crate::crossval::{confirm, imperfection, with_everyday_terms};
+use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
 use crate::learn::View;
@@ -124,14 +124,18 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let metric = problem.whitened(best.scale, &best.wide);
         let pruned = prune(&metric, best.answer.clone(), &point);
         if is_still(&moves(&problem, &pruned, &point), &point) || pass + 1 == PASSES {
-            best = with_hidden_motion(evidence, &at, &mut problem, starts, &memory, best);
+            best = with_hidden_motion(evidence, &at, &contact, &mut problem, starts, &memory, best);
             best.answer = with_held(&problem, &best, &point);
         }
         let Best { scale, wide, answer: found } = best;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
-        let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found);
+        let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found, |_| true);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
-        let found = confirm(&problem.whitened(scale, &wide), found, &point);
+        let mut found = confirm(&problem.whitened(scale, &wide), found, &point);
+        if seeks_change {
+            let metric = problem.whitened(scale, &wide);
+            found = prune(&metric, with_changes(&metric, found), &point);
+        }
         let fractional = fractional_ripples(evidence, &problem, &found);
         memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
         let again = !fractional.is_empty();
@@ -391,6 +395,7 @@ fn search_at(
 fn with_hidden_motion(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
+    contact: &ContactColumns,
     problem: &mut Problem,
     mut starts: Vec<Vec<usize>>,
     memory: &Memory,
@@ -412,6 +417,16 @@ fn with_hidden_motion(
                 driven.push(j);
                 offered.extend(transmission::offer(evidence, at, problem, j));
             }
+        }
+    }
+    // a resonance is narrower than the steps of a grid
+    for &joint in &driven {
+        let metric = (found.scale, &found.wide[..]);
+        let near = nearest_spring(problem, metric, &found.answer, joint, &offered);
+        let spring = |g: &Group| g.slug() == "joint_elasticity" && g.site.joints == [joint];
+        if let Some(near) = near.filter(|n| n.score < found.answer.score) {
+            let polished = refine(evidence, at, contact, problem, metric, near, spring);
+            starts.push(polished.set);
         }
     }
     starts.extend(offered.iter().map(|g| vec![*g]));
@@ -446,6 +461,27 @@ fn with_hidden_motion(
         keep_better(&mut best, with_all);
     }
     best.unwrap_or(fallback)
+}
+
+/// An answer with the spring on a joint, of those offered, that explains most beside it.
+fn nearest_spring(
+    problem: &Problem,
+    (scale, wide): (f64, &[usize]),
+    beside: &Answer,
+    joint: usize,
+    offered: &[usize],
+) -> Option<Answer> {
+    let metric = problem.whitened(scale, wide);
+    let groups = &problem.groups;
+    let springs = offered
+        .iter()
+        .filter(|g| groups[**g].slug() == "joint_elasticity" && groups[**g].site.joints == [joint]);
+    springs
+        .filter_map(|&g| {
+            let others = beside.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g]));
+            answer(&metric, others.chain([g]).collect())
+        })
+        .min_by(|a, b| a.score.total_cmp(&b.score))
 }
 
 /// Places of a scale and of those beside it.
@@ -601,6 +637,7 @@ fn refine(
     problem: &mut Problem,
     (scale, wide): (f64, &[usize]),
     found: Answer,
+    polished: impl Fn(&Group) -> bool,
 ) -> Answer {
     // a problem of the answer's columns alone: trials are then cheap
     let (mut small, set) = problem.restricted(&found.set);
@@ -608,7 +645,11 @@ fn refine(
     for _ in 0..2 {
         for k in 0..best.set.len() {
             let group = small.groups[best.set[k]].clone();
-            let count = if group.slug() == "torque_ripple" { 1 } else { group.shape.len() };
+            let count = match group.slug() {
+                _ if !polished(&group) => 0,
+                "torque_ripple" => 1,
+                _ => group.shape.len(),
+            };
             for c in 0..count {
                 let (mut step, smallest, relative) = step_of(&group, c);
                 while step > smallest {
@@ -661,8 +702,10 @@ fn refine(
 }
 
 /// First step of a constant, the smallest, and whether they are relative.
-fn step_of(group: &Group, _constant: usize) -> (f64, f64, bool) {
+fn step_of(group: &Group, constant: usize) -> (f64, f64, bool) {
     match group.slug() {
+        // the damping of a spring is not known within a factor
+        "joint_elasticity" if constant == 1 => (0.6, 0.02, true),
         "external_contact" => (0.16, 0.01, false),
         "torque_ripple" => (0.25, 0.01, false),
         "joint_coupling" => (0.1, 0.002, true),

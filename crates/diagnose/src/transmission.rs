@@ -22,8 +22,9 @@ const MOTOR_HZ: f64 = 80.0;
 /// Longest step of the integration \[s\].
 const STEP_S: f64 = 2.5e-4;
 /// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
-const RESONANCES_HZ: [f64; 9] = [3.5, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
-const DAMPINGS: [f64; 1] = [0.06];
+const RESONANCES_HZ: [f64; 14] =
+    [1.3, 1.6, 2.0, 2.5, 3.1, 3.9, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
+const DAMPINGS: [f64; 2] = [0.02, 0.08];
 /// Gaps tried on rotational joints \[rad\] and translational ones \[m\].
 const GAPS: [f64; 13] =
     [3e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 2.8e-3, 4e-3, 5.6e-3, 8e-3, 1.1e-2, 1.6e-2, 3e-2];
@@ -131,7 +132,8 @@ impl Transmission {
                 let (stiffness, damping) =
                     if pressed { (self.stiffness, self.damping) } else { (0.0, 0.0) };
                 let implicit = m + h * damping + h * h * stiffness;
-                let force = passed - line(&load.bias) + h * stiffness * (omega - v);
+                let bias = line(&load.bias) + line(&load.slope) * (q - line(&load.position));
+                let force = passed - bias + h * stiffness * (omega - v);
                 v += h * force / implicit;
                 q += h * v;
             }
@@ -176,23 +178,31 @@ impl Motor {
     }
 }
 
-/// Inertia of a joint and all other efforts on it.
+/// Inertia of a joint and all other efforts on it, about a motion of its link.
 struct Load {
     inertia: Vec<f64>,
     bias: Vec<f64>,
+    /// change of `bias` with the position of the link: a soft spring lets it fall far from its motor
+    slope: Vec<f64>,
+    position: Vec<f64>,
 }
 
 impl Load {
     fn of(at: &At<'_>, joint: usize, position: &[Vec<f64>], velocity: &[Vec<f64>]) -> Self {
-        let with = |own: f64| {
+        const STEP: f64 = 1e-4;
+        let with = |own: f64, position: &[Vec<f64>]| {
             let mut acceleration = at.signals.acceleration.clone();
             acceleration[joint].fill(own);
             inverse_dynamics_of_motion(&at.arm, position, velocity, &acceleration)
                 .swap_remove(joint)
         };
-        let bias = with(0.0);
-        let inertia = with(1.0).iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
-        Self { inertia, bias }
+        let bias = with(0.0, position);
+        let inertia =
+            with(1.0, position).iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
+        let mut moved = position.to_vec();
+        moved[joint].iter_mut().for_each(|q| *q += STEP);
+        let slope = with(0.0, &moved).iter().zip(&bias).map(|(a, b)| (a - b) / STEP).collect();
+        Self { inertia, bias, slope, position: position[joint].clone() }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Play in the transmission: the encoder is on the motor side.
 
-use crate::law::{Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{Effect, Export, Law, LookAlike, Onset, Parameter, Place, Scope};
 
 /// `as elasticity, with no effort while `|θ - q| < gap / 2`.
 pub struct Backlash;
@@ -34,6 +34,10 @@ const LAW: Law = Law {
 impl Effect for Backlash {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     fn mechanism(&self, parameters: &[f64]) -> crate::Mechanism {

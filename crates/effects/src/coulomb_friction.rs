@@ -1,6 +1,6 @@
 //! Coulomb friction.
 
-use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{Effect, Export, JointMotion, Law, LookAlike, Onset, Parameter, Place, Scope};
 
 /// `f = Fc sign(v)`; at rest anything within `±Fc`.
 pub struct CoulombFriction;
@@ -33,6 +33,10 @@ const LAW: Law = Law {
 impl Effect for CoulombFriction {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {

@@ -3,7 +3,9 @@
 use armident_dynamics::{JointGeometry, RigidArm, inverse_dynamics_of_motion};
 
 use crate::arm_motion::{STEP, derivative};
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{
+    ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Onset, Parameter, Place, Scope,
+};
 
 /// `recorded q = true q + offset`.
 pub struct EncoderOffset;
@@ -32,6 +34,10 @@ const LAW: Law = Law {
 impl Effect for EncoderOffset {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     /// The derivative of the rigid effort by the position of the joint, with the opposite sign.

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{
+    ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Onset, Parameter, Place, Scope,
+};
 use crate::mechanism::tip_jacobian;
 
 /// `f = -Jᵀ F`.
@@ -34,6 +36,10 @@ const LAW: Law = Law {
 impl Effect for ExternalContact {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     /// `-Jᵀ e_x`, `-Jᵀ e_y`, `-Jᵀ e_z` at every sample, without the window.

@@ -4,7 +4,9 @@ use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use nalgebra::{Isometry3, Rotation3, Vector3};
 
 use crate::arm_motion::{STEP, derivative};
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{
+    ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Onset, Parameter, Place, Scope,
+};
 
 /// `gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base`.
 pub struct GravityDirection;
@@ -37,6 +39,10 @@ const LAW: Law = Law {
 impl Effect for GravityDirection {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {

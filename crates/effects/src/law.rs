@@ -140,6 +140,15 @@ pub enum Place {
     Unnamed,
 }
 
+/// How often an effect comes about between two recordings of one arm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Onset {
+    /// Bodies are picked up or exchanged, arms are remounted and homed again, joints wear and warm up.
+    Often,
+    /// Built in, or a fault of the channel.
+    Seldom,
+}
+
 /// Everything about an effect that is not computed.
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
@@ -282,6 +291,11 @@ pub type ArmColumns = Vec<Vec<Vec<f64>>>;
 pub trait Effect: Sync {
     /// What is written once.
     fn law(&self) -> &'static Law;
+
+    /// Whether it comes about between two recordings of one arm; by default seldom.
+    fn onset(&self) -> Onset {
+        Onset::Seldom
+    }
 
     /// Estimator: shapes to try on a motion of this size; one empty shape for a linear law.
     fn shapes(&self, _scale: &MotionScale) -> Vec<Vec<f64>> {

@@ -58,7 +58,7 @@ pub use joint_elasticity::JointElasticity;
 pub use joint_spring::JointSpring;
 pub use law::{
     Admissible, ArmColumns, ArmMotion, DryFriction, Effect, Export, JointMotion, JointState, Law,
-    LookAlike, MotionScale, Parameter, Place, Scope,
+    LookAlike, MotionScale, Onset, Parameter, Place, Scope,
 };
 pub use link_inertia_error::LinkInertiaError;
 pub use load_dependent_friction::LoadDependentFriction;

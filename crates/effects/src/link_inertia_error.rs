@@ -3,7 +3,9 @@
 use armident_dynamics::{ParameterColumns, RigidArm};
 use armident_kinematics::InertialParameters;
 
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{
+    ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Onset, Parameter, Place, Scope,
+};
 
 /// `f = Y_link Δπ`.
 pub struct LinkInertiaError;
@@ -37,6 +39,10 @@ const LAW: Law = Law {
 impl Effect for LinkInertiaError {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     /// The ten columns of the link's standard parameters.

@@ -5,7 +5,9 @@ use armident_kinematics::InertialParameters;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::LinkInertiaError;
-use crate::law::{ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Parameter, Place, Scope};
+use crate::law::{
+    ArmColumns, ArmMotion, Effect, Export, Law, LookAlike, Onset, Parameter, Place, Scope,
+};
 
 /// `f = Y_last π(m, com)`.
 pub struct Payload;
@@ -39,6 +41,10 @@ const LAW: Law = Law {
 impl Effect for Payload {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     /// The ten columns of the last link's standard parameters.

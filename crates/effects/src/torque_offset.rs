@@ -1,7 +1,7 @@
 //! Constant offset of the effort channel.
 
 use crate::law::{
-    Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Place, Scope,
+    Effect, Export, JointMotion, JointState, Law, LookAlike, Onset, Parameter, Place, Scope,
 };
 
 /// `f = c`.
@@ -31,6 +31,10 @@ const LAW: Law = Law {
 impl Effect for TorqueOffset {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {

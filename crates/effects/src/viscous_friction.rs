@@ -1,7 +1,7 @@
 //! Viscous friction.
 
 use crate::law::{
-    Effect, Export, JointMotion, JointState, Law, LookAlike, Parameter, Place, Scope,
+    Effect, Export, JointMotion, JointState, Law, LookAlike, Onset, Parameter, Place, Scope,
 };
 
 /// `f = b v`.
@@ -35,6 +35,10 @@ const LAW: Law = Law {
 impl Effect for ViscousFriction {
     fn law(&self) -> &'static Law {
         &LAW
+    }
+
+    fn onset(&self) -> Onset {
+        Onset::Often
     }
 
     fn columns(&self, _shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {

@@ -56,6 +56,8 @@ pub struct DiagnoseReport {
     atlas: Vec<JointAtlas>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     constants: Vec<ConstantEstimate>,
+    /// joints on which more than noise is left over without a name
+    unexplained: Vec<String>,
     /// of the hold-out
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     whiteness_p: BTreeMap<String, f64>,
@@ -106,8 +108,18 @@ impl DiagnoseReport {
         inputs: DiagnoseInputs,
         fit: Fits,
     ) -> Self {
+        let unexplained: Vec<String> = diagnosis
+            .atlas
+            .iter()
+            .filter(|joint| !joint.explained())
+            .map(|joint| joint.joint.clone())
+            .collect();
         let mut report = Self {
-            verdict: if diagnosis.findings.is_empty() { "match" } else { "mismatch" },
+            verdict: match diagnosis.findings.is_empty() && unexplained.is_empty() {
+                true => "match",
+                false => "mismatch",
+            },
+            unexplained,
             joints: diagnosis.joints.clone(),
             findings: diagnosis.findings.clone(),
             fit,
@@ -143,6 +155,7 @@ impl DiagnoseReport {
             inertial_error: 0.0,
             atlas: Vec::new(),
             constants: Vec::new(),
+            unexplained: Vec::new(),
             whiteness_p: BTreeMap::new(),
             replay: None,
             placebo: None,
@@ -238,10 +251,16 @@ impl DiagnoseReport {
     }
 
     fn first_sentence(&self) -> String {
-        let mut sentence = match self.findings.len() {
-            0 => "the recordings show nothing that the model leaves out".to_owned(),
-            1 => "the recordings show one effect that the model leaves out".to_owned(),
-            n => format!("the recordings show {n} effects that the model leaves out"),
+        let change = !self.reference_recordings.is_empty();
+        let mut sentence = match (self.findings.len(), change) {
+            // what no law explains is no nothing
+            (0, _) if !self.unexplained.is_empty() => self.unexplained_clause(change),
+            (0, false) => "the recordings show nothing that the model leaves out".to_owned(),
+            (1, false) => "the recordings show one effect that the model leaves out".to_owned(),
+            (n, false) => format!("the recordings show {n} effects that the model leaves out"),
+            (0, true) => "the recordings show no change against the reference".to_owned(),
+            (1, true) => "the recordings show one change against the reference".to_owned(),
+            (n, true) => format!("the recordings show {n} changes against the reference"),
         };
         let of =
             |confirmed| self.findings.iter().filter(|f| f.confirmed == Some(confirmed)).count();
@@ -252,7 +271,33 @@ impl DiagnoseReport {
             (0, _) => sentence.push_str("; the hold-out does not confirm it"),
             (_, no) => sentence.push_str(&format!("; the hold-out confirms all but {no} of them")),
         }
+        if !self.findings.is_empty() && !self.unexplained.is_empty() {
+            sentence.push_str(&format!("; {}", self.left_clause()));
+        }
         sentence
+    }
+
+    /// Instead of findings.
+    fn unexplained_clause(&self, change: bool) -> String {
+        let of = match change {
+            true => "the recordings show no change that can be named against the reference",
+            false => "no effect that can be named explains the recordings",
+        };
+        format!("{of}; {}", self.left_clause())
+    }
+
+    /// How much is left over without an explanation, and where.
+    fn left_clause(&self) -> String {
+        let of = |name: &String| {
+            let joint = self.atlas.iter().find(|a| a.joint == *name);
+            joint.map_or(0.0, JointAtlas::left_over_noise)
+        };
+        let most = self.unexplained.iter().map(of).fold(0.0, f64::max);
+        format!(
+            "up to {} times the noise of {} is left unexplained",
+            significant(most, 2, 0.0),
+            self.unexplained.join(", ")
+        )
     }
 
     fn books_text(&self) -> String {

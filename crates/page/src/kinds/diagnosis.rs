@@ -235,11 +235,10 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
         } else {
             Tone::Bad
         },
-        headline: match of.findings.len() {
-            _ if !of.books.faults.is_empty() => capital(&of.sentence),
-            0 => "The recordings show nothing that the model leaves out".to_owned(),
-            1 => "The recordings show one effect that the model leaves out".to_owned(),
-            n => format!("The recordings show {n} effects that the model leaves out"),
+        // what follows the first clause is said by the sentences
+        headline: match of.books.faults.is_empty() {
+            true => capital(of.sentence.split([';', ',']).next().unwrap_or_default()),
+            false => capital(&of.sentence),
         },
         sentences: sentences(&of),
         next: next(&of, drawing),
@@ -349,6 +348,9 @@ fn sentences(of: &Diagnosis) -> Vec<String> {
     if !largest.is_empty() {
         let lead = if of.findings.len() > largest.len() { "The largest: " } else { "" };
         all.push(capital(&format!("{lead}{}.", largest.join("; "))));
+    }
+    if let Some(clause) = of.sentence.split("; ").find(|c| c.ends_with("left unexplained")) {
+        all.push(capital(&format!("{clause}.")));
     }
     if let Some((errors, kind)) = proof(of) {
         let ratio = |after: &ByJoint| -> Vec<(f64, String)> {
