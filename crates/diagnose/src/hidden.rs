@@ -1,0 +1,163 @@
+//! What is dear to try: links that move by themselves behind their motors, and descriptions without a name.
+
+use armident_effects::Place;
+
+use crate::contact::ContactColumns;
+use crate::evidence::{At, Evidence};
+use crate::flexible;
+use crate::material::{LEAST, band_noise, excess};
+use crate::problem::{Group, Meaning, Problem};
+use crate::refine::refine;
+use crate::search::{Answer, answer};
+use crate::select::{Best, Memory, keep_better, search_at};
+use crate::transmission;
+
+/// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
+/// name, and on how many joints.
+const LEAST_UNEXPLAINED: f64 = 0.7;
+
+const DESCRIBED_JOINTS: usize = 2;
+
+/// Transmissions with a hidden link where something is left over or moves by itself, and descriptions
+/// without a name where even that explains nothing: at the scale found, and at none, where a wish for
+/// uncertain inertias was a wrong law in disguise.
+pub(crate) fn with_hidden_motion(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    contact: &ContactColumns,
+    problem: &mut Problem,
+    mut starts: Vec<Vec<usize>>,
+    memory: &Memory,
+    found: Best,
+) -> Best {
+    let mut scales = vec![found.scale];
+    if found.scale > 0.0 {
+        scales.push(0.0);
+    }
+    starts.push(found.answer.set.clone());
+    let fallback = found.clone();
+    let mut offered = Vec::new();
+    let mut driven: Vec<usize> = Vec::new();
+    for &scale in &scales {
+        let Some(now) = search_at(scale, problem, &starts, memory) else { continue };
+        let residual = problem.whitened(scale, &now.wide).residual(&now.answer.fit);
+        for j in suspects(problem, &now, &residual) {
+            if !driven.contains(&j) {
+                driven.push(j);
+                offered.extend(transmission::offer(evidence, at, problem, j));
+            }
+        }
+    }
+    // a resonance is narrower than the steps of a grid
+    for &joint in &driven {
+        let metric = (found.scale, &found.wide[..]);
+        let near = nearest_spring(problem, metric, &found.answer, joint, &offered);
+        let spring = |g: &Group| g.slug() == "joint_elasticity" && g.site.joints == [joint];
+        if let Some(near) = near.filter(|n| n.score < found.answer.score) {
+            let polished = refine(evidence, at, contact, problem, metric, near, spring);
+            starts.push(polished.set);
+        }
+    }
+    starts.extend(offered.iter().map(|g| vec![*g]));
+    let mut best = Some(found);
+    let mut described: Vec<usize> = Vec::new();
+    for &scale in &scales {
+        let library = if driven.is_empty() && best.as_ref().is_some_and(|b| b.scale == scale) {
+            best.take()
+        } else {
+            search_at(scale, problem, &starts, memory)
+        };
+        let Some(library) = library else { continue };
+        let residual = problem.whitened(scale, &library.wide).residual(&library.answer.fit);
+        let left = excess(problem, &residual);
+        let mut worst: Vec<usize> =
+            (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+        worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+        for &j in worst.iter().take(DESCRIBED_JOINTS) {
+            if !described.contains(&j) {
+                described.push(j);
+                let offered = flexible::offer(evidence, at, problem, j, &residual[j]);
+                starts.extend(offered.iter().map(|g| vec![*g]));
+            }
+        }
+        starts.push(library.answer.set.clone());
+        let mut with_all =
+            if described.is_empty() { None } else { search_at(scale, problem, &starts, memory) };
+        if let Some(with_all) = &mut with_all {
+            contest(problem, scale, with_all, library.answer.clone());
+        }
+        keep_better(&mut best, Some(library));
+        keep_better(&mut best, with_all);
+    }
+    best.unwrap_or(fallback)
+}
+
+/// An answer with the spring on a joint, of those offered, that explains most beside it.
+fn nearest_spring(
+    problem: &Problem,
+    (scale, wide): (f64, &[usize]),
+    beside: &Answer,
+    joint: usize,
+    offered: &[usize],
+) -> Option<Answer> {
+    let metric = problem.whitened(scale, wide);
+    let groups = &problem.groups;
+    let springs = offered
+        .iter()
+        .filter(|g| groups[**g].slug() == "joint_elasticity" && groups[**g].site.joints == [joint]);
+    springs
+        .filter_map(|&g| {
+            let others = beside.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g]));
+            answer(&metric, others.chain([g]).collect())
+        })
+        .min_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
+/// those with something left over.
+fn suspects(problem: &Problem, found: &Best, residual: &[Vec<f64>]) -> Vec<usize> {
+    let mut joints: Vec<usize> = found
+        .answer
+        .set
+        .iter()
+        .map(|g| &problem.groups[*g])
+        .filter(|g| g.places == [Place::Inertia])
+        .map(|g| g.site.joints[0])
+        .collect();
+    let left = excess(problem, residual);
+    let mut worst: Vec<usize> = (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+    worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+    joints.extend(worst.iter().take(DESCRIBED_JOINTS));
+    joints.sort_unstable();
+    joints.dedup();
+    joints
+}
+
+/// Keeps structure without a name only where it explains what the best answer of the library could not:
+/// a material amount, and more than half of it.
+fn contest(problem: &Problem, scale: f64, found: &mut Best, library: Answer) {
+    let unnamed: Vec<usize> = found
+        .answer
+        .set
+        .iter()
+        .copied()
+        .filter(|g| matches!(problem.groups[*g].meaning, Meaning::Flexible(_)))
+        .collect();
+    if unnamed.is_empty() {
+        return;
+    }
+    let metric = problem.whitened(scale, &found.wide);
+    let library = answer(&metric, library.set.clone()).unwrap_or(library);
+    let (by_library, by_all) = (metric.residual(&library.fit), metric.residual(&found.answer.fit));
+    let holds = unnamed.iter().all(|g| {
+        let j = problem.groups[*g].site.joints[0];
+        let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
+        let noise = band_noise(problem, j).powi(2);
+        let (left, rest) = (square(&by_library[j]), square(&by_all[j]));
+        let gained = left - rest;
+        gained.max(0.0).sqrt() >= LEAST && gained > 0.5 * (left - noise)
+    });
+    if !holds {
+        found.answer = library;
+    }
+}

@@ -1,0 +1,92 @@
+//! What models leave over more than noise, and how many samples of it are independent.
+
+use armident_numeric::{Cholesky, gram_of_columns};
+
+use crate::problem::{Problem, Whitened, dot};
+use crate::search::Answer;
+
+/// A joint that leaves over more than this many times its noise has an imperfect model, which then
+/// weighs less; and changes of its misfit (logarithm) that no longer matter.
+const CLEAR_MISFIT: f64 = 1.5;
+
+/// What all columns of the library together leave over on each joint, each joint by itself, in units of
+/// its noise: less is not in the reach of any answer. Clearly more than 1 where efforts were smoothed
+/// before they were recorded, so that the noise above the band says nothing about the band, and where
+/// the physics is none of the library's.
+pub(crate) fn first_misfits(problem: &Problem) -> Vec<f64> {
+    const HOLD: f64 = 1e-6;
+    (0..problem.rows.joints())
+        .map(|j| {
+            let blocks: Vec<&[f64]> = problem
+                .columns
+                .iter()
+                .map(|c| c[j].as_slice())
+                .filter(|c| c.iter().any(|x| *x != 0.0))
+                .collect();
+            let effort = &problem.effort[j];
+            let gram = gram_of_columns(&blocks);
+            let norm: Vec<f64> = (0..blocks.len()).map(|k| gram[(k, k)].sqrt()).collect();
+            let cholesky = Cholesky::of(blocks.len(), |a, b| {
+                gram[(a, b)] / (norm[a] * norm[b]) + if a == b { HOLD } else { 0.0 }
+            });
+            let Some(cholesky) = cholesky else { return 1.0 };
+            let rhs: Vec<f64> = blocks.iter().zip(&norm).map(|(c, n)| dot(c, effort) / n).collect();
+            let solution = cholesky.solve(&rhs);
+            let mut residual = effort.clone();
+            for ((column, x), n) in blocks.iter().zip(&solution).zip(&norm) {
+                for (r, c) in residual.iter_mut().zip(*column) {
+                    *r -= x / n * c;
+                }
+            }
+            let samples = effort.len() as f64 * problem.rows.share;
+            // each column takes one independent sample
+            let free = (1.0 - blocks.len() as f64 / samples).max(0.1);
+            problem.rows.in_band_noise(j, &residual) / free.sqrt()
+        })
+        .map(|left| if left > CLEAR_MISFIT { left } else { 1.0 })
+        .collect()
+}
+
+/// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
+/// of rows; of the reference alone, or of all recordings. Model errors last longer than noise in the band
+/// does.
+pub(crate) fn independent_share(
+    problem: &Problem,
+    residual: &[Vec<f64>],
+    of_reference: bool,
+) -> f64 {
+    // as long as a motion lasts; beyond, the estimate is noise
+    const LONGEST_S: f64 = 2.0;
+    let mut time = 0.0;
+    let starts = match of_reference {
+        true => &problem.rows.starts[..=problem.rows.changed_from],
+        false => &problem.rows.starts[..],
+    };
+    for residual in residual {
+        let residual = &residual[..starts[starts.len() - 1]];
+        let square = dot(residual, residual).max(f64::MIN_POSITIVE);
+        let correlation = |lag: usize| -> f64 {
+            let pairs = starts.windows(2).map(|p| &residual[p[0]..p[1]]);
+            pairs
+                .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
+                .sum::<f64>()
+                / square
+        };
+        let lags = (1..(LONGEST_S * problem.rows.rows_hz) as usize).map(correlation);
+        time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
+    }
+    residual.len() as f64 / time
+}
+
+/// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
+pub(crate) fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
+    let residual = metric.residual(&found.fit);
+    (0..residual.len())
+        .map(|j| {
+            let left = metric.problem.rows.in_band_noise(j, &residual[j]);
+            // only downward: what an answer has not yet explained must not make it unimportant
+            let left = if left > CLEAR_MISFIT { left } else { 1.0 };
+            left.min(metric.problem.rows.misfit[j])
+        })
+        .collect()
+}

@@ -1,0 +1,159 @@
+//! Constants that were tried on a grid, polished; and groups formed again in another problem.
+
+use armident_effects::{Scope, effect};
+
+use crate::contact::ContactColumns;
+use crate::evidence::{At, Evidence};
+use crate::flexible;
+use crate::problem::{Group, Meaning, Problem};
+use crate::search::{Answer, answer};
+use crate::transmission;
+
+/// Share of an order that a ripple of a rotational joint may be off a whole number.
+const WHOLE_ORDER: f64 = 0.12;
+
+/// The group of a new problem that stands for the same.
+pub(crate) fn recreate(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    contact: &ContactColumns,
+    problem: &mut Problem,
+    group: &Group,
+) -> Option<usize> {
+    let known = (0..problem.groups.len()).find(|&g| {
+        let other = &problem.groups[g];
+        other.meaning == group.meaning && other.site == group.site && other.shape == group.shape
+    });
+    if known.is_some() {
+        return known;
+    }
+    let slug = match &group.meaning {
+        Meaning::Law(slug) => *slug,
+        Meaning::Flexible(flexible) => {
+            let joint = group.site.joints[0];
+            return Some(flexible::recreate(evidence, at, problem, joint, flexible));
+        }
+    };
+    let law = effect(slug)?;
+    let id = match law.law().scope {
+        Scope::Joint => {
+            evidence.push_joint_law(problem, at, law, group.site.joints[0], &group.shape)?
+        }
+        Scope::Neighbours => {
+            evidence.push_pair_law(problem, at, law, group.site.joints[0], &group.shape)
+        }
+        Scope::ThroughJoint if !group.shape.is_empty() => {
+            transmission::push(evidence, at, problem, slug, group.site.joints[0], &group.shape)?
+        }
+        Scope::Arm => {
+            let (recording, window) = group.site.window?;
+            contact.push(evidence, problem, recording, window)
+        }
+        _ => return None,
+    };
+    problem.groups[id].searched = group.searched;
+    Some(id)
+}
+
+/// Polishes the constants that were tried on a grid.
+pub(crate) fn refine(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    contact: &ContactColumns,
+    problem: &mut Problem,
+    (scale, wide): (f64, &[usize]),
+    found: Answer,
+    polished: impl Fn(&Group) -> bool,
+) -> Answer {
+    // a problem of the answer's columns alone: trials are then cheap
+    let (mut small, set) = problem.restricted(&found.set);
+    let Some(mut best) = answer(&small.whitened(scale, wide), set) else { return found };
+    for _ in 0..2 {
+        for k in 0..best.set.len() {
+            let group = small.groups[best.set[k]].clone();
+            let count = match group.slug() {
+                _ if !polished(&group) => 0,
+                "torque_ripple" => 1,
+                _ => group.shape.len(),
+            };
+            for c in 0..count {
+                let (mut step, smallest, relative) = step_of(&group, c);
+                while step > smallest {
+                    let current = small.groups[best.set[k]].clone();
+                    let mut improved = false;
+                    for sign in [-1.0, 1.0] {
+                        let mut trial = current.clone();
+                        let change = if relative { 1.0 + sign * step } else { 1.0 };
+                        trial.shape[c] = if relative {
+                            trial.shape[c] * change
+                        } else {
+                            trial.shape[c] + sign * step
+                        };
+                        if let Some((recording, window)) = &mut trial.site.window {
+                            let _ = recording;
+                            window[c] = trial.shape[c];
+                            if window[1] - window[0] < step {
+                                continue;
+                            }
+                        }
+                        let Some(id) = recreate(evidence, at, contact, &mut small, &trial) else {
+                            continue;
+                        };
+                        let mut set = best.set.clone();
+                        set[k] = id;
+                        let metric = small.whitened(scale, wide);
+                        let Some(mut next) = answer(&metric, set.clone()) else { continue };
+                        if next.score < best.score - 1e-3 {
+                            // keep the order of groups, so that k stays the same group
+                            next.set = set;
+                            best = next;
+                            improved = true;
+                            break;
+                        }
+                    }
+                    if !improved {
+                        step *= 0.5;
+                    }
+                }
+            }
+        }
+    }
+    // back to the full problem
+    let set: Vec<usize> = best
+        .set
+        .iter()
+        .filter_map(|g| recreate(evidence, at, contact, problem, &small.groups[*g].clone()))
+        .collect();
+    answer(&problem.whitened(scale, wide), set).unwrap_or(found)
+}
+
+/// First step of a constant, the smallest, and whether they are relative.
+fn step_of(group: &Group, constant: usize) -> (f64, f64, bool) {
+    match group.slug() {
+        // the damping of a spring is not known within a factor
+        "joint_elasticity" if constant == 1 => (0.6, 0.02, true),
+        "external_contact" => (0.16, 0.01, false),
+        "torque_ripple" => (0.25, 0.01, false),
+        "joint_coupling" => (0.1, 0.002, true),
+        _ => (0.16, 0.005, true),
+    }
+}
+
+/// Joints whose ripple ended at an order that is no whole number.
+pub(crate) fn fractional_ripples(
+    evidence: &Evidence<'_>,
+    problem: &Problem,
+    found: &Answer,
+) -> Vec<usize> {
+    found
+        .set
+        .iter()
+        .map(|g| &problem.groups[*g])
+        .filter(|g| {
+            g.slug() == "torque_ripple"
+                && evidence.chain.joints[g.site.joints[0]].kind.is_rotational()
+        })
+        .filter(|g| (g.shape[0] - g.shape[0].round()).abs() > WHOLE_ORDER)
+        .map(|g| g.site.joints[0])
+        .collect()
+}
