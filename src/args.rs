@@ -16,6 +16,8 @@ Start here:
   armident params   urdf/stanford.urdf                     what can be known about this arm
   armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
   armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
+  armident diagnose urdf/ur10.urdf log.csv                 what does the model leave out
+  armident run                                             the steps of armident.toml
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
 /acceleration, /effort (rad, m, N m, N), Parquet files of such columns, or MCAP files of ROS 2 joint
@@ -39,6 +41,7 @@ pub(crate) enum Command {
     Predict(PredictArgs),
     Export(ExportArgs),
     Report(ReportArgs),
+    Run(RunArgs),
     Demo(DemoArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -506,7 +509,7 @@ Examples:
   armident report result.json -o report.html
 
 The page opens in any browser, without a network. Charts of efforts and residuals need --traces in the
-command that wrote the result; check, identify, validate and diagnose write the same page at once with
+command that wrote the result; check, identify, validate, diagnose and challenge write the same page at once with
 --report.")]
 pub(crate) struct ReportArgs {
     /// JSON written by --json of any command
@@ -514,6 +517,47 @@ pub(crate) struct ReportArgs {
     /// File to write; - is stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
+}
+
+/// Do the steps of an analysis that a file lists
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident run                          (armident.toml of this folder)
+  armident run ur5/armident.toml --only diagnose
+  armident run --dry-run                (print the command of every step)
+
+A file of two steps; paths are relative to it, and the keys of a step are the options of its command:
+
+  [defaults]                            # taken by every step whose command has them
+  robot = \"urdf/ur5.urdf\"
+
+  [[step]]
+  command = \"check\"
+  recordings = [\"train.csv\"]
+  fail-on = \"warning\"
+
+  [[step]]
+  command = \"diagnose\"
+  recordings = [\"train.csv\"]
+  holdout = [\"holdout.csv\"]
+  save-model = \"found.json\"
+  report = \"report.html\"
+
+All steps are read before the first is done. The first that fails ends the run with its exit code.")]
+pub(crate) struct RunArgs {
+    /// File of the steps
+    #[arg(default_value = "armident.toml")]
+    pub(crate) file: PathBuf,
+    /// Do this step alone, by its `name` or else its command; repeat for more
+    #[arg(long, value_name = "STEP")]
+    pub(crate) only: Vec<String>,
+    /// Print the command of every step and do nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Do not say which step is being done
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
 }
 
 /// Show the whole story on a simulated arm: concealed physics, its diagnosis, a report
@@ -600,6 +644,7 @@ Examples:
   armident challenge --cases 4 --seed 7 --kind field --effect backlash --robot urdf/ur5.urdf --keep cases/
   armident challenge --cases 24 --seed 7 --only 5 --keep one/           (the fifth of 24 alone)
   armident challenge --study nulls --seed 2026                          (a table in Markdown)
+  armident challenge --cases 48 --seed 7 --report board.html            (the scoreboard as a page)
   armident challenge --score cases/cases cases/results                  (results of another program)
 
 Every case is simulated in closed loop by a robot of which the diagnosis knows only the believed URDF
@@ -644,6 +689,12 @@ pub(crate) struct ChallengeArgs {
     /// Write the scoreboard as JSON to a file; - is stdout, in the place of the text
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) json: Option<PathBuf>,
+    /// Write the scoreboard as one self-contained HTML page with charts
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
+    pub(crate) report: Option<PathBuf>,
+    /// The command to name on the page, where it is not this one
+    #[arg(skip)]
+    pub(crate) command: Option<Vec<String>>,
     /// Exit with code 3 on `false-alarm` (something is found in a null), or `named-below=N` (fewer than
     /// N effects are named); repeat for both
     #[arg(long, value_name = "WHAT", value_parser = parse_challenge_fail_on, help_heading = "Output")]
@@ -706,8 +757,22 @@ fn parse_slug(text: &str) -> Result<String, String> {
     if known {
         return Ok(text.to_owned());
     }
-    let slugs: Vec<&str> = armident_effects::LIBRARY.iter().map(|e| e.law().slug).collect();
-    Err(format!("there is no such effect; there are {} and unlisted", slugs.join(", ")))
+    Err(no_effect(text, &["unlisted"]))
+}
+
+/// A name that no effect has, and the one that may be meant.
+fn no_effect(text: &str, more: &[&'static str]) -> String {
+    /// Similarity by Jaro and Winkler, 0 to 1, which weighs the beginning.
+    const SIMILAR: f64 = 0.85;
+    let slugs = armident_effects::LIBRARY.iter().map(|e| e.law().slug).chain(more.iter().copied());
+    let known: Vec<&str> = slugs.collect();
+    let near = known
+        .iter()
+        .map(|slug| (strsim::jaro_winkler(text, slug), slug))
+        .filter(|(similarity, _)| *similarity > SIMILAR)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let meant = near.map_or_else(String::new, |(_, slug)| format!("; did you mean {slug}?"));
+    format!("there is no effect `{text}`{meant} (there are {})", known.join(", "))
 }
 
 fn parse_challenge_fail_on(text: &str) -> Result<ChallengeFailOn, String> {
@@ -796,6 +861,9 @@ fn parse_effect(text: &str) -> Result<armident_effects::EffectOnJoint, String> {
     let form = "expected EFFECT:JOINT=P1[,P2..], for example coulomb_friction:joint_2=4.5";
     let (effect, rest) = text.split_once(':').ok_or(form)?;
     let (joint, numbers) = rest.rsplit_once('=').ok_or(form)?;
+    if armident_effects::effect(effect).is_none() {
+        return Err(no_effect(effect, &[]));
+    }
     let on_joint = armident_effects::EffectOnJoint::new(effect, joint, parse_numbers(numbers)?);
     on_joint.resolve().map_err(|e| e.to_string())?;
     Ok(on_joint)

@@ -9,6 +9,9 @@ use armident_ident::algorithm2::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
 use armident_recording::RecordingError;
 use armident_simulation::SimulationError;
+use clap::builder::styling::{AnsiColor, Style};
+
+use crate::excerpt::Excerpt;
 
 /// How a command ended when its result was written.
 pub(crate) enum Outcome {
@@ -24,7 +27,14 @@ pub(crate) struct Failure {
     what: String,
     place: String,
     hint: Option<String>,
+    excerpt: Option<Box<Excerpt>>,
 }
+
+/// Warnings and notes; clap has its own.
+pub(crate) const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+pub(crate) const NOTE: Style = AnsiColor::Cyan.on_default().bold();
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const DIM: Style = Style::new().bold();
 
 impl Failure {
     pub(crate) fn new(
@@ -32,7 +42,18 @@ impl Failure {
         place: impl Display,
         hint: Option<impl Into<String>>,
     ) -> Self {
-        Self { what: what.to_string(), place: place.to_string(), hint: hint.map(Into::into) }
+        Self {
+            what: what.to_string(),
+            place: place.to_string(),
+            hint: hint.map(Into::into),
+            excerpt: None,
+        }
+    }
+
+    /// With the line of the file that is at fault.
+    pub(crate) fn showing(mut self, excerpt: Option<Excerpt>) -> Self {
+        self.excerpt = excerpt.map(Box::new);
+        self
     }
 
     /// A file that cannot be written.
@@ -44,21 +65,23 @@ impl Failure {
         )
     }
 
-    #[expect(clippy::print_stderr, reason = "the one place where failures are shown")]
     pub(crate) fn print(&self) {
-        eprintln!("error: {}", self.what);
+        anstream::eprintln!("{ERROR}error:{ERROR:#} {}", self.what);
         if !self.place.is_empty() {
-            eprintln!("   in: {}", self.place);
+            anstream::eprintln!("   {DIM}in:{DIM:#} {}", self.place);
+        }
+        if let Some(excerpt) = &self.excerpt {
+            anstream::eprintln!("{}", excerpt.styled());
         }
         if let Some(hint) = &self.hint {
-            eprintln!(" hint: {hint}");
+            anstream::eprintln!(" {DIM}hint:{DIM:#} {hint}");
         }
     }
 }
 
 impl From<UrdfError> for Failure {
     fn from(error: UrdfError) -> Self {
-        Self::new(&error, error.place(), error.hint())
+        Self::new(&error, error.place(), error.hint()).showing(Excerpt::of_urdf(error.urdf_place()))
     }
 }
 
@@ -70,7 +93,7 @@ impl From<ChainError> for Failure {
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        Self::new(&error, error.place(), error.hint())
+        Self::new(&error, error.place(), error.hint()).showing(Excerpt::of_recording(&error))
     }
 }
 

@@ -1,8 +1,10 @@
 //! The command line of armident: arguments in, exit code out; what is computed is computed in the
 //! crates.
 
+mod analysis;
 mod args;
 mod commands;
+mod excerpt;
 mod failure;
 mod output;
 mod page;
@@ -13,27 +15,15 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use args::{Cli, Command};
+use args::Cli;
 use failure::Outcome;
 
+/// As shells report a program that SIGINT ended.
+const INTERRUPTED: i32 = 130;
+
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let outcome = match &cli.command {
-        Command::Params(args) => commands::params::run(args),
-        Command::Plan(args) => commands::plan::run(args),
-        Command::Simulate(args) => commands::simulate::run(args),
-        Command::Check(args) => commands::check::run(args),
-        Command::Identify(args) => commands::identify::run(args),
-        Command::Diagnose(args) => commands::diagnose::run(args),
-        Command::Validate(args) => commands::validate::run(args),
-        Command::Predict(args) => commands::predict::run(args),
-        Command::Export(args) => commands::export::run(args),
-        Command::Report(args) => commands::report::run(args),
-        Command::Demo(args) => commands::demo::run(args),
-        Command::Completions(args) => commands::shell::completions(args),
-        Command::Man(args) => commands::shell::man(args),
-        Command::Challenge(args) => commands::challenge::run(args),
-    };
+    stop_cleanly();
+    let outcome = commands::run(&Cli::parse().command);
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::FailedOnRequest) => ExitCode::from(3),
@@ -42,4 +32,13 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Ctrl-C leaves no half-written file.
+fn stop_cleanly() {
+    // without a handler the program ends at once, and a `.part` file may stay
+    let _ = ctrlc::set_handler(|| {
+        armident_recording::remove_partial_files();
+        std::process::exit(INTERRUPTED);
+    });
 }

@@ -3,10 +3,12 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use armident_recording::write_whole;
+use armident_report::Bars;
 use serde::Serialize;
 
 use crate::args::{FailOn, OutputArgs};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, NOTE, Outcome, WARNING};
 
 /// Writes a result: text on stdout unless JSON goes there, JSON where asked for, warnings on stderr.
 pub(crate) fn write_result(
@@ -40,13 +42,18 @@ pub(crate) fn write_result(
 }
 
 /// One line on stderr per message, unless quiet.
-#[expect(clippy::print_stderr, reason = "the one place where messages are shown")]
 pub(crate) fn say_all(output: &OutputArgs, kind: &str, messages: &[String]) {
     if !output.quiet {
+        let style = if kind == "warning" { WARNING } else { NOTE };
         for message in messages {
-            eprintln!("{kind}: {message}");
+            anstream::eprintln!("{style}{kind}:{style:#} {message}");
         }
     }
+}
+
+/// The bars that the terminal behind stdout can show.
+pub(crate) fn bars() -> Bars {
+    if supports_unicode::on(supports_unicode::Stream::Stdout) { Bars::Unicode } else { Bars::Ascii }
 }
 
 pub(crate) fn is_stdout(path: &Path) -> bool {
@@ -63,25 +70,10 @@ pub(crate) fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// Writes a file under another name first, so that an interrupted run leaves no half-written one.
-/// What is no regular file (a device, a pipe) is written in place: renaming would replace it.
+/// Writes a file, whole or not at all.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let unwritable = |error| Failure::unwritable(path, &error);
-    // a link keeps pointing where it points: the file behind it is replaced
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    if target.metadata().is_ok_and(|found| !found.is_file()) {
-        return std::fs::OpenOptions::new()
-            .write(true)
-            .open(&target)
-            .and_then(|mut file| file.write_all(bytes))
-            .map_err(unwritable);
-    }
-    let mut partial = target.as_os_str().to_owned();
-    partial.push(".part");
-    let partial = Path::new(&partial);
-    std::fs::write(partial, bytes)
-        .and_then(|()| std::fs::rename(partial, &target))
-        .map_err(unwritable)
+    write_whole(path, |file| file.write_all(bytes))
+        .map_err(|error| Failure::unwritable(path, &error))
 }
 
 /// Creates a folder and its parents.

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use armident_diagnose::{DiagnosedModel, Diagnosis, Finding};
 use armident_ident::ArmModel;
-use armident_page::{Canvas, Compared, Drawing, FindingPlace, PageError, Provenance, Role};
+use armident_page::{
+    Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
+};
 use armident_recording::{Motion, MotionSettings, Recording};
 use serde::Serialize;
 
@@ -82,11 +84,7 @@ pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
         PageError::NotJson { line, .. } => format!("{}, line {line}", path.display()),
         _ => path.display().to_string(),
     };
-    Failure::new(
-        error,
-        place,
-        Some("give a file written by --json of check, identify, validate or diagnose"),
-    )
+    Failure::new(error, place, Some("give a file written by --json of any command"))
 }
 
 /// The command line, and the files that were read for it.
@@ -188,6 +186,10 @@ pub(crate) fn of_diagnosis(
             .collect::<Result<Vec<_>, _>>()?;
         drawing.findings.push(canvas.finding(&place(finding, before), &without));
     }
+    drawing.correlation = diagnosis.constants.as_ref().map(|found| Correlation {
+        labels: found.constants.iter().map(|c| format!("{} {}", c.label, c.joint)).collect(),
+        rows: found.correlation.clone(),
+    });
     drawing.filters = vec![format!(
         "Positions pass a low-pass of 25 Hz before they are differentiated; the rigid part of the predictions one \
          of {} Hz, chosen by the fitted recordings. Errors are those of the efforts as recorded.",

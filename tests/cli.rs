@@ -251,11 +251,19 @@ predict model.json half.csv -o out.csv
 predict model.json motion.csv -o absent/out.csv
 predict model.json motion.csv -o out.csv --cutoff-hz 60";
 
+/// Whether a line shows the file at fault: `12 | <link>`.
+fn is_excerpt(line: &str) -> bool {
+    let mut parts = line.trim_start().splitn(2, '|');
+    let number = parts.next().unwrap_or_default().trim_end();
+    line.contains('|') && number.chars().all(|c| c.is_ascii_digit())
+}
+
 /// The lines after the warnings and notes: `error:`, `   in:` and mostly ` hint:`.
 fn is_three_lines(stderr: &str) -> bool {
     let lines: Vec<&str> = stderr
         .lines()
         .filter(|line| !line.starts_with("warning: ") && !line.starts_with("note: "))
+        .filter(|line| !is_excerpt(line))
         .collect();
     let starts = ["error: ", "   in: ", " hint: "];
     (2..=3).contains(&lines.len())
@@ -357,4 +365,98 @@ fn outputs_that_are_no_files() {
     run_in(&folder, &["params", "planar_2r.urdf", "--json", "link.json"]).fine();
     assert!(std::fs::symlink_metadata(folder.join("link.json")).unwrap().is_symlink());
     assert_ne!(std::fs::read_to_string(folder.join("real.json")).unwrap(), "");
+}
+
+/// Colours are for terminals, and for nobody with `NO_COLOR`.
+#[test]
+fn colours() {
+    let run = |env: &[(&str, &str)], args: &[&str]| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_armident"))
+            .args(args)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .env_remove("NO_COLOR")
+            .env_remove("CLICOLOR_FORCE")
+            .envs(env.iter().copied())
+            .output()
+            .unwrap();
+        [output.stdout, output.stderr].concat().contains(&0x1b)
+    };
+    for args in
+        [&["params", WARNS][..], &["params", "absent.urdf"], &["params", "--tipp"], &["--help"]]
+    {
+        assert!(!run(&[], args), "{args:?}: colours in a pipe");
+        assert!(!run(&[("NO_COLOR", "1"), ("CLICOLOR_FORCE", "1")], args), "{args:?}");
+        assert!(run(&[("CLICOLOR_FORCE", "1")], args), "{args:?}: none although forced");
+    }
+}
+
+/// The same on a terminal, which `script` of util-linux plays.
+#[cfg(target_os = "linux")]
+#[test]
+fn colours_on_a_terminal() {
+    let command = format!("{} params absent.urdf", env!("CARGO_BIN_EXE_armident"));
+    let on_terminal = |no_color: Option<&str>| {
+        let mut script = std::process::Command::new("script");
+        script
+            .args(["-qec", &command, "/dev/null"])
+            .env("TERM", "xterm")
+            .env_remove("CLICOLOR_FORCE");
+        match no_color {
+            Some(value) => script.env("NO_COLOR", value),
+            None => script.env_remove("NO_COLOR"),
+        };
+        script.stdin(std::process::Stdio::null()).output()
+    };
+    let Ok(coloured) = on_terminal(None) else {
+        crate::shared::skipped("cli", "no `script` here, which plays a terminal");
+        return;
+    };
+    let text = String::from_utf8_lossy(&coloured.stdout);
+    assert!(text.contains("absent.urdf") && text.contains('\u{1b}'), "{text}");
+    let plain = on_terminal(Some("1")).unwrap();
+    assert!(!plain.stdout.contains(&0x1b), "{}", String::from_utf8_lossy(&plain.stdout));
+}
+
+/// Ctrl-C at any time leaves whole files and nothing else.
+#[cfg(unix)]
+#[test]
+fn interrupted() {
+    let folder = scratch("cli_interrupted");
+    run_in(&folder, &["plan", text(&project("urdf/stanford.urdf")), "-o", "plan", "-q"]).fine();
+    let simulate = |to: &str| {
+        let urdf = project("urdf/stanford.urdf");
+        let args = ["simulate", text(&urdf), "plan", "-o", to, "-q", "--torque-noise", "0.1"];
+        std::process::Command::new(env!("CARGO_BIN_EXE_armident"))
+            .args(args)
+            .current_dir(&folder)
+            .spawn()
+            .unwrap()
+    };
+    assert!(simulate("whole").wait().unwrap().success());
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    let mut stopped = 0;
+    for k in 0..12 {
+        let runs = format!("runs_{k}");
+        let mut child = simulate(&runs);
+        // from the first file on, later each time
+        let since = std::time::Instant::now();
+        let begun = |folder: &Path| folder.read_dir().is_ok_and(|mut files| files.next().is_some());
+        while !begun(&folder.join(&runs)) && since.elapsed().as_secs() < 20 {
+            std::thread::sleep(std::time::Duration::from_micros(200));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(3 * k));
+        let id = child.id().to_string();
+        let _ = std::process::Command::new("kill").args(["-INT", &id]).status().unwrap();
+        let status = child.wait().unwrap();
+        if status.success() {
+            continue;
+        }
+        assert_eq!(status.code(), Some(130));
+        stopped += 1;
+        for entry in std::fs::read_dir(folder.join(&runs)).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            assert_eq!(read(&format!("{runs}/{name}")), read(&format!("whole/{name}")), "{name}");
+        }
+    }
+    assert!(stopped > 0, "every run had ended before it was stopped");
 }

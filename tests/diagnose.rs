@@ -533,6 +533,56 @@ fn only_the_change_is_diagnosed() {
     assert!(error("after", "wrist_1_joint") < 0.3 * error("before", "wrist_1_joint"));
 }
 
+/// The minimal set beside the findings holds the truth in its intervals: the UR5 with the heavier forearm.
+#[test]
+fn constants_of_the_diagnosed_arm() {
+    use armident_ident::{ArmModel, MinimalSet};
+    use armident_kinematics::{
+        ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
+    };
+    let robot = load_urdf(&urdf()).unwrap();
+    let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+    let mut model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+    let set = MinimalSet::of(&model.rigid_arm()).unwrap();
+    let believed = set.values(&model.rigid_arm().constants());
+    // as in examples/make_ur5_recordings.rs
+    let forearm = &mut model.chain.joints[2].link;
+    let place = forearm.com_m() + nalgebra::Vector3::new(0.05, 0.0, 0.0);
+    let added = InertialParameters::from_com(0.6, place, nalgebra::Matrix3::identity() * 0.002);
+    *forearm = forearm.plus(&added);
+    let truth = set.values(&model.rigid_arm().constants());
+
+    let train = project("examples/ur5/train.csv");
+    let urdf = urdf();
+    let args = ["diagnose", text(&urdf), text(&train), "-q", "--json", "-"];
+    let diagnosis = run(&args).fine().json();
+    let constants = list(&diagnosis["constants"]);
+    assert_eq!(constants.len(), set.len());
+    let mut within = 0;
+    for (k, constant) in constants.iter().enumerate() {
+        let label = string(&constant["label"]);
+        assert_eq!(label, set.labels()[k]);
+        assert!((number(&constant["urdf"]) - believed[k]).abs() < 1e-9, "{label}");
+        let error = number(&constant["standard_error"]);
+        let off = (number(&constant["value"]) - truth[k]) / error;
+        assert!(
+            error > 0.0 && off.abs() < 5.0,
+            "{label} is {off:.1} standard errors off the truth"
+        );
+        let interval: Vec<f64> = list(&constant["interval_95"]).iter().map(number).collect();
+        within += usize::from(interval[0] <= truth[k] && truth[k] <= interval[1]);
+        assert!((0.0..=1.0).contains(&number(&constant["from_prior"])), "{label}");
+    }
+    assert!(
+        within * 10 >= constants.len() * 8,
+        "{within} of {} intervals hold the truth",
+        constants.len()
+    );
+    // the forearm's first moment is known from the recording, not from the URDF
+    let moment = constants.iter().find(|c| c["label"] == "k3_x").unwrap();
+    assert!(number(&moment["from_prior"]) < 0.05 && number(&moment["value"]) > 1.7);
+}
+
 /// A pendulum whose efforts follow a curve that no law of the library has, before and after: what is left
 /// unexplained is said, and a heavier bob is found all the same. Its mass by itself is not: a pendulum shows
 /// its moment.

@@ -26,6 +26,8 @@ mod params_json;
 mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
+/// the steps of `armident.toml`
+mod run;
 
 /// cases made, diagnosed unseen and scored
 mod challenge;
@@ -52,5 +54,5 @@ mod real_data;
 
 /// who may depend on whom, and what no file may hold
 mod flow;
-/// the commands of README.md and their output
+/// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;

@@ -242,3 +242,21 @@ fn through_the_program() {
         }
     }
 }
+
+/// A file of steps with something else at any place, and its commands printed or refused in words.
+#[test]
+fn steps_of_an_analysis() {
+    let folder = scratch("no_panic_steps");
+    let sound = std::fs::read(crate::shared::project("examples/ur5.toml")).unwrap();
+    for k in 0..24 {
+        for piece in ["\"", "[", "]", "=", "\n", "{", "\0", "\u{e9}", "1e999", "step"] {
+            let at = k as f64 / 24.0;
+            for edit in [Edit::Insert(at, piece), Edit::Delete(at, piece.len() * (1 + k))] {
+                std::fs::write(folder.join("armident.toml"), edited(&sound, &[edit])).unwrap();
+                let ran = run_in(&folder, &["run", "--dry-run"]);
+                assert!(matches!(ran.code, 0 | 1), "{k} {piece}: {}", ran.stderr);
+                assert_eq!(ran.code == 1, ran.stderr.starts_with("error: "), "{}", ran.stderr);
+            }
+        }
+    }
+}

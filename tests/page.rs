@@ -58,10 +58,19 @@ fn pages(folder: &Path) -> Vec<String> {
     plain.as_object_mut().unwrap().remove("drawing").unwrap();
     std::fs::write(path("plain.json"), plain.to_string()).unwrap();
     run(&["params", urdf, "--json", &params]).fine();
-    for (result, page) in [("plain.json", "plain.html"), ("params.json", "params.html")] {
+    // a scoreboard at once, and again from its JSON
+    let board = path("board.json");
+    let args =
+        ["challenge", "--cases", "2", "--seed", "3", "--kind", "clean", "--robot", "scara", "-q"];
+    run(&[&args[..], &["--json", &board, "--report", &path("at_once.html")]].concat()).fine();
+    let at_once = std::fs::read_to_string(path("at_once.html")).unwrap();
+    assert!(at_once.contains("armident challenge --cases 2 --seed 3"));
+    for (result, page) in
+        [("plain.json", "plain.html"), ("params.json", "params.html"), ("board.json", "board.html")]
+    {
         run(&["report", &path(result), "-o", &path(page)]).fine();
     }
-    ["identify", "validate", "check", "diagnose", "plain", "params"]
+    ["identify", "validate", "check", "diagnose", "plain", "params", "board"]
         .map(|name| format!("{name}.html"))
         .to_vec()
 }
@@ -110,8 +119,13 @@ fn every_kind_opens_in_a_browser() {
         let charts = number(&page["charts"]);
         match string(&page["page"]) {
             "params.html" => assert_eq!(charts, 0.0, "{page}"),
-            // errors, and what the residual of each joint goes with
-            "plain.html" => assert_eq!(charts, 7.0, "{page}"),
+            // errors, what the residual of each joint goes with, how far the constants are off
+            "plain.html" => assert_eq!(charts, 8.0, "{page}"),
+            // reliability, confusion, errors over their floors
+            "board.html" => {
+                assert_eq!(charts, 3.0, "{page}");
+                assert_eq!(page["hovered"], true, "{page}");
+            }
             // six joints with at least three charts each, the arm, the errors over time
             _ => {
                 assert!(charts >= 20.0, "{page}");

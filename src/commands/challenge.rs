@@ -7,20 +7,22 @@ use armident_challenge::{
     Arm, CaseKind, Order, Outcome as Sat, Scoreboard, Series, SeriesKind, Spread, Study,
     run as serve, score_cases,
 };
+use armident_page::{Drawing, Provenance};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::args::{ChallengeArgs, ChallengeFailOn, KindArg, OutputArgs, StudyArg};
+use crate::args::{ChallengeArgs, ChallengeFailOn, KindArg, OutputArgs, PageArgs, StudyArg};
 use crate::failure::{Failure, Outcome};
-use crate::output;
+use crate::{output, page};
 
 /// Cases where their number is not given.
 const CASES: u64 = 24;
 
 pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
+    pages(args).check()?;
     let to = OutputArgs { json: args.json.clone(), quiet: args.quiet, fail_on: None };
     if let [cases, results] = &args.score[..] {
         let board = score_cases(cases, results)?;
-        output::write_result(&to, &board.text(), &board, &[])?;
+        write(args, &to, &board.text(), &board)?;
         return Ok(judged(args, &board));
     }
     let study = args.study.map(StudyArg::study);
@@ -38,8 +40,28 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
         None => board.text(),
     };
     output::say_all(&to, "note", &notes(&orders, &sat));
-    output::write_result(&to, &text, &board, &[])?;
+    write(args, &to, &text, &board)?;
     Ok(judged(args, &board))
+}
+
+/// Writes the scoreboard, and its page where one is asked for.
+fn write(
+    args: &ChallengeArgs,
+    to: &OutputArgs,
+    text: &str,
+    board: &Scoreboard,
+) -> Result<Outcome, Failure> {
+    let pages = pages(args);
+    let drawing = pages.wanted().then(|| {
+        let provenance = page::provenance(&pages, []);
+        let seed = args.score.is_empty().then_some(args.seed);
+        Drawing { provenance: Provenance { seed, ..provenance }, ..Drawing::default() }
+    });
+    page::write_result(&pages, to, text, board, &[], drawing.as_ref())
+}
+
+fn pages(args: &ChallengeArgs) -> PageArgs {
+    PageArgs { report: args.report.clone(), traces: false, command: args.command.clone() }
 }
 
 impl StudyArg {

@@ -79,7 +79,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         let files = used(args, &train_files, &[], &[]);
         let recorded = [(train.as_slice(), Role::Training)];
         let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
-        let text = report.text();
+        let text = report.text(output::bars());
         return page::write_result(
             &args.page,
             &args.output,
@@ -137,7 +137,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     } else {
         None
     };
-    let text = report.text();
+    let text = report.text(output::bars());
     page::write_result(&args.page, &args.output, &text, &report, &warnings, drawing.as_ref())
 }
 

@@ -51,7 +51,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
     let drawing = page::of_models(&args.page, &models, &recorded, report.cutoff_hz, used)?
         .map(|drawing| Drawing { correlation, ..drawing });
-    let text = report.text();
+    let text = report.text(output::bars());
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }

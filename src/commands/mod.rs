@@ -11,6 +11,31 @@ pub(crate) mod plan;
 pub(crate) mod predict;
 pub(crate) mod recordings;
 pub(crate) mod report;
+pub(crate) mod run;
 pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod validate;
+
+use crate::args::Command;
+use crate::failure::{Failure, Outcome};
+
+/// Does what a command line says.
+pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {
+    match command {
+        Command::Params(args) => params::run(args),
+        Command::Plan(args) => plan::run(args),
+        Command::Simulate(args) => simulate::run(args),
+        Command::Check(args) => check::run(args),
+        Command::Identify(args) => identify::run(args),
+        Command::Diagnose(args) => diagnose::run(args),
+        Command::Validate(args) => validate::run(args),
+        Command::Predict(args) => predict::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Report(args) => report::run(args),
+        Command::Run(args) => run::run(args),
+        Command::Demo(args) => demo::run(args),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
+        Command::Challenge(args) => challenge::run(args),
+    }
+}

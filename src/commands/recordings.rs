@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use armident_kinematics::nearest;
 use armident_recording::{
     Action, Encoded, FileFormat, FindingKind, Mapping, Motion, MotionSettings, Quantity,
     ReadSettings, Recording, encode, findings, read_recording,
@@ -152,19 +153,32 @@ pub(crate) fn motions_with_effort(
                         recording.joint(j).is_none_or(|c| c.channel(Quantity::Effort).is_none())
                     })
                     .collect();
+                let hint = without.iter().find_map(|joint| misspelt_effort(recording, joint));
                 return Err(Failure::new(
                     format!("there is no effort column for {}", without.join(", ")),
                     &recording.source,
-                    Some(
+                    Some(hint.unwrap_or_else(|| {
                         "every chain joint needs <joint>/effort in N m or N (currents and voltages \
                          become efforts by --mapping FILE, see docs/mapping.md); lock joints without \
-                         one by --lock JOINT=VALUE",
-                    ),
+                         one by --lock JOINT=VALUE"
+                            .to_owned()
+                    })),
                 ));
             }
             Ok(motion)
         })
         .collect()
+}
+
+/// A column that was not read and is nearly the effort of a joint.
+fn misspelt_effort(recording: &Recording, joint: &str) -> Option<String> {
+    let like = |found: &str, wanted: &str| nearest(found, &[wanted.to_owned()]).is_some();
+    recording.ignored_columns.iter().find_map(|column| {
+        let (of, quantity) = column.rsplit_once('/')?;
+        let misspelt = (of == joint && like(quantity, "effort"))
+            || (quantity == "effort" && like(of, joint) && recording.joint(of).is_none());
+        misspelt.then(|| format!("did you mean `{joint}/effort` where it says `{column}`?"))
+    })
 }
 
 /// Whether a path is a folder with a plan in it.

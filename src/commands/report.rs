@@ -10,7 +10,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome, Failure> {
         Failure::new(
             format!("cannot read: {error}"),
             args.result.display(),
-            Some("give a file written by --json of check, identify, validate or diagnose"),
+            Some("give a file written by --json of any command"),
         )
     })?;
     let html = armident_page::html(&text).map_err(|e| page::failure(&args.result, &e))?;

@@ -91,7 +91,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let recorded = [(recorded.as_slice(), Role::Holdout)];
     let models = [("URDF alone", &before), ("model", &model)];
     let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
-    let text = report.text();
+    let text = report.text(output::bars());
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }

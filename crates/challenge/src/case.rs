@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use armident_recording::{Recording, write_csv};
+use armident_recording::{Recording, write_csv, write_whole};
 
 use crate::error::ChallengeError;
 use crate::truth::Truth;
@@ -32,7 +32,8 @@ impl Case {
     pub fn write(&self, folder: &Path) -> Result<(), ChallengeError> {
         std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
         let urdf = folder.join("robot.urdf");
-        std::fs::write(&urdf, &self.robot_urdf).map_err(ChallengeError::io("written", &urdf))?;
+        write_whole(&urdf, |file| file.write_all(self.robot_urdf.as_bytes()))
+            .map_err(ChallengeError::io("written", &urdf))?;
         for (name, recording) in [
             ("train_1", &self.train_1),
             ("train_2", &self.train_2),
@@ -44,6 +45,7 @@ impl Case {
         let path = folder.join("truth.json");
         let text = serde_json::to_string_pretty(&self.truth)
             .map_err(|error| ChallengeError::Json { path: path.clone(), error })?;
-        std::fs::write(&path, text + "\n").map_err(ChallengeError::io("written", &path))
+        write_whole(&path, |file| file.write_all((text + "\n").as_bytes()))
+            .map_err(ChallengeError::io("written", &path))
     }
 }

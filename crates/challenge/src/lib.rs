@@ -29,6 +29,26 @@
 //! [`Paper`] that holds neither the answer nor the efforts of the exam. A [`Study`] is a series, or several,
 //! with a table of what came out.
 //!
+//! ```
+//! use armident_challenge::{Arm, CaseKind, CaseRequest, generate};
+//!
+//! let arm = Arm::named("scara").unwrap();
+//! let case = generate(&CaseRequest {
+//!     name: "case".to_owned(),
+//!     robot: arm.name,
+//!     robot_urdf: arm.urdf,
+//!     seed: 3,
+//!     kind: CaseKind::Clean,
+//!     effects: vec!["coulomb_friction".to_owned()],
+//!     background: None,
+//!     perturbed: false,
+//!     margin: None,
+//! })?;
+//! assert_eq!(case.truth.effects[0].effect, "coulomb_friction");
+//! assert!(case.exam.len() > 100);
+//! # Ok::<(), armident_challenge::ChallengeError>(())
+//! ```
+//!
 //! # Scoring
 //!
 //! [`score_cases`] compares truths and results case by case and sums up in a [`Scoreboard`]. A pair is an

@@ -57,6 +57,15 @@ impl Rate {
         beta_quantile(self.count as f64 + 1.0, (self.of - self.count) as f64, 0.95)
     }
 
+    /// The 95 % interval of the rate, exact (Clopper and Pearson, two-sided).
+    pub fn interval_95(self) -> [f64; 2] {
+        let (count, missed) = (self.count as f64, (self.of - self.count) as f64);
+        [
+            if self.count == 0 { 0.0 } else { beta_quantile(count, missed + 1.0, 0.025) },
+            if self.count == self.of { 1.0 } else { beta_quantile(count + 1.0, missed, 0.975) },
+        ]
+    }
+
     /// From 0 to 1; 0 of nothing is 1.
     pub fn share(self) -> f64 {
         if self.of == 0 { 1.0 } else { self.count as f64 / self.of as f64 }
@@ -114,6 +123,8 @@ pub struct Bin {
     pub confidence: f64,
     /// Right ones.
     pub right: Rate,
+    /// 95 % interval of their share, exact (Clopper and Pearson); all that is possible in an empty bin.
+    pub interval_95: [f64; 2],
 }
 
 /// The sums over cases of one kind.
@@ -306,6 +317,9 @@ fn reliability(cases: &[&CaseScore]) -> [Bin; BINS] {
         bin.right = bin.right.and(right);
         bin.confidence += (confidence - bin.confidence) / bin.right.of as f64;
     }
+    for bin in &mut bins {
+        bin.interval_95 = bin.right.interval_95();
+    }
     bins
 }
 
@@ -331,6 +345,12 @@ mod tests {
         for (count, of) in [(1, 30), (7, 12), (24, 24)] {
             let rate = Rate { count, of };
             assert!((tail(rate, rate.at_least(), count, of) - 0.05).abs() < 1e-9, "{rate:?}");
+        }
+        for (count, of) in [(0, 24), (7, 12), (24, 24)] {
+            let rate = Rate { count, of };
+            let [low, high] = rate.interval_95();
+            assert!(count == 0 || (tail(rate, low, count, of) - 0.025).abs() < 1e-9, "{rate:?}");
+            assert!(count == of || (tail(rate, high, 0, count) - 0.025).abs() < 1e-9, "{rate:?}");
         }
         assert_eq!(Rate { count: 0, of: 9 }.at_least(), 0.0);
         assert_eq!(Rate { count: 9, of: 9 }.at_most(), 1.0);

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use armident_recording::write_csv;
+use armident_recording::{write_csv, write_whole};
 use rayon::ThreadPoolBuilder;
 
 use crate::arms::Arm;
@@ -234,7 +234,8 @@ fn hand_in(sitting: &Sitting, folder: &Path) -> Result<(), ChallengeError> {
     std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
     let write = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(ChallengeError::io("written", &path))
+        write_whole(&path, |file| file.write_all(text.as_bytes()))
+            .map_err(ChallengeError::io("written", &path))
     };
     write("out.json", &sitting.out_json)?;
     let Some(learned) = &sitting.learned else { return Ok(()) };

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::atlas::{JointAtlas, atlas, character};
 use crate::books::DriveGain;
+use crate::constants::{ConstantEstimates, constants};
 use crate::crossval::predictor;
 use crate::evidence::Evidence;
 use crate::findings::{Finding, claims};
@@ -51,6 +52,8 @@ pub struct Diagnosis {
     pub joints: Vec<String>,
     /// Noise of one recorded effort sample \[N m or N\].
     pub effort_noise: BTreeMap<String, f64>,
+    /// The minimal set of the diagnosed arm; none where the recordings ask for no error of the inertias.
+    pub constants: Option<ConstantEstimates>,
     /// Relative error of the believed inertias that the recordings ask for.
     pub inertial_error: f64,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
@@ -131,6 +134,7 @@ fn told(
     let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
     let mut learned_model = learned(model, &best_view);
     choose_outputs(&mut learned_model, evidence)?;
+    let constants = constants(model, &learned_model, &best_metric, &best.answer);
     let claims = claims(evidence, selection);
     // the model of another answer, all that is not in question as in the model learned
     let model_of = |answer: &Answer, wide: &[usize]| {
@@ -180,6 +184,7 @@ fn told(
     let atlas = atlas(evidence, &believed, &rigid, &learned_model)?;
     Ok(Diagnosis {
         atlas,
+        constants,
         findings,
         model: learned_model,
         rigid,

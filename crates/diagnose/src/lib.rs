@@ -10,6 +10,25 @@
 //! The result is a list of [`Finding`]s and a [`DiagnosedModel`] that predicts what recordings of other
 //! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
 //!
+//! ```
+//! use armident_ident::ArmModel;
+//! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+//! use armident_recording::read_csv;
+//!
+//! # let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/ur5");
+//! let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf")?;
+//! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+//! let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+//! let mut diagnosis = armident_diagnose::diagnose(&believed, &[read_csv(examples.join("train.csv"))?])?;
+//! diagnosis.confirm(&[read_csv(examples.join("holdout.csv"))?])?;
+//!
+//! // the forearm is 0.6 kg heavier than the URDF says
+//! let forearm = diagnosis.findings.iter().find(|f| f.link.as_deref() == Some("link_3")).unwrap();
+//! assert_eq!((forearm.effect.as_str(), forearm.confirmed), ("link_inertia_error", Some(true)));
+//! assert!((forearm.parameters["delta_mass"].value - 0.6).abs() < 0.2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
 //! effort in these motions one is named; contacts push on the tip.
 
@@ -19,6 +38,7 @@ mod background;
 mod band;
 mod books;
 mod change;
+mod constants;
 mod contact;
 mod crossval;
 mod diagnosis;
@@ -46,6 +66,7 @@ mod without;
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
 pub use books::{Books, DriveGain, Heard};
 pub use change::diagnose_change;
+pub use constants::{ConstantEstimate, ConstantEstimates};
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
 pub use findings::{Alternative, Finding, FindingEvidence, Value};
 pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};

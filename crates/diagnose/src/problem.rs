@@ -441,6 +441,53 @@ impl Whitened<'_> {
         rows.iter().map(|row| solved.iter().map(|s| dot(row, s)).collect()).collect()
     }
 
+    /// Rows whose outer products add up to the prior covariance of all standard parameters; none without
+    /// inertial errors.
+    pub(crate) fn prior_factors(&self) -> Option<Vec<Vec<f64>>> {
+        self.prior.as_ref().map(|prior| prior.directions.clone())
+    }
+
+    /// The same of the posterior with the laws as they are, and what a unit of each coefficient of the fit
+    /// does to the standard parameters.
+    pub(crate) fn inertial_posterior(&self, fit: &Fit) -> Option<[Vec<Vec<f64>>; 2]> {
+        let Prior { weight, cholesky, directions, .. } = self.prior.as_ref()?;
+        let rigid = self.problem.rigid;
+        // A = L L': the rows of L^-1 D
+        let columns: Vec<Vec<f64>> = (0..rigid)
+            .map(|p| cholesky.forward(&directions.iter().map(|d| d[p]).collect::<Vec<_>>()))
+            .collect();
+        let rows = (0..directions.len()).map(|k| columns.iter().map(|c| c[k]).collect()).collect();
+        let sensitivity = fit
+            .columns
+            .iter()
+            .map(|&c| {
+                let along = |d: &Vec<f64>| -> f64 {
+                    (0..rigid).map(|p| d[p] * self.problem.product(c, p)).sum()
+                };
+                let solved = cholesky.solve(&directions.iter().map(along).collect::<Vec<_>>());
+                (0..rigid)
+                    .map(|p| {
+                        -weight * directions.iter().zip(&solved).map(|(d, s)| d[p] * s).sum::<f64>()
+                    })
+                    .collect()
+            })
+            .collect();
+        Some([rows, sensitivity])
+    }
+
+    /// Rows whose outer products add up to the covariance of the coefficients of a fit.
+    pub(crate) fn coefficient_factors(&self, fit: &Fit) -> Vec<Vec<f64>> {
+        let scale = |k: usize| 1.0 / (self.norm[fit.columns[k]] * self.problem.rows.share.sqrt());
+        let count = fit.columns.len();
+        let columns: Vec<Vec<f64>> = (0..count)
+            .map(|c| {
+                let unit: Vec<f64> = (0..count).map(|k| f64::from(u8::from(k == c))).collect();
+                fit.cholesky.forward(&unit)
+            })
+            .collect();
+        (0..count).map(|k| (0..count).map(|c| columns[c][k] * scale(c)).collect()).collect()
+    }
+
     /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
     pub(crate) fn residual(&self, fit: &Fit) -> Blocks {
         let problem = self.problem;

@@ -15,6 +15,19 @@
 //!
 //! What holds an effect is written once, in its law ([`armident_effects::Export`]).
 //!
+//! ```
+//! use armident_ident::ArmModel;
+//! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+//!
+//! let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf")?;
+//! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+//! let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+//! let written = armident_export::mjcf(&model);
+//! assert!(written.text.contains("<joint name=\"elbow_joint\""));
+//! assert!(written.lost.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Not handled: visual and collision shapes, meshes, transmissions and sensors of the robot
 //! description.
 

@@ -193,7 +193,8 @@ impl ArmModel {
     /// # Errors
     /// When the file cannot be written.
     pub fn save(&self, path: &Path) -> std::io::Result<()> {
-        std::fs::write(path, self.to_json()? + "\n")
+        let text = self.to_json()? + "\n";
+        armident_recording::write_whole(path, |file| file.write_all(text.as_bytes()))
     }
 
     /// The model file as text.

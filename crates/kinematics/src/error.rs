@@ -1,6 +1,7 @@
 //! Why a URDF is refused: what is wrong, where, and what to do.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::IgnoredElement;
 
@@ -13,6 +14,8 @@ pub struct UrdfPlace {
     pub line: Option<u32>,
     /// The link or joint, as ``joint `elbow` ``.
     pub element: Option<String>,
+    /// Bytes of the text that are at fault, where they are known: an attribute, or the start of a tag.
+    pub span: Option<Range<usize>>,
 }
 
 impl fmt::Display for UrdfPlace {

@@ -300,11 +300,16 @@ impl<'a> Builder<'a> {
             });
         }
         if !unknown.is_empty() {
+            // of those that are not recorded under their own name
+            let mut open = self.movable_names();
+            open.retain(|name| !names.contains(name));
+            let meant = unknown.iter().find_map(|name| crate::nearest(name, &open));
             self.warnings.push(Warning::new(
                 "recorded-joint-unknown",
                 format!(
-                    "recorded joints not in the URDF are not used: {} (its movable joints: {})",
+                    "recorded joints not in the URDF are not used: {}{} (its movable joints: {})",
                     unknown.join(", "),
+                    meant.map_or_else(String::new, |name| format!("; did you mean {name}?")),
                     self.movable_names().join(", ")
                 ),
             ));

@@ -519,3 +519,151 @@ pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> 
         vec![view("", data, layout)],
     ))
 }
+
+/// Findings of like confidence.
+pub(crate) struct Reliability {
+    /// Mean of what was said.
+    pub(crate) confidence: f64,
+    /// Share that is right.
+    pub(crate) right: f64,
+    /// 95 % interval of the share.
+    pub(crate) interval: [f64; 2],
+    /// Findings.
+    pub(crate) count: usize,
+}
+
+/// Share of right findings against the confidence they were given.
+pub(crate) fn reliability(bins: &[Reliability]) -> Option<Figure> {
+    if bins.is_empty() {
+        return None;
+    }
+    let of = |value: fn(&Reliability) -> f64| -> Vec<f64> { bins.iter().map(value).collect() };
+    let said: Vec<String> = bins.iter().map(|b| format!("{} findings", b.count)).collect();
+    let data = vec![
+        json!({
+            "type": "scatter", "mode": "lines", "x": [0, 1], "y": [0, 1], "name": "as said",
+            "line": { "color": "@faint", "dash": "dot", "width": 1.5 }, "hoverinfo": "skip"
+        }),
+        json!({
+            "type": "scatter", "mode": "markers", "name": "found", "x": of(|b| b.confidence),
+            "y": of(|b| b.right), "text": said, "marker": { "color": "@after", "size": 9 },
+            "error_y": { "type": "data", "symmetric": false, "color": "@after", "thickness": 1.5,
+                         "array": of(|b| b.interval[1] - b.right),
+                         "arrayminus": of(|b| b.right - b.interval[0]) },
+            "hovertemplate": "confidence %{x:.2f}<br>right %{y:.2f}<br>%{text}<extra></extra>"
+        }),
+    ];
+    let layout = json!({
+        "hovermode": "closest", "hoverdistance": -1,
+        "xaxis": { "title": { "text": "confidence that was stated" }, "range": [0, 1.03], "automargin": true },
+        "yaxis": { "title": { "text": "share that is right" }, "range": [0, 1.05], "automargin": true },
+    });
+    Some(figure(
+        "reliability".to_owned(),
+        "Is the confidence right?".to_owned(),
+        "Findings in bins of their confidence, with 95 % intervals. On the dotted line they are right as \
+         often as is said; above it more often."
+            .to_owned(),
+        320,
+        vec![view("", data, layout)],
+    ))
+}
+
+/// What is concealed (rows) against what is named (columns), by counts.
+pub(crate) fn confusion(
+    table: &std::collections::BTreeMap<String, std::collections::BTreeMap<String, usize>>,
+) -> Option<Figure> {
+    if table.is_empty() {
+        return None;
+    }
+    // the same order both ways, so that what is right stands on the diagonal
+    let mut names: Vec<&String> = table
+        .iter()
+        .flat_map(|(truth, named)| std::iter::once(truth).chain(named.keys()))
+        .collect();
+    names.sort_by_key(|name| (name.as_str() == "nothing", name.as_str()));
+    names.dedup();
+    let rows: Vec<&String> =
+        names.iter().copied().filter(|name| table.contains_key(*name)).collect();
+    let columns: Vec<&String> = names
+        .into_iter()
+        .filter(|name| table.values().any(|row| row.contains_key(*name)))
+        .collect();
+    let z: Vec<Vec<Option<usize>>> = rows
+        .iter()
+        .map(|row| columns.iter().map(|column| table[*row].get(*column).copied()).collect())
+        .collect();
+    let most = z.iter().flatten().flatten().copied().max().unwrap_or(1);
+    let data = json!({
+        "type": "heatmap", "x": columns, "y": rows, "z": z, "showscale": false, "zmin": 0, "zmax": most,
+        "colorscale": [[0, "@middle"], [1, "#0072B2"]], "xgap": 2, "ygap": 2, "hoverongaps": false,
+        "texttemplate": "%{z}",
+        "hovertemplate": "concealed: %{y}<br>named: %{x}<br>%{z} times<extra></extra>"
+    });
+    let layout = json!({
+        "hovermode": "closest",
+        "xaxis": { "title": { "text": "named" }, "automargin": true, "tickangle": -40,
+                   "tickfont": { "size": 10 }, "type": "category" },
+        "yaxis": { "title": { "text": "concealed" }, "automargin": true, "autorange": "reversed",
+                   "tickfont": { "size": 10 }, "type": "category" }
+    });
+    Some(figure(
+        "confusion".to_owned(),
+        "What is named for what".to_owned(),
+        "Rows are what is concealed, columns what is named; `nothing` as a column is a miss, as a row a false \
+         name."
+            .to_owned(),
+        (200 + 22 * rows.len() as u32).clamp(300, 900),
+        vec![view("", vec![data], layout)],
+    ))
+}
+
+/// Errors over their floors: what is compared, kind of case, effect, where, ratio.
+pub(crate) fn over_floors(
+    ratios: &[(&'static str, &'static str, String, String, f64)],
+) -> Option<Figure> {
+    let mut views = Vec::new();
+    for what in ["hold-out / reachable", "prediction / noise"] {
+        let mut data = Vec::new();
+        for (kind, colour) in [("clean", "@after"), ("field", "@before")] {
+            let of: Vec<_> = ratios.iter().filter(|r| r.0 == what && r.1 == kind).collect();
+            if of.is_empty() {
+                continue;
+            }
+            let x: Vec<f64> = of.iter().map(|r| (r.4 * 1000.0).round() / 1000.0).collect();
+            let y: Vec<&str> = of.iter().map(|r| r.2.as_str()).collect();
+            let text: Vec<&str> = of.iter().map(|r| r.3.as_str()).collect();
+            data.push(json!({
+                "type": "box", "orientation": "h", "name": kind, "x": x, "y": y, "text": text,
+                "boxpoints": "all", "jitter": 0.5, "pointpos": 0, "marker": { "color": colour, "size": 4 },
+                "line": { "width": 1 }, "hoveron": "points",
+                "hovertemplate": "%{text}<br>%{x:.3f}<extra></extra>"
+            }));
+        }
+        if data.is_empty() {
+            continue;
+        }
+        let layout = json!({
+            "hovermode": "closest", "boxmode": "group",
+            "xaxis": { "title": { "text": what }, "type": "log", "automargin": true },
+            "yaxis": { "automargin": true, "autorange": "reversed", "tickfont": { "size": 10 } },
+            "shapes": [{ "type": "line", "yref": "paper", "y0": 0, "y1": 1, "x0": 1, "x1": 1,
+                         "line": { "color": "@faint", "width": 1, "dash": "dot" } }]
+        });
+        views.push(view(what, data, layout));
+    }
+    let mut effects: Vec<&str> = ratios.iter().map(|r| r.2.as_str()).collect();
+    effects.sort_unstable();
+    effects.dedup();
+    (!views.is_empty()).then(|| {
+        figure(
+            "floors".to_owned(),
+            "How near the errors come to their floors".to_owned(),
+            "A point a joint of a case. At 1 the error of a recording kept back is what the true laws, fitted \
+             to the same recordings, leave (or the noise of the sensors alone)."
+                .to_owned(),
+            (160 + 34 * effects.len() as u32).clamp(260, 1100),
+            views,
+        )
+    })
+}

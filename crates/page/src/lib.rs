@@ -5,6 +5,14 @@
 //! ([`Drawing`]), which a [`Canvas`] fills from recordings and predictions; without it the page has the
 //! verdict and the tables. Charts are drawn by plotly.js, which is packed into the page; nothing is loaded
 //! from anywhere, and the page's own policy forbids it.
+//!
+//! ```
+//! let result = r#"{ "schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow"] }"#;
+//! let page = armident_page::html(result)?;
+//! assert!(page.contains("The recordings show nothing that the model leaves out"));
+//! assert!(armident_page::html("{}").is_err());
+//! # Ok::<(), armident_page::PageError>(())
+//! ```
 
 mod atlas;
 mod canvas;

@@ -1,11 +1,11 @@
 //! Recordings written as comma-separated text: a column `t` \[s\], then `<joint>/<quantity>`.
 
-use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use crate::error::{Fault, RecordingError};
 use crate::recording::Recording;
+use crate::whole_file::write_whole;
 
 /// Writes a CSV file: `t` and the channels. Numbers have as many digits as bring back the same
 /// value; notes and ignored columns are not written.
@@ -15,19 +15,22 @@ use crate::recording::Recording;
 pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), RecordingError> {
     let path = path.as_ref();
     recording.check()?;
-    let fault = |doing| {
-        move |error| RecordingError::new(Fault::Io { doing, error }, &path.display().to_string())
-    };
-    let file = File::create(path).map_err(fault("opened"))?;
-    let mut writer = BufWriter::new(file);
-    write_csv_to(&mut writer, recording)?;
-    let written = writer.into_inner().map_err(io::IntoInnerError::into_error);
-    if let Err(error) = written {
-        // half a recording would be read as a whole one
-        let _ = fs::remove_file(path);
-        return Err(fault("written")(error));
+    let source = path.display().to_string();
+    let mut failed = None;
+    let written = write_whole(path, |file| {
+        write_csv_to(file, recording).map_err(|error| {
+            let said = io::Error::other(error.to_string());
+            failed = Some(error);
+            said
+        })
+    });
+    match (failed, written) {
+        (Some(error), _) => Err(error.of_source(&source)),
+        (None, Err(error)) => {
+            Err(RecordingError::new(Fault::Io { doing: "written", error }, &source))
+        }
+        (None, Ok(())) => Ok(()),
     }
-    Ok(())
 }
 
 /// Writes CSV text, as [`write_csv`].

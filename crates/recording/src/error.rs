@@ -53,6 +53,21 @@ impl RecordingError {
         &self.0.fault
     }
 
+    /// The file or signal.
+    pub fn source_name(&self) -> &str {
+        &self.0.source_name
+    }
+
+    /// Line of the file, from 1, where it is known.
+    pub fn line(&self) -> Option<u64> {
+        self.0.line
+    }
+
+    /// Name of the column, where it is known.
+    pub fn column(&self) -> Option<&str> {
+        self.0.column.as_deref()
+    }
+
     /// Where: ``file.csv, line 12, column `elbow/position` ``, as far as known.
     pub fn place(&self) -> String {
         let mut place = self.0.source_name.clone();

@@ -113,6 +113,7 @@ mod timing;
 mod units;
 mod unwrap;
 mod velocity_check;
+mod whole_file;
 mod write;
 
 pub use butterworth::{
@@ -140,4 +141,5 @@ pub use read::{ReadSettings, read_recording};
 pub use recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
 pub use resample::{BRIDGED_STEPS, EvenGrid, Interpolation};
 pub use timing::{GAP_STEPS, Gap, Timing};
+pub use whole_file::{remove_partial_files, write_whole};
 pub use write::{Encoded, FileFormat, encode};

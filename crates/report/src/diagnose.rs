@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use armident_diagnose::{
-    Books, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion, Placebo,
+    Books, ConstantEstimate, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion, Placebo,
 };
 use armident_effects::effect;
 use armident_ident::check::Check;
 use armident_kinematics::DrivingAxisChain;
 use serde::Serialize;
 
+use crate::bar::Bars;
 use crate::numbers::{significant, uncertain};
 use crate::table::aligned;
 
@@ -53,9 +54,11 @@ pub struct DiagnoseReport {
     effort_noise: BTreeMap<String, f64>,
     inertial_error: f64,
     atlas: Vec<JointAtlas>,
-    /// of the hold-out
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    constants: Vec<ConstantEstimate>,
     /// joints on which more than noise is left over without a name
     unexplained: Vec<String>,
+    /// of the hold-out
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     whiteness_p: BTreeMap<String, f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -123,6 +126,7 @@ impl DiagnoseReport {
             effort_noise: diagnosis.effort_noise.clone(),
             inertial_error: diagnosis.inertial_error,
             atlas: diagnosis.atlas.clone(),
+            constants: diagnosis.constants.as_ref().map_or_else(Vec::new, |c| c.constants.clone()),
             ..Self::empty(chain, inputs)
         };
         report.sentence = report.first_sentence();
@@ -150,6 +154,7 @@ impl DiagnoseReport {
             effort_noise: BTreeMap::new(),
             inertial_error: 0.0,
             atlas: Vec::new(),
+            constants: Vec::new(),
             unexplained: Vec::new(),
             whiteness_p: BTreeMap::new(),
             replay: None,
@@ -227,14 +232,14 @@ impl DiagnoseReport {
     }
 
     /// The page for people.
-    pub fn text(&self) -> String {
+    pub fn text(&self, bars: Bars) -> String {
         let mut page = format!("{}: {}\n", self.robot, self.sentence);
         page.push_str(&self.books_text());
         for finding in &self.findings {
             page.push_str(&paragraph(finding));
         }
         page.push_str(&self.atlas_text());
-        page.push_str(&self.proof_text());
+        page.push_str(&self.proof_text(bars));
         if let Some(Placebo { terms, improve, named }) = self.placebo {
             page.push_str(&format!(
                 "\nOf {terms} wrong terms {improve} lower the error of stretches that were not fitted, and \
@@ -372,7 +377,7 @@ impl DiagnoseReport {
     }
 
     /// Errors on the hold-out, or else on what was fitted.
-    fn proof_text(&self) -> String {
+    fn proof_text(&self, bars: Bars) -> String {
         let Some(errors) = self.fit.holdout.as_ref().or(self.fit.train.as_ref()) else {
             return String::new();
         };
@@ -382,6 +387,7 @@ impl DiagnoseReport {
         if proven {
             head.push("white, p");
         }
+        head.push("after/before");
         let mut rows = Vec::new();
         for joint in &self.joints {
             let of = |m: &BTreeMap<String, f64>, digits: usize| {
@@ -393,6 +399,8 @@ impl DiagnoseReport {
             if proven {
                 row.push(of(&self.whiteness_p, 2));
             }
+            let ends = errors.before.get(joint).zip(errors.after.get(joint));
+            row.push(ends.map_or_else(String::new, |(before, after)| bars.left(*before, *after)));
             rows.push(row);
         }
         let mut text = format!(

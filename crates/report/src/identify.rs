@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::bar::Bars;
 use crate::consistency::ConsistencyReport;
 use crate::numbers::{significant, uncertain};
 use crate::table::aligned;
@@ -224,7 +225,7 @@ pub struct FitRows {
 
 impl IdentifyReport {
     /// The page a person reads.
-    pub fn text(&self) -> String {
+    pub fn text(&self, bars: Bars) -> String {
         let mut text = format!(
             "{}: {} from {} recording{} by {}\n",
             self.robot,
@@ -323,7 +324,7 @@ impl IdentifyReport {
             );
         }
         text += "\nEffort error (root mean square, and relative to the effort's variation)\n";
-        text += &self.fit_text();
+        text += &self.fit_text(bars);
         text
     }
 
@@ -429,7 +430,7 @@ impl IdentifyReport {
         aligned(&["effect", "joint", "estimate", "std error", "unit", ""], &rows, 2)
     }
 
-    fn fit_text(&self) -> String {
+    fn fit_text(&self, bars: Bars) -> String {
         let cell = |rows: &FitRows, joint: &String| {
             [
                 rows.rmse.get(joint).map_or("-".to_owned(), |x| significant(*x, 4, 0.0)),
@@ -449,6 +450,10 @@ impl IdentifyReport {
                     row.extend(cell(holdout, joint));
                 }
                 row.extend(cell(&self.fit.urdf, joint));
+                // the URDF was judged on the same recordings
+                let judged = self.fit.holdout.as_ref().unwrap_or(&self.fit.train);
+                let ends = self.fit.urdf.rmse.get(joint).zip(judged.rmse.get(joint));
+                row.push(ends.map_or_else(String::new, |(urdf, found)| bars.left(*urdf, *found)));
                 row
             })
             .collect();
@@ -459,7 +464,7 @@ impl IdentifyReport {
         if self.fit.holdout.is_some() {
             header.extend(["hold-out", ""]);
         }
-        header.extend(["URDF alone", ""]);
+        header.extend(["URDF alone", "", "found/URDF"]);
         aligned(&header, &rows, 1)
     }
 }

@@ -2,7 +2,21 @@
 //!
 //! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
 //! The fields are described in `docs/json.md`.
+//!
+//! ```
+//! use armident_ident::{ArmModel, MinimalSet};
+//! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+//!
+//! let robot = parse_urdf(include_str!("../../../urdf/stanford.urdf"), "stanford.urdf")?;
+//! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+//! let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+//! let set = MinimalSet::of(&model.rigid_arm())?;
+//! let page = armident_report::ParamsReport::new(&model, &set).text();
+//! assert!(page.contains("Minimal set: 33 constants for 60 standard parameters"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod bar;
 mod check;
 mod consistency;
 mod diagnose;
@@ -13,6 +27,7 @@ mod plan;
 mod table;
 mod validate;
 
+pub use bar::Bars;
 pub use check::{ChannelRow, CheckReport};
 pub use consistency::ConsistencyReport;
 pub use diagnose::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};

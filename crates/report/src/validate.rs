@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::bar::Bars;
 use crate::numbers::significant;
 use crate::table::aligned;
 
@@ -70,7 +71,7 @@ pub struct ReplayReport {
 
 impl ValidateReport {
     /// The page a person reads.
-    pub fn text(&self) -> String {
+    pub fn text(&self, bars: Bars) -> String {
         let mut text = format!(
             "{}: {} on {} recording{}{}\n\nEffort error (before: the URDF alone; relative to the effort's variation)\n",
             self.robot,
@@ -100,6 +101,7 @@ impl ValidateReport {
                     optional(after.whiteness_p, &|p| {
                         if p < 1e-4 { "< 1e-4".to_owned() } else { significant(p, 2, 0.0) }
                     }),
+                    bars.left(before.rmse, after.rmse),
                 ])
             })
             .collect();
@@ -114,6 +116,7 @@ impl ValidateReport {
                 "in 95 % band",
                 "lag-1",
                 "white, p",
+                "after/before",
             ],
             &rows,
             1,

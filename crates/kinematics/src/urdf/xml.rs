@@ -1,5 +1,7 @@
 //! From text to an XML document with a `<robot>` root, and from positions to places.
 
+use std::ops::Range;
+
 use roxmltree::{Document, Node};
 
 use crate::error::{UrdfError, UrdfPlace};
@@ -31,23 +33,37 @@ impl<'a> UrdfText<'a> {
 
     /// The text as a whole.
     pub(super) fn whole(&self) -> Box<UrdfPlace> {
-        Box::new(UrdfPlace { source: self.source.to_owned(), line: None, element: None })
+        Box::new(UrdfPlace {
+            source: self.source.to_owned(),
+            line: None,
+            element: None,
+            span: None,
+        })
     }
 
     /// A line, with the link or joint if one is concerned.
     pub(super) fn place(&self, line: u32, element: Option<String>) -> Box<UrdfPlace> {
-        Box::new(UrdfPlace { source: self.source.to_owned(), line: Some(line), element })
+        Box::new(UrdfPlace {
+            source: self.source.to_owned(),
+            line: Some(line),
+            element,
+            span: None,
+        })
     }
 
     /// An element, with the link or joint it belongs to.
     pub(super) fn place_of(&self, node: Node<'_, '_>) -> Box<UrdfPlace> {
-        self.place(self.line(node), owner(node))
+        let mut place = self.place(self.line(node), owner(node));
+        place.span = Some(tag_range(node));
+        place
     }
 
     /// An attribute, with the link or joint it belongs to; the element if it is absent.
     pub(super) fn place_of_attribute(&self, node: Node<'_, '_>, name: &str) -> Box<UrdfPlace> {
-        let offset = node.attribute_node(name).map_or(node.range().start, |a| a.range().start);
-        self.place(self.line_at(offset), owner(node))
+        let range = node.attribute_node(name).map_or_else(|| tag_range(node), |a| a.range());
+        let mut place = self.place(self.line_at(range.start), owner(node));
+        place.span = Some(range);
+        place
     }
 
     /// Reads the XML and checks that its root is a `<robot>` without xacro.
@@ -134,6 +150,12 @@ impl<'a> UrdfText<'a> {
         };
         UrdfError::NotXml { place: self.place(line, None), found, advice }
     }
+}
+
+/// `<tag`, where an element starts.
+fn tag_range(node: Node<'_, '_>) -> Range<usize> {
+    let start = node.range().start;
+    start..start + 1 + qualified_tag(node).len()
 }
 
 /// The link or joint around an element, as ``joint `elbow` ``.

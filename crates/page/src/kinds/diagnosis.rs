@@ -6,6 +6,7 @@ use armident_effects::{Place, effect};
 use armident_report::uncertain;
 use serde::Deserialize;
 
+use super::constants::{self, Constant};
 use super::{ByJoint, counted, joints};
 use crate::drawing::{Drawing, FindingTraces};
 use crate::figures;
@@ -26,6 +27,7 @@ pub(crate) struct Diagnosis {
     effort_noise: ByJoint,
     inertial_error: Option<f64>,
     atlas: Vec<JointAtlas>,
+    constants: Vec<Constant>,
     whiteness_p: ByJoint,
     replay: Option<Replay>,
     next_motion: Option<NextMotion>,
@@ -246,7 +248,7 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
             .skeleton
             .as_ref()
             .map(|s| figures::skeleton(drawing, s, &blamed_joints, &blamed_links)),
-        sections: errors(&of).into_iter().collect(),
+        sections: errors(&of).into_iter().chain(minimal_set(&of, drawing)).collect(),
         cards,
         robot: of.robot,
         warnings: of.warnings,
@@ -636,6 +638,24 @@ fn errors(of: &Diagnosis) -> Option<Section> {
         figures: Vec::new(),
     };
     (!found.tables.is_empty()).then_some(found)
+}
+
+/// The inertia constants of the diagnosed arm, and what the recordings know of each.
+fn minimal_set(of: &Diagnosis, drawing: &Drawing) -> Option<Section> {
+    let mut figures: Vec<figures::Figure> =
+        constants::off_the_urdf(&of.constants).into_iter().collect();
+    figures.extend(drawing.correlation.as_ref().map(figures::correlation));
+    (!of.constants.is_empty()).then(|| Section {
+        id: "constants".to_owned(),
+        title: "Minimal set".to_owned(),
+        sentences: vec![
+            "What the efforts know of the links, with all that was found fitted along. The URDF is believed as far \
+             as these recordings bear it out; `the URDF's word` is the share of that belief that they leave."
+                .to_owned(),
+        ],
+        tables: vec![constants::table(&of.constants)],
+        figures,
+    })
 }
 
 fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card {

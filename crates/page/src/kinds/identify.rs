@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use armident_report::{significant, uncertain};
+use armident_report::uncertain;
 use serde::Deserialize;
 
+use super::constants::{self, Constant, OPEN};
 use super::{ByJoint, counted, joints};
 use crate::drawing::Drawing;
 use crate::figures;
-use crate::page::{Grid, Section, Step, Tone, View, number, optional, percent};
+use crate::page::{Grid, Section, Step, Tone, View, number, percent};
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -46,20 +47,6 @@ struct Consistency {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Constant {
-    label: String,
-    joint: String,
-    unit: String,
-    value: Option<f64>,
-    standard_error: Option<f64>,
-    interval_95: Option<[f64; 2]>,
-    urdf: f64,
-    from_prior: f64,
-    undetermined: f64,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
 struct Effect {
     effect: String,
     joint: String,
@@ -92,43 +79,6 @@ struct Fits {
 struct Fit {
     rmse: ByJoint,
     relative: ByJoint,
-}
-
-/// Share left open above which the recordings do not determine a number.
-const OPEN: f64 = 1e-3;
-/// Share of the prior above which a number is the robot description's.
-const BELIEVED: f64 = 0.5;
-
-impl Constant {
-    fn off(&self) -> Option<f64> {
-        let off = (self.value? - self.urdf) / self.standard_error?;
-        off.is_finite().then_some(off)
-    }
-
-    /// How well the recordings determine it, in words.
-    fn determined(&self) -> String {
-        if self.undetermined > OPEN {
-            return format!("open: {} not seen", percent(self.undetermined));
-        }
-        let Some((value, error)) = self.value.zip(self.standard_error) else {
-            return "not sought".to_owned();
-        };
-        let known = if self.from_prior > BELIEVED {
-            "mostly the URDF's word"
-        } else {
-            match error / value.abs().max(self.urdf.abs()) {
-                r if r < 0.02 => "very well",
-                r if r < 0.1 => "well",
-                r if r < 0.5 => "roughly",
-                _ => "hardly",
-            }
-        };
-        if (0.1..=BELIEVED).contains(&self.from_prior) {
-            format!("{known}, {} the URDF's word", percent(self.from_prior))
-        } else {
-            known.to_owned()
-        }
-    }
 }
 
 pub(crate) fn view(of: Identified, drawing: &Drawing) -> View {
@@ -193,23 +143,15 @@ pub(crate) fn view(of: Identified, drawing: &Drawing) -> View {
     }
     let open = relative.last().map(|w| vec![w.1.clone()]).unwrap_or_default();
     let worst = relative.last().map_or(0.0, |w| w.0);
-    let rows: Vec<(String, f64, f64)> = of
-        .constants
-        .iter()
-        .filter_map(|c| {
-            let error = c.standard_error.filter(|e| *e > 0.0)?;
-            Some((format!("{} {}", c.label, c.joint), c.value? - c.urdf, error))
-        })
-        .collect();
-    let mut constants = Section {
+    let mut set = Section {
         id: "constants".to_owned(),
         title: "Minimal set".to_owned(),
         sentences: cannot_be_separated(&of),
-        tables: vec![constants(&of), effects(&of)],
-        figures: figures::intervals(&rows).into_iter().collect(),
+        tables: vec![constants::table(&of.constants), effects(&of)],
+        figures: constants::off_the_urdf(&of.constants).into_iter().collect(),
     };
-    constants.tables.retain(|t| !t.rows.is_empty());
-    constants.figures.extend(drawing.correlation.as_ref().map(figures::correlation));
+    set.tables.retain(|t| !t.rows.is_empty());
+    set.figures.extend(drawing.correlation.as_ref().map(figures::correlation));
     View {
         kind: "Identification",
         tone: if determined { Tone::Good } else { Tone::Open },
@@ -223,7 +165,7 @@ pub(crate) fn view(of: Identified, drawing: &Drawing) -> View {
         overview: bars(&of, kind).into_iter().chain(figures::over_time(drawing)).collect(),
         joints: joints(drawing, &open, &BTreeMap::new()),
         skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
-        sections: vec![constants, excitation(&of)],
+        sections: vec![set, excitation(&of)],
         cards: Vec::new(),
         robot: of.robot,
         warnings: [of.warnings, of.notes].concat(),
@@ -287,51 +229,6 @@ fn cannot_be_separated(of: &Identified) -> Vec<String> {
         ));
     }
     all
-}
-
-fn constants(of: &Identified) -> Grid {
-    let header = [
-        "constant",
-        "joint",
-        "determined",
-        "estimate",
-        "std error",
-        "95 % interval",
-        "URDF",
-        "off [std err]",
-        "unit",
-    ];
-    // what round-off leaves of a zero, beside the largest of its unit
-    let zero = |unit: &str| {
-        let same = of.constants.iter().filter(|c| c.unit == unit);
-        1e-12 * same.fold(0.0_f64, |m, c| m.max(c.urdf.abs()))
-    };
-    let rows = of
-        .constants
-        .iter()
-        .map(|c| {
-            let (value, error) = match c.value.zip(c.standard_error) {
-                Some((value, error)) => uncertain(value, error),
-                None => (optional(c.value, 4), "-".to_owned()),
-            };
-            let interval = c.interval_95.zip(c.standard_error).map_or_else(
-                || "-".to_owned(),
-                |([a, b], e)| format!("{} to {}", uncertain(a, e).0, uncertain(b, e).0),
-            );
-            vec![
-                c.label.clone(),
-                c.joint.clone(),
-                c.determined(),
-                value,
-                error,
-                interval,
-                significant(c.urdf, 5, zero(&c.unit)),
-                c.off().map_or_else(|| "-".to_owned(), |t| format!("{t:+.1}")),
-                c.unit.clone(),
-            ]
-        })
-        .collect();
-    Grid::new("Inertia constants", &header, 3).with(rows)
 }
 
 fn effects(of: &Identified) -> Grid {

@@ -1,9 +1,11 @@
 //! What the page of each command's result says.
 
 mod check;
+mod constants;
 mod diagnosis;
 mod identify;
 mod other;
+mod scoreboard;
 mod validate;
 
 use std::collections::BTreeMap;
@@ -23,6 +25,7 @@ pub(crate) fn view(schema: &str, document: &Value, drawing: &Drawing) -> Result<
         "armident.identify" => identify::view(read(document)?, drawing),
         "armident.validate" => validate::view(read(document)?, drawing),
         "armident.check" => check::view(read(document)?, drawing),
+        "armident.scoreboard" => scoreboard::view(&read(document)?, drawing),
         _ => other::view(kind, document),
     })
 }
