@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Place, effect};
+use armident_effects::{Place, Scope, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -12,6 +12,7 @@ use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
 use crate::problem::{Group, Meaning, Problem};
+use crate::refine::shape_deviations;
 use crate::search::{Answer, answer};
 use crate::select::Selection;
 use crate::transmission::{mean_inertia, of_shape};
@@ -164,7 +165,8 @@ fn link_of(evidence: &Evidence<'_>, group: &Group) -> Option<String> {
 
 fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Finding {
     let View { evidence, metric, answer, .. } = *view;
-    let group = &metric.problem.groups[group];
+    let id = group;
+    let group = &metric.problem.groups[id];
     let names = |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
     let confidence = confidence(size);
     let described = described_anyway(metric.problem, answer, group);
@@ -174,7 +176,7 @@ fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Fi
         link: link_of(evidence, group),
         window: group.site.window.map(|w| w.1),
         recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
-        parameters: parameters(view, group),
+        parameters: parameters(view, id),
         confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
         confirmed: None,
         evidence: FindingEvidence {
@@ -275,13 +277,14 @@ fn stem(source: &str) -> String {
 /// Slope over the columns' unit below which a number of a body does not appear in them.
 const UNSEEN: f64 = 1e-6;
 
-fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Value> {
+fn parameters(view: &View<'_, '_>, id: usize) -> BTreeMap<&'static str, Value> {
     let View { evidence, metric, answer, point, ref gain } = *view;
+    let group = &metric.problem.groups[id];
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = answer.fit.of_group(group);
     let covariance = metric.covariance(&answer.fit, &group.columns);
-    let of = |coefficients: &[f64]| -> Vec<f64> {
+    let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         match group.slug() {
             "gravity_direction" => {
                 let delta = [coefficients[0], coefficients[1]];
@@ -292,14 +295,14 @@ fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Valu
             "encoder_offset" => {
                 vec![point.offset[group.site.joints[0]] + coefficients[0]]
             }
-            "joint_elasticity" if group.shape.is_empty() => {
+            "joint_elasticity" if shape.is_empty() => {
                 vec![1.0 / coefficients[0], 0.0, coefficients[1]]
             }
-            "joint_elasticity" => vec![group.shape[0], group.shape[1], coefficients[1]],
+            "joint_elasticity" => vec![shape[0], shape[1], coefficients[1]],
             "backlash" => {
                 let at = evidence.at(point);
                 let joint = group.site.joints[0];
-                let of = of_shape("backlash", &group.shape, mean_inertia(&at, joint));
+                let of = of_shape("backlash", shape, mean_inertia(&at, joint));
                 vec![of.gap, of.stiffness, of.damping, coefficients[1]]
             }
             "link_inertia_error" | "payload" => {
@@ -314,17 +317,38 @@ fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Valu
                     vec![mass, x, y, z]
                 }
             }
-            _ => law_parameters(group, coefficients, gain),
+            _ => {
+                let moved = Group { shape: shape.to_vec(), ..group.clone() };
+                law_parameters(&moved, coefficients, gain)
+            }
         }
     };
-    let values = of(&coefficients);
+    let values = of(&group.shape, &coefficients);
     // propagation of the covariance of the coefficients through the formulas
     let slopes: Vec<Vec<f64>> = (0..coefficients.len())
         .map(|k| {
             let step = 1e-4 * covariance[k][k].sqrt().max(1e-12);
             let mut moved = coefficients.clone();
             moved[k] += step;
-            of(&moved).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
+            of(&group.shape, &moved).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
+        })
+        .collect();
+    // what was searched is uncertain too; of a link that rings or bounces behind its motor the misfit is too
+    // jagged to say how much
+    let smooth = law.law().scope != Scope::ThroughJoint && group.site.window.is_none();
+    let deviations = match group.shape.is_empty() || !smooth {
+        true => Vec::new(),
+        false => shape_deviations(evidence, &evidence.at(point), metric, answer, id),
+    };
+    let by_shape: Vec<Vec<f64>> = deviations
+        .iter()
+        .enumerate()
+        .filter_map(|(k, deviation)| {
+            let step = 1e-3 * (*deviation)?;
+            let mut moved = group.shape.clone();
+            moved[k] += step;
+            let slopes = of(&moved, &coefficients);
+            Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * 1e3).collect())
         })
         .collect();
     law.law()
@@ -336,7 +360,8 @@ fn parameters(view: &View<'_, '_>, group: &Group) -> BTreeMap<&'static str, Valu
             let variance: f64 = (0..coefficients.len())
                 .flat_map(|a| (0..coefficients.len()).map(move |b| (a, b)))
                 .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
-                .sum();
+                .sum::<f64>()
+                + by_shape.iter().map(|change| change[p].powi(2)).sum::<f64>();
             let stderr = (variance > 0.0).then(|| variance.sqrt());
             // a number of a body that none of the efforts holds
             let unseen = group.transform.is_some() && slopes.iter().all(|s| s[p].abs() < UNSEEN);

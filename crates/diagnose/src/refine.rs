@@ -5,7 +5,7 @@ use armident_effects::{Scope, effect};
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence};
 use crate::flexible;
-use crate::problem::{Group, Meaning, Problem};
+use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::search::{Answer, answer};
 use crate::transmission;
 
@@ -34,25 +34,81 @@ pub(crate) fn recreate(
             return Some(flexible::recreate(evidence, at, problem, joint, flexible));
         }
     };
-    let law = effect(slug)?;
-    let id = match law.law().scope {
-        Scope::Joint => {
-            evidence.push_joint_law(problem, at, law, group.site.joints[0], &group.shape)?
-        }
-        Scope::Neighbours => {
-            evidence.push_pair_law(problem, at, law, group.site.joints[0], &group.shape)
-        }
-        Scope::ThroughJoint if !group.shape.is_empty() => {
-            transmission::push(evidence, at, problem, slug, group.site.joints[0], &group.shape)?
-        }
-        Scope::Arm => {
-            let (recording, window) = group.site.window?;
+    let id = match (effect(slug)?.law().scope, group.site.window) {
+        (Scope::Arm, Some((recording, window))) => {
             contact.push(evidence, problem, recording, window)
         }
-        _ => return None,
+        _ => formed(evidence, at, problem, slug, group)?,
     };
     problem.groups[id].searched = group.searched;
     Some(id)
+}
+
+/// A law of joints with the shape of a group, added to a problem.
+fn formed(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    slug: &'static str,
+    group: &Group,
+) -> Option<usize> {
+    let law = effect(slug)?;
+    let joint = *group.site.joints.first()?;
+    match law.law().scope {
+        Scope::Joint => evidence.push_joint_law(problem, at, law, joint, &group.shape),
+        Scope::Neighbours => Some(evidence.push_pair_law(problem, at, law, joint, &group.shape)),
+        Scope::ThroughJoint if !group.shape.is_empty() => {
+            transmission::push(evidence, at, problem, slug, joint, &group.shape)
+        }
+        _ => None,
+    }
+}
+
+/// Standard deviations of a group's shape constants, each from the curvature of the misfit with all coefficients
+/// fitted again; none for a constant in which the misfit has no bottom.
+pub(crate) fn shape_deviations(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    metric: &Whitened<'_>,
+    of: &Answer,
+    group: usize,
+) -> Vec<Option<f64>> {
+    // near enough to the curvature once the first step was a standard deviation
+    const ROUNDS: usize = 3;
+    let problem = metric.problem;
+    let (mut small, set) = problem.restricted(&of.set);
+    let Some(place) = of.set.iter().position(|g| *g == group) else { return Vec::new() };
+    let original = problem.groups[group].clone();
+    let Meaning::Law(slug) = original.meaning else { return Vec::new() };
+    let mut misfit = |constant: usize, value: f64| -> Option<f64> {
+        let mut moved = original.clone();
+        moved.shape[constant] = value;
+        let mut set = set.clone();
+        set[place] = formed(evidence, at, &mut small, slug, &moved)?;
+        let metric = small.whitened(metric.scale, &metric.wide);
+        let fit = metric.fit(metric.columns_of(&set))?;
+        Some(problem.rows.share * fit.sum_of_squares)
+    };
+    (0..original.shape.len())
+        .map(|k| {
+            let value = original.shape[k];
+            let middle = misfit(k, value)?;
+            let mut step = 1e-2 * value.abs().max(f64::MIN_POSITIVE);
+            let mut found = None;
+            for _ in 0..ROUNDS {
+                let curvature = (misfit(k, value + step)? + misfit(k, value - step)?
+                    - 2.0 * middle)
+                    / (step * step);
+                if curvature <= 0.0 {
+                    return found;
+                }
+                let deviation = (2.0 / curvature).sqrt();
+                found = Some(deviation);
+                step = deviation.min(0.3 * value.abs());
+            }
+            found
+        })
+        .collect()
 }
 
 /// Polishes the constants that were tried on a grid.
