@@ -117,7 +117,7 @@ fn files_on_disk() {
     assert_eq!(error.place(), folder.join("missing.csv").display().to_string());
     assert_eq!(read_csv(&folder).unwrap_err().to_string(), "this is a directory, not a recording");
     let error = write_csv(folder.join("no/such/folder.csv"), &recording).unwrap_err();
-    assert!(error.to_string().starts_with("the file cannot be opened: "));
+    assert!(error.to_string().starts_with("the file cannot be written: "));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
