@@ -7,7 +7,8 @@
 //! from anywhere, and the page's own policy forbids it.
 //!
 //! ```
-//! let result = r#"{ "schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow"] }"#;
+//! let result = r#"{ "schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow"],
+//!     "sentence": "the recordings show nothing that the model leaves out" }"#;
 //! let page = armident_page::html(result)?;
 //! assert!(page.contains("The recordings show nothing that the model leaves out"));
 //! assert!(armident_page::html("{}").is_err());

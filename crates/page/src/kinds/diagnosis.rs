@@ -237,6 +237,7 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
         },
         // what follows the first clause is said by the sentences
         headline: match of.books.faults.is_empty() {
+            _ if of.sentence.is_empty() => format!("{} findings", of.findings.len()),
             true => capital(of.sentence.split([';', ',']).next().unwrap_or_default()),
             false => capital(&of.sentence),
         },
