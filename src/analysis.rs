@@ -274,11 +274,7 @@ impl Analysis {
         of: &str,
         known: &[String],
     ) -> Failure {
-        let list = format!("there are {}", known.join(", "));
-        let advice = match armident_kinematics::nearest(key, known) {
-            Some(near) => format!("did you mean `{near}`? {list}"),
-            None => list,
-        };
+        let advice = meant(key, known, "there are");
         self.fault(
             span,
             place,
@@ -300,6 +296,15 @@ impl Analysis {
         let place = if place.is_empty() { String::new() } else { format!(", {place}") };
         let place = format!("{}{line}{place}", self.path.display());
         Failure::new(what.into(), place, Some(advice.into())).showing(excerpt)
+    }
+}
+
+/// The nearest of the known names, and all of them.
+pub(crate) fn meant(name: &str, known: &[String], lead: &str) -> String {
+    let list = format!("{lead} {}", known.join(", "));
+    match armident_kinematics::nearest(name, known) {
+        Some(near) => format!("did you mean `{near}`? {list}"),
+        None => list,
     }
 }
 

@@ -1,6 +1,6 @@
 //! `armident run`.
 
-use crate::analysis::{Analysis, Step};
+use crate::analysis::{Analysis, Step, meant};
 use crate::args::{Command, RunArgs};
 use crate::failure::{Failure, Outcome};
 use crate::output;
@@ -10,15 +10,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome, Failure> {
     for name in &args.only {
         if !steps.iter().any(|step| step.name == *name) {
             let known: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
-            let list = format!("the steps are {}", known.join(", "));
-            let advice = match armident_kinematics::nearest(name, &known) {
-                Some(near) => format!("did you mean `{near}`? {list}"),
-                None => list,
-            };
             return Err(Failure::new(
                 format!("there is no step `{name}`"),
                 args.file.display(),
-                Some(advice),
+                Some(meant(name, &known, "the steps are")),
             ));
         }
     }

@@ -32,8 +32,7 @@ impl Case {
     pub fn write(&self, folder: &Path) -> Result<(), ChallengeError> {
         std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
         let urdf = folder.join("robot.urdf");
-        write_whole(&urdf, |file| file.write_all(self.robot_urdf.as_bytes()))
-            .map_err(ChallengeError::io("written", &urdf))?;
+        write_text(&urdf, &self.robot_urdf)?;
         for (name, recording) in [
             ("train_1", &self.train_1),
             ("train_2", &self.train_2),
@@ -45,7 +44,12 @@ impl Case {
         let path = folder.join("truth.json");
         let text = serde_json::to_string_pretty(&self.truth)
             .map_err(|error| ChallengeError::Json { path: path.clone(), error })?;
-        write_whole(&path, |file| file.write_all((text + "\n").as_bytes()))
-            .map_err(ChallengeError::io("written", &path))
+        write_text(&path, &(text + "\n"))
     }
+}
+
+/// Writes a text, whole or not at all.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), ChallengeError> {
+    write_whole(path, |file| file.write_all(text.as_bytes()))
+        .map_err(ChallengeError::io("written", path))
 }

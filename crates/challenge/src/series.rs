@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use armident_recording::{write_csv, write_whole};
+use armident_recording::write_csv;
 use rayon::ThreadPoolBuilder;
 
 use crate::arms::Arm;
+use crate::case::write_text;
 use crate::draft::PERTURBED;
 use crate::error::ChallengeError;
 use crate::generate::{CaseKind, CaseRequest, case_effects, generate};
@@ -232,11 +233,7 @@ fn serve(order: &Order, keep: Option<&Path>) -> Result<Outcome, ChallengeError> 
 /// Writes what the program would have written, into a folder, which is made.
 fn hand_in(sitting: &Sitting, folder: &Path) -> Result<(), ChallengeError> {
     std::fs::create_dir_all(folder).map_err(ChallengeError::io("written", folder))?;
-    let write = |name: &str, text: &str| {
-        let path = folder.join(name);
-        write_whole(&path, |file| file.write_all(text.as_bytes()))
-            .map_err(ChallengeError::io("written", &path))
-    };
+    let write = |name: &str, text: &str| write_text(&folder.join(name), text);
     write("out.json", &sitting.out_json)?;
     let Some(learned) = &sitting.learned else { return Ok(()) };
     write("model.json", &learned.model_json)?;

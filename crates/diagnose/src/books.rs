@@ -33,9 +33,6 @@ pub struct DriveGain {
 const MOST_BELIEVED: f64 = 0.2;
 /// A probability that leaves no doubt.
 const SURE: f64 = 0.99;
-/// The model believed before, and a diagnosis against it.
-pub type Heard = Result<(DiagnosedModel, Diagnosis), DiagnoseError>;
-
 /// Share of the believed effort that must be gravity for a gain to be told from an inertia.
 const GRAVITY_SHARE: f64 = 0.5;
 /// Ends of an interval whose ratio is larger say nothing.
@@ -47,6 +44,9 @@ impl DriveGain {
         (self.interval_95[1] / self.interval_95[0]).abs().ln().abs() / (2.0 * 1.96)
     }
 }
+
+/// The model believed before, and a diagnosis against it.
+pub type Heard = Result<(DiagnosedModel, Diagnosis), DiagnoseError>;
 
 /// What recordings say of their own columns.
 #[derive(Debug, Clone, Default)]
@@ -154,10 +154,9 @@ impl Books {
     }
 
     /// Diagnoses recordings, and a reference of theirs, whose columns are in doubt: what physics explains is
-    /// taken back, and joints whose columns are wrong are left out of a
-    /// second run, for what is wrong with one column says nothing
-    /// against the other joints. `run` is given the recordings and the reference; nothing comes back where
-    /// the columns leave nothing to say of physics.
+    /// taken back, and joints whose columns are wrong are left out of a second run, for what is wrong with one
+    /// column says nothing against the other joints. `run` is given the recordings and the reference; nothing
+    /// comes back where the columns leave nothing to say of physics.
     pub fn hear(
         &mut self,
         joints: usize,

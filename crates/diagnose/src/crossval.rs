@@ -1,11 +1,11 @@
 //! Blocked cross-validation: what an effect explains must also be explained in stretches of the
 //! recordings that its coefficients have not seen.
 
-use armident_effects::{EVERYDAY, Onset};
+use armident_effects::EVERYDAY;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
-use crate::problem::{Group, Meaning, PRICE_OF_SELDOM, Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem, Whitened};
 use crate::rows::Blocks;
 use crate::search::{Answer, all_admissible, answer};
 
@@ -29,15 +29,13 @@ struct Fold {
 /// point holds.
 pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoint) -> Answer {
     loop {
-        let (small, ids) = metric.problem.restricted(&with_relatives(metric.problem, &of.set));
-        let folds = folds(&small);
         // ids of the restricted problem stand in the order of the groups they were made from
         let originals = with_relatives(metric.problem, &of.set);
+        let (small, ids) = metric.problem.restricted(&originals);
+        let folds = folds(&small);
         let small_id = |g: usize| originals.iter().position(|o| *o == g).map(|k| ids[k]);
         let set: Vec<usize> = of.set.iter().filter_map(|g| small_id(*g)).collect();
-        let errors = |set: &[usize]| -> Vec<Vec<f64>> {
-            folds.iter().map(|f| f.errors(set, metric.scale, &metric.wide)).collect()
-        };
+        let errors = |set: &[usize]| all_errors(&folds, set, metric);
         let with = errors(&set);
         let mut worst: Option<(f64, usize)> = None;
         for &g in &of.set {
@@ -103,8 +101,7 @@ fn evidence(problem: &Problem, group: &Group, gains: &[f64]) -> f64 {
 
 /// What that must be for a group chosen from so many.
 fn least_evidence(choices: usize, group: &Group) -> f64 {
-    let seldom = if group.onset() == Onset::Seldom { PRICE_OF_SELDOM } else { 0.0 };
-    2.0 * (choices as f64 / CHANCE).ln() + seldom
+    2.0 * (choices as f64 / CHANCE).ln() + group.price_of_onset()
 }
 
 /// Adds the changes by which stretches that were not fitted become clearly more probable, the most probable
@@ -126,9 +123,7 @@ pub(crate) fn with_changes(metric: &Whitened<'_>, mut of: Answer) -> Answer {
         let all = [of.set.clone(), candidates.clone()].concat();
         let (small, ids) = problem.restricted(&all);
         let folds = folds(&small);
-        let errors = |set: &[usize]| -> Vec<Vec<f64>> {
-            folds.iter().map(|f| f.errors(set, metric.scale, &metric.wide)).collect()
-        };
+        let errors = |set: &[usize]| all_errors(&folds, set, metric);
         let set = &ids[..of.set.len()];
         let without = errors(set);
         let mut best: Option<(f64, Answer)> = None;
@@ -373,6 +368,11 @@ fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {
         }
     }
     folds
+}
+
+/// Errors of every stretch, `[fold][joint]`, in the metric of the whole.
+fn all_errors(folds: &[Fold], set: &[usize], metric: &Whitened<'_>) -> Vec<Vec<f64>> {
+    folds.iter().map(|f| f.errors(set, metric.scale, &metric.wide)).collect()
 }
 
 impl Fold {

@@ -163,23 +163,20 @@ fn told(
     believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
     let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
     let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
-    let at = match findings.iter().any(unnamed) {
-        true => evidence.at(&selection.point),
-        false => Vec::new(),
-    };
     for finding in findings.iter_mut().filter(|f| unnamed(f)) {
         let index = |name: &str| names.iter().position(|n| n == name);
         let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
         let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);
+        let at = best_view.at();
         let mut effort: Vec<Vec<f64>> = at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
         for term in terms {
-            for (sum, at) in effort.iter_mut().zip(&at) {
+            for (sum, at) in effort.iter_mut().zip(at) {
                 for (sum, x) in sum.iter_mut().zip(term.effort(at, index)) {
                     *sum += x;
                 }
             }
         }
-        finding.evidence.character = Some(character(evidence, &at, joint, &effort));
+        finding.evidence.character = Some(character(evidence, at, joint, &effort));
     }
     let atlas = atlas(evidence, &believed, &rigid, &learned_model)?;
     Ok(Diagnosis {

@@ -163,9 +163,8 @@ fn link_of(evidence: &Evidence<'_>, group: &Group) -> Option<String> {
         .then(|| evidence.chain.joints[group.site.joints[0]].child_link.clone())
 }
 
-fn finding_of_group(view: &View<'_, '_>, group: usize, size: &Materiality) -> Finding {
+fn finding_of_group(view: &View<'_, '_>, id: usize, size: &Materiality) -> Finding {
     let View { evidence, metric, answer, .. } = *view;
-    let id = group;
     let group = &metric.problem.groups[id];
     let names = |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
     let confidence = confidence(size);
@@ -278,7 +277,7 @@ fn stem(source: &str) -> String {
 const UNSEEN: f64 = 1e-6;
 
 fn parameters(view: &View<'_, '_>, id: usize) -> BTreeMap<&'static str, Value> {
-    let View { evidence, metric, answer, point, ref gain } = *view;
+    let View { evidence, metric, answer, point, ref gain, .. } = *view;
     let group = &metric.problem.groups[id];
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
@@ -300,9 +299,8 @@ fn parameters(view: &View<'_, '_>, id: usize) -> BTreeMap<&'static str, Value> {
             }
             "joint_elasticity" => vec![shape[0], shape[1], coefficients[1]],
             "backlash" => {
-                let at = evidence.at(point);
-                let joint = group.site.joints[0];
-                let of = of_shape("backlash", shape, mean_inertia(&at, joint));
+                let inertia = mean_inertia(view.at(), group.site.joints[0]);
+                let of = of_shape("backlash", shape, inertia);
                 vec![of.gap, of.stiffness, of.damping, coefficients[1]]
             }
             "link_inertia_error" | "payload" => {
@@ -338,7 +336,7 @@ fn parameters(view: &View<'_, '_>, id: usize) -> BTreeMap<&'static str, Value> {
     let smooth = law.law().scope != Scope::ThroughJoint && group.site.window.is_none();
     let deviations = match group.shape.is_empty() || !smooth {
         true => Vec::new(),
-        false => shape_deviations(evidence, &evidence.at(point), metric, answer, id),
+        false => shape_deviations(evidence, view.at(), metric, answer, id),
     };
     let by_shape: Vec<Vec<f64>> = deviations
         .iter()

@@ -15,7 +15,6 @@ use crate::transmission;
 /// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
 /// name, and on how many joints.
 const LEAST_UNEXPLAINED: f64 = 0.7;
-
 const DESCRIBED_JOINTS: usize = 2;
 
 /// Transmissions with a hidden link where something is left over or moves by itself, and descriptions

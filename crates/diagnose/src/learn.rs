@@ -1,10 +1,12 @@
 //! The model that an answer stands for.
 
+use std::cell::OnceCell;
+
 use armident_effects::{EVERYDAY, EffectOnJoint, Scope, effect};
 use armident_ident::ArmModel;
 use armident_recording::RecordingError;
 
-use crate::evidence::{Evidence, OperatingPoint, changed};
+use crate::evidence::{At, Evidence, OperatingPoint, changed};
 use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
 use crate::problem::{Group, Meaning, Problem, Whitened};
@@ -28,6 +30,8 @@ pub(crate) struct View<'a, 'e> {
     pub(crate) point: &'a OperatingPoint,
     /// of each joint's effort channel
     pub(crate) gain: Vec<f64>,
+    /// the recordings there, formed when first asked for
+    at: OnceCell<Vec<At<'a>>>,
 }
 
 impl<'a, 'e> View<'a, 'e> {
@@ -38,7 +42,12 @@ impl<'a, 'e> View<'a, 'e> {
         point: &'a OperatingPoint,
     ) -> Self {
         let gain = gains(metric.problem, answer);
-        Self { evidence, metric, answer, point, gain }
+        Self { evidence, metric, answer, point, gain, at: OnceCell::new() }
+    }
+
+    /// The recordings where the columns were formed.
+    pub(crate) fn at(&self) -> &[At<'a>] {
+        self.at.get_or_init(|| self.evidence.at(self.point))
     }
 }
 
@@ -68,7 +77,7 @@ pub(crate) fn law_parameters(group: &Group, coefficients: &[f64], gain: &[f64]) 
 
 /// The model that an answer stands for.
 pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
-    let View { evidence, metric, answer, point: formed_at, ref gain } = *view;
+    let View { evidence, metric, answer, point: formed_at, ref gain, .. } = *view;
     let problem = metric.problem;
     let mut found = DiagnosedModel::believed(model);
     let mut change = metric.inertial_errors(&answer.fit);
@@ -104,8 +113,7 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
         {
             // a compliance to first order says nothing of its damping: that of gears, by experience
             const DAMPING: f64 = 0.1;
-            let at = evidence.at(formed_at);
-            let inertia = mean_inertia(&at, joint);
+            let inertia = mean_inertia(view.at(), joint);
             let (transmission, share) = if group.shape.is_empty() {
                 let stiffness = 1.0 / coefficients[0];
                 let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();

@@ -13,7 +13,7 @@ const LEAST_UNIQUE: f64 = 1e-6;
 /// doubled.
 pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
 /// Price of a change that seldom comes about: odds of one in a hundred against those that often do.
-pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
+const PRICE_OF_SELDOM: f64 = 9.2;
 
 /// How many times larger the errors of a link with a wrong body may be than those of all others.
 const WIDE: f64 = 12.0;
@@ -62,11 +62,15 @@ impl Group {
         }
     }
 
-    /// How often it comes about between two recordings.
-    pub(crate) fn onset(&self) -> Onset {
-        match self.meaning {
+    /// What it costs, as a change between two recordings, that it seldom comes about.
+    pub(crate) fn price_of_onset(&self) -> f64 {
+        let onset = match self.meaning {
             Meaning::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
             Meaning::Flexible(_) => Onset::Seldom,
+        };
+        match onset {
+            Onset::Often => 0.0,
+            Onset::Seldom => PRICE_OF_SELDOM,
         }
     }
 
@@ -389,16 +393,16 @@ impl Whitened<'_> {
         samples * (sum_of_squares / rows).ln()
             + samples.ln() * (columns + searched) as f64
             + PRICE_OF_CHOICE * (set.len() + self.wide.len()) as f64
-            + PRICE_OF_SELDOM * self.seldom(set) as f64
+            + self.price_of_onsets(set)
             + self.log_determinant
     }
 
-    /// Number of groups that seldom come about between two recordings, where a change is sought.
-    fn seldom(&self, set: &[usize]) -> usize {
+    /// Nothing but where a change is sought.
+    fn price_of_onsets(&self, set: &[usize]) -> f64 {
         if self.problem.rows.changed_from == 0 {
-            return 0;
+            return 0.0;
         }
-        set.iter().filter(|g| self.problem.groups[**g].onset() == Onset::Seldom).count()
+        set.iter().map(|g| self.problem.groups[*g].price_of_onset()).sum()
     }
 
     /// Posterior mean of the relative inertial errors, and with it the change of all standard

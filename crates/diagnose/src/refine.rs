@@ -139,14 +139,12 @@ pub(crate) fn refine(
                     let mut improved = false;
                     for sign in [-1.0, 1.0] {
                         let mut trial = current.clone();
-                        let change = if relative { 1.0 + sign * step } else { 1.0 };
-                        trial.shape[c] = if relative {
-                            trial.shape[c] * change
+                        if relative {
+                            trial.shape[c] *= 1.0 + sign * step;
                         } else {
-                            trial.shape[c] + sign * step
-                        };
-                        if let Some((recording, window)) = &mut trial.site.window {
-                            let _ = recording;
+                            trial.shape[c] += sign * step;
+                        }
+                        if let Some((_, window)) = &mut trial.site.window {
                             window[c] = trial.shape[c];
                             if window[1] - window[0] < step {
                                 continue;

@@ -235,12 +235,7 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
         } else {
             Tone::Bad
         },
-        // what follows the first clause is said by the sentences
-        headline: match of.books.faults.is_empty() {
-            _ if of.sentence.is_empty() => format!("{} findings", of.findings.len()),
-            true => capital(of.sentence.split([';', ',']).next().unwrap_or_default()),
-            false => capital(&of.sentence),
-        },
+        headline: headline(&of),
         sentences: sentences(&of),
         next: next(&of, drawing),
         overview: overview(&of, drawing),
@@ -254,6 +249,17 @@ pub(crate) fn view(of: Diagnosis, drawing: &Drawing) -> View {
         robot: of.robot,
         warnings: of.warnings,
     }
+}
+
+/// The sentence; of findings its first clause, the rest is said below.
+fn headline(of: &Diagnosis) -> String {
+    if of.sentence.is_empty() {
+        return format!("{} findings", of.findings.len());
+    }
+    if !of.books.faults.is_empty() {
+        return capital(&of.sentence);
+    }
+    capital(of.sentence.split([';', ',']).next().unwrap_or_default())
 }
 
 fn on_chain(drawing: &Drawing, which: impl Fn(&Finding) -> bool, of: &Diagnosis) -> Vec<usize> {
