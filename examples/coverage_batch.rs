@@ -7,6 +7,7 @@
 //! ```text
 //! cargo run --release --example coverage_batch -- 200 irls > docs/studies/batch_coverage.md
 //! cargo run --release --example coverage_batch -- 200 irls none > docs/studies/batch_coverage_without_prior.md
+//! cargo run --release --example coverage_batch -- 200 irls urdf drawn > docs/studies/batch_coverage_drawn_arms.md
 //! ```
 
 #![allow(clippy::print_stdout, reason = "the table is the output")]
@@ -18,7 +19,7 @@ use armident_kinematics::{
 };
 use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix4, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -47,7 +48,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         _ => return Err("the prior is urdf or none".into()),
     };
 
-    let study = study(seeds, method, &settings)?;
+    let arms = match arguments.next().as_deref() {
+        None | Some("forearm") => Arms::HeavierForearm,
+        Some("drawn") => Arms::Drawn,
+        Some(_) => return Err("the arms are forearm or drawn".into()),
+    };
+    let (who, how, whose, believed) = match arms {
+        Arms::HeavierForearm => (
+            "UR5 with a forearm 0.6 kg heavier than its URDF",
+            "",
+            "true value",
+            "where it is much, intervals doubt a URDF that is right here (but for the forearm), and hold the \
+             truth more often than they say",
+        ),
+        Arms::Drawn => (
+            "UR5 with every link off its URDF at random, another arm for each recording (pseudo-inertia \
+             S J S' with S normal about the unit matrix: masses, moments and inertias off by 30 %)",
+            " drawn",
+            "true value, mean",
+            "the URDF is as wrong as is said of it or less, and the intervals must hold the truth as often as \
+             they say whatever the share",
+        ),
+    };
+
+    let study = study(seeds, method, &settings, arms)?;
     let Study { count, labels, true_values, inside, inside_white, .. } = &study;
     let Study { from_prior, off, off_squares, cutoffs, .. } = &study;
     let count = *count;
@@ -57,8 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let highest = cutoffs.iter().copied().fold(0.0, f64::max);
     println!("# Coverage of the batch fit's intervals\n");
     println!(
-        "UR5 with a forearm 0.6 kg heavier than its URDF, viscous and Coulomb friction, offset and rotor \
-         inertia on every joint; {seeds} recordings of {DURATION_S} s at {RATE_HZ} Hz, five harmonics of \
+        "{who}; viscous and Coulomb friction, offset and rotor inertia on every joint; {seeds} recordings of {DURATION_S} s at {RATE_HZ} Hz, five harmonics of \
          {FUNDAMENTAL_HZ} Hz with random phases; {ENCODER_BITS}-bit encoders; effort noise of {} % with \
          correlation {COLOUR} of neighbouring samples; velocity and acceleration from positions through \
          the chosen low-pass ({lowest:.1} to {highest:.1} Hz); method {name}, {of_prior}; armident {}.",
@@ -66,9 +89,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         env!("CARGO_PKG_VERSION")
     );
     println!(
-        "Made by `cargo run --release --example coverage_batch -- {seeds} {name} {prior}`. *Prior* is the mean share \
-         of what is known of an unknown that is the URDF's and not the recording's: where it is much, intervals \
-         doubt a URDF that is right here (but for the forearm), and hold the truth more often than they say.\n"
+        "Made by `cargo run --release --example coverage_batch -- {seeds} {name} {prior}{how}`. *Prior* is the mean share \
+         of what is known of an unknown that is the URDF's and not the recording's: {believed}.\n"
     );
     println!(
         "Inside 95 % intervals, all {count} unknowns: **{:.1} %** with errors from blocks, {:.1} % with \
@@ -77,7 +99,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         pooled(inside_white)
     );
     println!(
-        "| unknown | true value | prior | inside | inside, white | mean of (estimate - truth)/error | SD |"
+        "| unknown | {whose} | prior | inside | inside, white | mean of (estimate - truth)/error | SD |"
     );
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: |");
     for k in 0..count {
@@ -111,30 +133,43 @@ pub(crate) struct Study {
     cutoffs: Vec<f64>,
 }
 
+/// What the arms of a study are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Arms {
+    /// One arm, whose forearm is heavier than its URDF says.
+    HeavierForearm,
+    /// Another arm for each recording, every link off its URDF.
+    Drawn,
+}
+
 /// Identifies so many recordings, each with a seed of its own.
 pub(crate) fn study(
     seeds: u64,
     method: Method,
     settings: &BatchSettings,
+    arms: Arms,
 ) -> Result<Study, Box<dyn std::error::Error>> {
     let robot = load_urdf("urdf/ur5.urdf".as_ref())?;
     let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
     let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
     let names: Vec<String> = believed.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let (truth, effects) = true_arm(&believed, &names);
-    let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
-
+    let effects = friction(&names);
     let rigid = believed.rigid_arm();
     let set = MinimalSet::of(&rigid)?;
     let problem = BatchProblem::new(&rigid, &set);
-    let true_values = true_values(&problem, &set, &truth, &effects, &names);
+    let values_of = |truth: &ArmModel| true_values(&problem, &set, truth, &effects, &names);
     let count = problem.terms.len();
     let (mut inside, mut inside_white) = (vec![0_u64; count], vec![0_u64; count]);
     let (mut off, mut off_squares) = (vec![0.0; count], vec![0.0; count]);
     let mut from_prior = vec![0.0; count];
     let mut cutoffs = Vec::new();
+    let mut sums = vec![0.0; count];
     for seed in 0..seeds {
+        let truth = true_arm(&believed, arms, seed);
+        let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
+        let true_values = values_of(&truth);
+        sums.iter_mut().zip(&true_values).for_each(|(sum, value)| *sum += value);
         let recording = recording(&arm, &names, seed)?;
         let motion = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
         cutoffs.extend(motion.filter.as_ref().map(|f| f.cutoff_hz()));
@@ -162,7 +197,7 @@ pub(crate) fn study(
     let study = Study {
         count,
         labels,
-        true_values,
+        true_values: sums.iter().map(|sum| sum / seeds as f64).collect(),
         from_prior,
         inside,
         inside_white,
@@ -173,16 +208,54 @@ pub(crate) fn study(
     Ok(study)
 }
 
-/// What the URDF does not know.
-fn true_arm(believed: &ArmModel, names: &[String]) -> (ArmModel, Vec<EffectOnJoint>) {
+/// Relative error of a drawn arm's links.
+const DRAWN_ERROR: f64 = 0.3;
+
+/// The links, as the URDF does not know them.
+fn true_arm(believed: &ArmModel, arms: Arms, seed: u64) -> ArmModel {
     let mut truth = believed.clone();
-    let forearm = &mut truth.chain.joints[2].link;
-    let middle = forearm.com_m();
-    *forearm = forearm.plus(&InertialParameters::from_com(
-        0.6,
-        middle + Vector3::new(0.05, 0.0, 0.0),
-        Matrix3::identity() * 0.002,
-    ));
+    match arms {
+        Arms::HeavierForearm => {
+            let forearm = &mut truth.chain.joints[2].link;
+            let middle = forearm.com_m();
+            *forearm = forearm.plus(&InertialParameters::from_com(
+                0.6,
+                middle + Vector3::new(0.05, 0.0, 0.0),
+                Matrix3::identity() * 0.002,
+            ));
+        }
+        Arms::Drawn => {
+            // a stream of its own, so that the motions are those of the other study
+            let mut random = Pcg64::new(u128::from(seed), 1);
+            for joint in &mut truth.chain.joints {
+                joint.link = drawn_link(&joint.link, &mut random);
+            }
+        }
+    }
+    truth
+}
+
+/// A link that is real and differs from a given one: its pseudo-inertia is stretched, sheared and moved.
+fn drawn_link(link: &InertialParameters, random: &mut Pcg64) -> InertialParameters {
+    let half_trace = 0.5 * link.inertia_origin_kgm2.trace();
+    let length = if link.mass_kg > 0.0 { (half_trace / link.mass_kg).sqrt() } else { 1.0 };
+    let stretch = Matrix4::from_fn(|i, j| {
+        let normal: f64 = StandardNormal.sample(random);
+        let unit = match (i, j) {
+            (3, 0..3) => 0.0, // a move is enough: masses must not grow with the distance
+            (0..3, 3) => length,
+            _ => 1.0,
+        };
+        // half, for what is on both sides counts twice
+        f64::from(u8::from(i == j)) + 0.5 * DRAWN_ERROR * unit * normal
+    });
+    InertialParameters::from_pseudo_inertia(
+        &(stretch * link.pseudo_inertia() * stretch.transpose()),
+    )
+}
+
+/// Friction and rotors of every joint.
+fn friction(names: &[String]) -> Vec<EffectOnJoint> {
     let friction = [
         [3.1, 4.2, 0.10, 0.35],
         [3.4, 5.1, -0.20, 0.35],
@@ -204,7 +277,7 @@ fn true_arm(believed: &ArmModel, names: &[String]) -> (ArmModel, Vec<EffectOnJoi
             });
         }
     }
-    (truth, effects)
+    effects
 }
 
 /// True value of every unknown, merged rotors included.

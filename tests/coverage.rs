@@ -12,9 +12,12 @@ mod study;
 #[test]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     let recordings = 8;
-    let found = study::study(recordings, Method::Irls, &BatchSettings::default()).unwrap();
-    let cases = recordings * found.count as u64;
-    let inside: u64 = found.inside.iter().sum();
-    let share = inside as f64 / cases as f64;
-    assert!((0.90..=0.995).contains(&share), "{inside} of {cases}");
+    for arms in [study::Arms::HeavierForearm, study::Arms::Drawn] {
+        let settings = BatchSettings::default();
+        let found = study::study(recordings, Method::Irls, &settings, arms).unwrap();
+        let cases = recordings * found.count as u64;
+        let inside: u64 = found.inside.iter().sum();
+        let share = inside as f64 / cases as f64;
+        assert!((0.90..=0.995).contains(&share), "{arms:?}: {inside} of {cases}");
+    }
 }

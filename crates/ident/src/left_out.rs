@@ -15,9 +15,9 @@ use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;
-/// Doubts of the description that are tried, relative to the size of its numbers.
+/// Doubts of the description that are tried, relative to the size of its numbers, the least first.
 const LINK_PRIORS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
-/// Another choice than the usual one must be better by this many standard errors, from the stretches.
+/// Another choice must be better by this many standard errors, from the stretches.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 
 /// What the recordings chose.
@@ -67,15 +67,23 @@ impl BatchProblem<'_> {
         if let Some(usual) = settings.link_prior {
             let rows = rows_of(&resolved.rows, &all, &with);
             let joints: Vec<usize> = (0..with.by_joint.len()).collect();
-            let before = errors_left_out(&with, &rows, settings)?;
-            let mut best = 0.0;
-            for relative in LINK_PRIORS.into_iter().filter(|r| *r != usual) {
-                let other = BatchSettings { link_prior: Some(relative), ..*settings };
-                let after = errors_left_out(&with, &rows, &other)?;
-                let gain = clear_gain(&before, &after, &joints, LEAST_GAIN_IN_ERRORS);
-                if let Some(gain) = gain.filter(|gain| *gain > best) {
-                    best = gain;
-                    chosen.settings = other;
+            let (less, more): (Vec<f64>, Vec<f64>) =
+                LINK_PRIORS.into_iter().filter(|r| *r != usual).partition(|r| *r < usual);
+            let mut errors = errors_left_out(&with, &rows, settings)?;
+            // step by step from the usual doubt: a description is believed no further than it must be, for
+            // what is believed too far is claimed too surely
+            let steps: [Vec<f64>; 2] = [less.into_iter().rev().collect(), more];
+            for steps in steps {
+                for relative in steps {
+                    let other = BatchSettings { link_prior: Some(relative), ..*settings };
+                    let after = errors_left_out(&with, &rows, &other)?;
+                    if clear_gain(&errors, &after, &joints, LEAST_GAIN_IN_ERRORS).is_none() {
+                        break;
+                    }
+                    (chosen.settings, errors) = (other, after);
+                }
+                if chosen.settings != *settings {
+                    break;
                 }
             }
         }

@@ -1,0 +1,142 @@
+//! The sets, and how they are read.
+
+use std::error::Error;
+use std::path::Path;
+
+use armident_ident::ArmModel;
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_recording::{
+    JointChannels, Mapping, Motion, MotionSettings, Quantity, Recording, RecordingError, read_csv,
+    read_csv_mapped,
+};
+
+/// A set and its files.
+pub(crate) struct Set {
+    pub(crate) folder: &'static str,
+    training: &'static [&'static str],
+    /// none: a part of the training recording is kept out
+    holdout: &'static [&'static str],
+    /// makes efforts of what is recorded
+    mapping: &'static str,
+}
+
+const TIAGO: &str = r#"
+[[channel]]
+column = "{joint}/current"
+quantity = "effort"
+unit = "A"
+gain = { arm_1_joint = 13.6, arm_2_joint = 13.6, arm_3_joint = -8.7, arm_4_joint = -8.7, arm_5_joint = -20.6, arm_6_joint = -20.6, arm_7_joint = -20.6 }
+[[channel]]
+column = "{joint}/{quantity}"
+"#;
+
+/// All of them.
+pub(crate) const SETS: [Set; 7] = [
+    Set { folder: "ur10-unisa", training: &["train.csv"], holdout: &[], mapping: "" },
+    Set { folder: "panda-unisa", training: &["train.csv"], holdout: &[], mapping: "" },
+    Set { folder: "staubli-tx40", training: &["train.csv"], holdout: &[], mapping: "" },
+    Set { folder: "tiago-arm", training: &["train.csv"], holdout: &[], mapping: TIAGO },
+    Set { folder: "dfki-double-pendulum", training: &["train.csv"], holdout: &[], mapping: "" },
+    Set {
+        folder: "dfki-simple-pendulum",
+        training: &["ddp.csv"],
+        holdout: &["direct_collocation.csv"],
+        mapping: "",
+    },
+    // voltages: errors are in V, back-EMF is viscous friction
+    Set {
+        folder: "bam-xl330",
+        training: &["sin_sin_kp100.csv", "sin_sin_kp200.csv", "up_and_down_kp200.csv"],
+        holdout: &["sin_sin_kp400.csv"],
+        mapping: "",
+    },
+];
+
+/// What a set's folder holds.
+pub(crate) struct Data {
+    pub(crate) model: ArmModel,
+    /// of the plain fit
+    pub(crate) cutoff_hz: f64,
+    training: Vec<Recording>,
+    holdout: Vec<Recording>,
+}
+
+impl Data {
+    pub(crate) fn read(set: &Set, root: &Path) -> Result<Self, Box<dyn Error>> {
+        let folder = root.join(set.folder);
+        let dataset: toml::Table = std::fs::read_to_string(folder.join("dataset.toml"))?.parse()?;
+        let baseline = dataset.get("baseline").ok_or("no baseline")?;
+        let cutoff_hz = baseline
+            .get("filter_hz")
+            .and_then(|f| f.as_float().or(f.as_integer().map(|i| i as f64)))
+            .ok_or("no filter_hz")?;
+        let joints: Vec<String> = baseline
+            .get("joints")
+            .or(dataset.get("joints"))
+            .and_then(toml::Value::as_array)
+            .ok_or("no joints")?
+            .iter()
+            .filter_map(|j| j.as_str().map(ToOwned::to_owned))
+            .collect();
+        let read = |file: &&str| -> Result<Recording, Box<dyn Error>> {
+            let path = folder.join(file);
+            Ok(if set.mapping.is_empty() {
+                read_csv(&path)?
+            } else {
+                read_csv_mapped(&path, &Mapping::parse(set.mapping, "mapping")?)?
+            })
+        };
+        let read_all = |files: &[&str]| -> Result<Vec<Recording>, Box<dyn Error>> {
+            files.iter().map(read).collect()
+        };
+        let (training, holdout) = (read_all(set.training)?, read_all(set.holdout)?);
+        let urdf = dataset.get("urdf").and_then(toml::Value::as_str).ok_or("no urdf")?;
+        let robot = load_urdf(&folder.join(urdf))?;
+        let selection =
+            ChainSelection { recorded_joints: Some(joints), ..ChainSelection::default() };
+        let chain = SerialChain::from_description(&robot, &selection)?;
+        let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+        Ok(Self { model, cutoff_hz, training, holdout })
+    }
+
+    /// What is fitted and what is kept out; `cut` cuts the recording of a set that has only one.
+    pub(crate) fn train_and_holdout(
+        &self,
+        cut: impl Fn(&Recording) -> Result<(Vec<Recording>, Vec<Recording>), RecordingError>,
+    ) -> Result<(Vec<Recording>, Vec<Recording>), RecordingError> {
+        match self.holdout.is_empty() {
+            true => cut(&self.training[0]),
+            false => Ok((self.training.clone(), self.holdout.clone())),
+        }
+    }
+
+    /// Motions and efforts through the low-pass of the plain fit.
+    pub(crate) fn motions(&self, recordings: &[Recording]) -> Result<Vec<Motion>, RecordingError> {
+        let names = self.model.chain.joint_names();
+        let settings =
+            MotionSettings { cutoff_hz: Some(self.cutoff_hz), ..MotionSettings::default() };
+        recordings.iter().map(|r| Motion::from_recording(r, &names, &settings)).collect()
+    }
+}
+
+/// The samples whose stamps are wanted.
+pub(crate) fn part(
+    whole: &Recording,
+    wanted: impl Fn(f64) -> bool,
+) -> Result<Recording, RecordingError> {
+    let keep = |column: &[f64]| -> Vec<f64> {
+        column.iter().zip(&whole.time_s).filter(|(_, t)| wanted(**t)).map(|(x, _)| *x).collect()
+    };
+    let joints = whole
+        .joints
+        .iter()
+        .map(|joint| {
+            let mut cut = JointChannels::new(&joint.name);
+            for quantity in Quantity::ALL {
+                *cut.channel_mut(quantity) = joint.channel(quantity).map(keep);
+            }
+            cut
+        })
+        .collect();
+    Recording::new(&whole.source, keep(&whole.time_s), joints)
+}
