@@ -77,9 +77,11 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         found.push((set.folder, diagnosis, books));
     }
     let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    logs.sort_by(f64::total_cmp);
+    let median = logs[logs.len() / 2].exp();
     let above = logs.iter().filter(|log| **log > 0.0).count();
     println!(
-        "\nGeometric mean of the ratio: **{:.3}**, above 1 on {above} of {}. Of {} wrong terms (laws of the \
+        "\nGeometric mean of the ratio: **{:.3}**, median {median:.2}, above 1 on {above} of {}. Of {} wrong terms (laws of the \
          library on columns shifted in time) {} lower the error of stretches that were not fitted by more \
          than its standard error, {} would have been named.",
         mean.exp(),
@@ -157,7 +159,8 @@ fn diagnosed_errors(
     errors(&model.arm.chain.joint_names(), holdout, &predicted)
 }
 
-/// Of plain least squares, whose motions come through the low-pass of the set's baseline.
+/// Of plain least squares, fitted through the low-pass of the set's baseline. It predicts from the same
+/// positions, velocities and accelerations as the diagnosed model.
 fn plain_errors(
     data: &Data,
     train: &[Recording],
@@ -170,15 +173,11 @@ fn plain_errors(
     let motions = data.motions(train)?;
     let all: Vec<_> = motions.iter().collect();
     let (_, found, _) = problem.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
-    let joints = model.chain.joint_names();
-    let mut plain = model.clone().with_constants(&minimal, &problem.constants(&found.values));
-    plain.effects = problem.effects(&found.values, &joints);
-    let mut predicted = Vec::new();
-    for motion in data.motions(holdout)? {
-        let efforts = plain.predict(&motion)?;
-        predicted.push(efforts.iter().map(|e| motion.at_stamps(e)).collect());
-    }
-    errors(&joints, holdout, &predicted)
+    let constants = problem.constants(&found.values);
+    let mut plain = DiagnosedModel::believed(&model.clone().with_constants(&minimal, &constants));
+    plain.arm.effects = problem.effects(&found.values, &model.chain.joint_names());
+    plain.learned.rigid_cutoff_hz = data.cutoff_hz;
+    diagnosed_errors(&plain, holdout)
 }
 
 /// What, where, how large, how sure.

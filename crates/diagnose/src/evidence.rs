@@ -1,5 +1,7 @@
 //! From recordings and the believed arm to the linear problem, about an operating point.
 
+use std::sync::OnceLock;
+
 use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix, inverse_dynamics_of_motion};
 use armident_effects::{
     ArmMotion, EVERYDAY, Effect, JointMotion, LIBRARY, MotionScale, Place, Scope, effect, tilted,
@@ -8,10 +10,13 @@ use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_numeric::{Mat, symmetric_eigen};
 use nalgebra::Vector3;
 
+use rayon::prelude::*;
+
 use crate::background::inertial_error_directions;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::{Blocks, Rows};
 use crate::signals::Signals;
+use crate::transmission::Load;
 
 /// Laws that turn the configuration itself: where they are assumed to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +53,8 @@ pub(crate) struct At<'a> {
     pub(crate) rigid: Vec<Vec<f64>>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
+    /// of each joint, formed when first asked for
+    loads: Vec<OnceLock<Load>>,
 }
 
 impl<'a> At<'a> {
@@ -65,7 +72,13 @@ impl<'a> At<'a> {
             signals.position.iter().zip(&point.offset).map(moved).collect();
         let rigid =
             inverse_dynamics_of_motion(&arm, &position, &signals.velocity, &signals.acceleration);
-        Self { signals, arm, position, rigid, delay_s: point.delay_s }
+        let loads = (0..arm.dof()).map(|_| OnceLock::new()).collect();
+        Self { signals, arm, position, rigid, delay_s: point.delay_s, loads }
+    }
+
+    /// What a joint has to move.
+    pub(crate) fn load(&self, j: usize) -> &Load {
+        self.loads[j].get_or_init(|| Load::of(self, j))
     }
 
     pub(crate) fn joint(&self, j: usize) -> JointMotion<'_> {
@@ -197,19 +210,26 @@ impl<'a> Evidence<'a> {
             background.extend(&deviations);
         }
         let mut problem = Problem::new(self.rows.clone(), effort, rigid, background);
-        for j in 0..n {
-            for law in LIBRARY.iter().filter(|law| law.law().scope == Scope::Joint) {
-                for shape in law.shapes(&self.scale[j]) {
-                    self.push_joint_law(&mut problem, &at, *law, j, &shape);
-                }
-            }
+        let of_scope = |scope: Scope, sites: usize| -> Vec<(&dyn Effect, usize, Vec<f64>)> {
+            let laws = move || LIBRARY.iter().filter(move |law| law.law().scope == scope);
+            let at_site = |j: usize| {
+                laws().flat_map(move |law| {
+                    law.shapes(&self.scale[j]).into_iter().map(move |shape| (*law, j, shape))
+                })
+            };
+            (0..sites).flat_map(at_site).collect()
+        };
+        // columns are dear to form and independent; groups are numbered in order
+        let of_joints = of_scope(Scope::Joint, n);
+        let columns: Vec<Vec<Blocks>> = of_joints
+            .par_iter()
+            .map(|(law, j, shape)| self.joint_law_columns(&at, *law, *j, shape))
+            .collect();
+        for ((law, j, shape), columns) in of_joints.iter().zip(columns) {
+            self.push_joint_columns(&mut problem, *law, *j, shape, columns);
         }
-        for j in 0..n - 1 {
-            for law in LIBRARY.iter().filter(|law| law.law().scope == Scope::Neighbours) {
-                for shape in law.shapes(&self.scale[j]) {
-                    self.push_pair_law(&mut problem, &at, *law, j, &shape);
-                }
-            }
+        for (law, j, shape) in of_scope(Scope::Neighbours, n - 1) {
+            self.push_pair_law(&mut problem, &at, law, j, &shape);
         }
         self.push_arm_laws(&mut problem, &at, &efforts);
         self.push_links(&mut problem);
@@ -242,8 +262,7 @@ impl<'a> Evidence<'a> {
     fn rigid_columns(&self, at: &[At<'_>]) -> Vec<Blocks> {
         let n = self.joints();
         let standard = ParameterColumns::standard(n);
-        let mut columns: Vec<Blocks> = vec![vec![Vec::new(); n]; 10 * n];
-        for row in 0..n {
+        let of_row = |row: usize| -> Vec<(usize, Vec<f64>)> {
             // a link loads the joints before it
             let wanted: Vec<usize> = (10 * row..10 * n).collect();
             let by_recording: Vec<Vec<Vec<f64>>> = at
@@ -253,11 +272,18 @@ impl<'a> Evidence<'a> {
                     standard.of_motion(&at.arm, row, &at.position, v, a, &wanted)
                 })
                 .collect();
-            for (k, &parameter) in wanted.iter().enumerate() {
+            let formed = wanted.iter().enumerate().filter_map(|(k, &parameter)| {
                 let pieces = by_recording.iter().map(|c| c[k].as_slice());
-                if pieces.clone().flatten().any(|x| *x != 0.0) {
-                    columns[parameter][row] = self.rows.form(&self.signals, row, pieces);
-                }
+                let any = pieces.clone().flatten().any(|x| *x != 0.0);
+                any.then(|| (parameter, self.rows.form(&self.signals, row, pieces)))
+            });
+            formed.collect()
+        };
+        let by_row: Vec<Vec<(usize, Vec<f64>)>> = (0..n).into_par_iter().map(of_row).collect();
+        let mut columns: Vec<Blocks> = vec![vec![Vec::new(); n]; 10 * n];
+        for (row, formed) in by_row.into_iter().enumerate() {
+            for (parameter, block) in formed {
+                columns[parameter][row] = block;
             }
         }
         columns
@@ -272,17 +298,40 @@ impl<'a> Evidence<'a> {
         joint: usize,
         shape: &[f64],
     ) -> Option<usize> {
+        let columns = self.joint_law_columns(at, law, joint, shape);
+        self.push_joint_columns(problem, law, joint, shape, columns)
+    }
+
+    fn joint_law_columns(
+        &self,
+        at: &[At<'_>],
+        law: &dyn Effect,
+        joint: usize,
+        shape: &[f64],
+    ) -> Vec<Blocks> {
         let by_recording: Vec<Vec<Vec<f64>>> =
             at.iter().map(|at| law.columns(shape, &at.joint(joint))).collect();
         let count = by_recording.first().map_or(0, Vec::len);
-        if count == 0 {
+        (0..count)
+            .map(|k| {
+                let pieces: Vec<Vec<f64>> = by_recording.iter().map(|c| c[k].clone()).collect();
+                self.joint_blocks(joint, &pieces)
+            })
+            .collect()
+    }
+
+    fn push_joint_columns(
+        &self,
+        problem: &mut Problem,
+        law: &dyn Effect,
+        joint: usize,
+        shape: &[f64],
+        columns: Vec<Blocks>,
+    ) -> Option<usize> {
+        if columns.is_empty() {
             return None;
         }
-        let mut ids = Vec::new();
-        for k in 0..count {
-            let pieces: Vec<Vec<f64>> = by_recording.iter().map(|c| c[k].clone()).collect();
-            ids.push(self.share_or_push(problem, self.joint_blocks(joint, &pieces)));
-        }
+        let ids = columns.into_iter().map(|blocks| self.share_or_push(problem, blocks)).collect();
         let site = Site { joints: vec![joint], window: None };
         Some(push_law(problem, law, site, shape, ids, shape.len()))
     }

@@ -11,10 +11,12 @@
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{Effect, Place, RotorInertia};
 use armident_recording::{RecordingError, differentiate};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::{At, Evidence};
 use crate::problem::{Group, Meaning, Problem, Site, dot};
+use crate::rows::Blocks;
 use crate::signals::{Signals, extended, low_pass};
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
@@ -79,16 +81,14 @@ impl Transmission {
         at: &At<'_>,
         joint: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
-        let rigid = Load::of(at, joint, &at.position, &at.signals.velocity);
-        self.difference_from(at, joint, &rigid, 2)
+        self.difference_in(at, joint, 2)
     }
 
-    /// The same from the loads on a link that follows its motor, in one or more turns.
-    fn difference_from(
+    /// The same in one or more turns, the first with the load on a link that follows its motor.
+    fn difference_in(
         &self,
         at: &At<'_>,
         joint: usize,
-        rigid: &Load,
         turns: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
         let motor =
@@ -98,7 +98,8 @@ impl Transmission {
         let mut acceleration = at.signals.acceleration.clone();
         // the loads on the link are those of its own motion: found in turns
         for turn in 0..turns {
-            let own = (turn > 0).then(|| Load::of(at, joint, &position, &velocity));
+            let rigid = at.load(joint);
+            let own = (turn > 0).then(|| rigid.moved(at, joint, &position, &velocity));
             let (q, v, a) = self.link(&motor, own.as_ref().unwrap_or(rigid), at.signals.rate_hz);
             (position[joint], velocity[joint], acceleration[joint]) = (q, v, a);
         }
@@ -179,7 +180,7 @@ impl Motor {
 }
 
 /// Inertia of a joint and all other efforts on it, about a motion of its link.
-struct Load {
+pub(crate) struct Load {
     inertia: Vec<f64>,
     bias: Vec<f64>,
     /// change of `bias` with the position of the link: a soft spring lets it fall far from its motor
@@ -188,22 +189,54 @@ struct Load {
 }
 
 impl Load {
-    fn of(at: &At<'_>, joint: usize, position: &[Vec<f64>], velocity: &[Vec<f64>]) -> Self {
-        const STEP: f64 = 1e-4;
-        let with = |own: f64, position: &[Vec<f64>]| {
-            let mut acceleration = at.signals.acceleration.clone();
-            acceleration[joint].fill(own);
-            inverse_dynamics_of_motion(&at.arm, position, velocity, &acceleration)
-                .swap_remove(joint)
-        };
-        let bias = with(0.0, position);
-        let inertia =
-            with(1.0, position).iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
-        let mut moved = position.to_vec();
-        moved[joint].iter_mut().for_each(|q| *q += STEP);
-        let slope = with(0.0, &moved).iter().zip(&bias).map(|(a, b)| (a - b) / STEP).collect();
+    /// About a link that follows its motor.
+    pub(crate) fn of(at: &At<'_>, joint: usize) -> Self {
+        let (position, velocity) = (&at.position, &at.signals.velocity);
+        let (bias, slope) = bias_and_slope(at, joint, position, velocity);
+        let unit = effort_on(at, joint, position, velocity, 1.0);
+        let inertia = unit.iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
         Self { inertia, bias, slope, position: position[joint].clone() }
     }
+
+    /// About another motion of the link; the inertia about a joint does not depend on its own position.
+    fn moved(
+        &self,
+        at: &At<'_>,
+        joint: usize,
+        position: &[Vec<f64>],
+        velocity: &[Vec<f64>],
+    ) -> Self {
+        let (bias, slope) = bias_and_slope(at, joint, position, velocity);
+        Self { inertia: self.inertia.clone(), bias, slope, position: position[joint].clone() }
+    }
+}
+
+fn bias_and_slope(
+    at: &At<'_>,
+    joint: usize,
+    position: &[Vec<f64>],
+    velocity: &[Vec<f64>],
+) -> (Vec<f64>, Vec<f64>) {
+    const STEP: f64 = 1e-4;
+    let bias = effort_on(at, joint, position, velocity, 0.0);
+    let mut moved = position.to_vec();
+    moved[joint].iter_mut().for_each(|q| *q += STEP);
+    let beside = effort_on(at, joint, &moved, velocity, 0.0);
+    let slope = beside.iter().zip(&bias).map(|(a, b)| (a - b) / STEP).collect();
+    (bias, slope)
+}
+
+/// Effort on a joint whose own acceleration is given.
+fn effort_on(
+    at: &At<'_>,
+    joint: usize,
+    position: &[Vec<f64>],
+    velocity: &[Vec<f64>],
+    own: f64,
+) -> Vec<f64> {
+    let mut acceleration = at.signals.acceleration.clone();
+    acceleration[joint].fill(own);
+    inverse_dynamics_of_motion(&at.arm, position, velocity, &acceleration).swap_remove(joint)
 }
 
 /// Adds the group of a transmission on a joint; gives its id.
@@ -215,35 +248,49 @@ pub(crate) fn push(
     joint: usize,
     shape: &[f64],
 ) -> Option<usize> {
-    let loads = loads(at, joint);
-    push_from(evidence, at, problem, slug, joint, shape, &loads, 2)
+    let formed = formed(evidence, at, slug, joint, shape, 2)?;
+    Some(push_formed(evidence, at, problem, slug, joint, shape, formed))
 }
 
-fn loads(at: &[At<'_>], joint: usize) -> Vec<Load> {
-    at.iter().map(|at| Load::of(at, joint, &at.position, &at.signals.velocity)).collect()
+/// The efforts of a transmission, beside a rigid one, in the band.
+struct Formed {
+    blocks: Blocks,
+    above_band: f64,
 }
 
-fn push_from(
+fn formed(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    slug: &str,
+    joint: usize,
+    shape: &[f64],
+    turns: usize,
+) -> Option<Formed> {
+    let transmission = of_shape(slug, shape, mean_inertia(at, joint));
+    let pieces: Vec<Vec<Vec<f64>>> = at
+        .par_iter()
+        .map(|at| transmission.difference_in(at, joint, turns))
+        .collect::<Result<_, _>>()
+        .ok()?;
+    if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
+        return None;
+    }
+    Some(Formed {
+        blocks: evidence.arm_blocks(&pieces),
+        above_band: above_band(evidence, joint, &pieces),
+    })
+}
+
+fn push_formed(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     problem: &mut Problem,
     slug: &'static str,
     joint: usize,
     shape: &[f64],
-    loads: &[Load],
-    turns: usize,
-) -> Option<usize> {
-    let transmission = of_shape(slug, shape, mean_of(loads));
-    let pieces: Vec<Vec<Vec<f64>>> = at
-        .iter()
-        .zip(loads)
-        .map(|(at, load)| transmission.difference_from(at, joint, load, turns))
-        .collect::<Result<_, _>>()
-        .ok()?;
-    if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
-        return None;
-    }
-    let column = problem.push_columns(vec![evidence.arm_blocks(&pieces)]);
+    formed: Formed,
+) -> usize {
+    let column = problem.push_columns(vec![formed.blocks]);
     let inertia: Vec<Vec<f64>> = at
         .iter()
         .filter_map(|at| RotorInertia.columns(&[], &at.joint(joint)).into_iter().next())
@@ -261,9 +308,9 @@ fn push_from(
         searched: shape.len(),
         places: vec![Place::Inertia],
         transform: None,
-        above_band: above_band(evidence, joint, &pieces),
+        above_band: formed.above_band,
     });
-    Some(problem.groups.len() - 1)
+    problem.groups.len() - 1
 }
 
 /// Root mean square of an effort on a joint at all samples over that in the band, 1 or more. Bounded: how
@@ -293,12 +340,8 @@ pub(crate) fn of_shape(slug: &str, shape: &[f64], inertia: f64) -> Transmission 
 
 /// Mean over the recordings of the joint's own inertia.
 pub(crate) fn mean_inertia(at: &[At<'_>], joint: usize) -> f64 {
-    mean_of(&loads(at, joint))
-}
-
-fn mean_of(loads: &[Load]) -> f64 {
-    let count: usize = loads.iter().map(|l| l.inertia.len()).sum();
-    loads.iter().flat_map(|l| &l.inertia).sum::<f64>() / count as f64
+    let loads = || at.iter().map(|at| &at.load(joint).inertia);
+    loads().flatten().sum::<f64>() / loads().map(Vec::len).sum::<usize>() as f64
 }
 
 /// Adds springs and gaps of all sizes on a joint; gives their ids.
@@ -308,24 +351,28 @@ pub(crate) fn offer(
     problem: &mut Problem,
     joint: usize,
 ) -> Vec<usize> {
-    let loads = loads(at, joint);
-    let inertia = mean_of(&loads);
-    // one turn tells which size is worth a closer look
-    let mut push = |slug: &'static str, shape: &[f64]| {
-        push_from(evidence, at, problem, slug, joint, shape, &loads, 1)
-    };
-    let mut offered = Vec::new();
+    let inertia = mean_inertia(at, joint);
+    let mut sizes: Vec<(&'static str, Vec<f64>)> = Vec::new();
     for hz in RESONANCES_HZ {
         for damping in DAMPINGS {
             let rate = std::f64::consts::TAU * hz;
-            let shape = [inertia * rate * rate, 2.0 * damping * inertia * rate];
-            offered.extend(push("joint_elasticity", &shape));
+            let shape = vec![inertia * rate * rate, 2.0 * damping * inertia * rate];
+            sizes.push(("joint_elasticity", shape));
         }
     }
     let (mut gap, last, factor) = GAPS;
     while gap < last {
-        offered.extend(push("backlash", &[gap]));
+        sizes.push(("backlash", vec![gap]));
         gap *= factor;
     }
-    offered
+    // one turn tells which size is worth a closer look
+    let of_size =
+        |(slug, shape): &(&'static str, Vec<f64>)| formed(evidence, at, slug, joint, shape, 1);
+    let all: Vec<Option<Formed>> = sizes.par_iter().map(of_size).collect();
+    let found = sizes.iter().zip(all).filter_map(|(size, formed)| Some((size, formed?)));
+    found
+        .map(|((slug, shape), formed)| {
+            push_formed(evidence, at, problem, slug, joint, shape, formed)
+        })
+        .collect()
 }

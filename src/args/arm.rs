@@ -1,0 +1,182 @@
+//! Arguments of the commands that need no recording of an arm but its model.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::value::{
+    Noise, parse_amplitude, parse_effect, parse_named_number, parse_noise, parse_pair,
+    parse_positive, parse_rate, parse_sigma,
+};
+use super::{ChainArgs, OutputArgs, ReadingArgs};
+
+/// Print an arm's driving-axis frames and its minimal inertia set
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident params urdf/stanford.urdf
+  armident params robot.urdf --tip left_tool0 --lock torso_lift_joint=0.2
+  armident params robot.urdf --gravity 0,6.94,-6.94 --json minimal.json     (mounted on a 45 deg slope)")]
+pub(crate) struct ParamsArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Plan the experiments of Algorithm 2: one joint moves, the others are held
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident plan urdf/stanford.urdf -o plan/
+  armident plan robot.urdf -o plan/ --amplitude 0.3 --coulomb joint_2=4.5 --dither 0.004,3
+
+Writes plan/plan.json and one trajectory CSV per experiment, inside the joints' position, speed and
+effort limits. Record them on the arm, put the recordings beside a copy of plan.json, and run
+`armident identify robot.urdf FOLDER`.")]
+pub(crate) struct PlanArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Folder to write plan.json and the trajectories to
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output_folder: PathBuf,
+    /// Amplitude of rotational joints, rad
+    #[arg(long, default_value_t = std::f64::consts::FRAC_PI_6, value_parser = parse_amplitude)]
+    pub(crate) amplitude: f64,
+    /// Amplitude of translational joints, m
+    #[arg(long, default_value_t = 0.15, value_parser = parse_amplitude)]
+    pub(crate) amplitude_m: f64,
+    /// Quickness of the critically damped step, 1/s; lowered where limits ask for it
+    #[arg(long, default_value_t = 10.0, value_parser = parse_sigma)]
+    pub(crate) sigma: f64,
+    /// Samples per second of the trajectories
+    #[arg(long, default_value_t = 200.0, value_parser = parse_rate)]
+    pub(crate) rate_hz: f64,
+    /// Known Coulomb level of a joint, N m or N; repeat for more joints
+    #[arg(long, value_name = "JOINT=LEVEL", value_parser = parse_named_number)]
+    pub(crate) coulomb: Vec<(String, f64)>,
+    /// Keep the observed joint moving a little: amplitude (rad or m) and frequency (Hz)
+    #[arg(long, value_name = "AMPLITUDE,HZ", value_parser = parse_pair)]
+    pub(crate) dither: Option<(f64, f64)>,
+    /// Seed of the configurations tried
+    #[arg(long, default_value_t = 1992)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Direction {
+    /// motion in, exact efforts out
+    Inverse,
+    /// efforts in, motion out
+    Forward,
+}
+
+/// Simulate recordings: of a plan's experiments, or of any trajectory
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident simulate urdf/stanford.urdf plan/ -o runs/
+  armident simulate robot.urdf motion.csv -o run.csv --torque-noise 0.1 --encoder-bits 19 --seed 7
+  armident simulate robot.urdf motion.csv -o run.csv --effect coulomb_friction:joint_2=4.5
+  armident simulate robot.urdf efforts.csv -o run.csv --direction forward
+
+Without --encoder-bits the exact accelerations are written too, and identify uses them.")]
+pub(crate) struct SimulateArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Folder of a plan, or trajectory files (CSV, MCAP, Parquet)
+    #[arg(required = true)]
+    pub(crate) trajectories: Vec<PathBuf>,
+    /// Folder to write to, or a file when one trajectory is given (.csv, .mcap, .parquet)
+    #[arg(short, long, value_name = "PATH")]
+    pub(crate) output_path: PathBuf,
+    /// Which way to simulate
+    #[arg(long, value_enum, default_value_t = Direction::Inverse)]
+    pub(crate) direction: Direction,
+    /// Standard deviation of white effort noise, N m or N; with % relative to each joint's effort
+    #[arg(long, value_name = "SIGMA", value_parser = parse_noise, allow_negative_numbers = true)]
+    pub(crate) torque_noise: Option<Noise>,
+    /// Quantise positions to this many bits per turn (or metre)
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=40))]
+    pub(crate) encoder_bits: Option<u32>,
+    /// Resample to this rate first
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
+    pub(crate) rate_hz: Option<f64>,
+    /// Put an effect on a joint; repeat for more
+    #[arg(long, value_name = "EFFECT:JOINT=P1[,P2..]", value_parser = parse_effect)]
+    pub(crate) effect: Vec<armident_effects::EffectOnJoint>,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Predict the effort of every joint for every sample of a motion
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident predict model.json motion.csv -o predicted.csv
+  armident predict urdf/ur10.urdf motion.csv -o - --cutoff-hz 8")]
+pub(crate) struct PredictArgs {
+    /// URDF, or a model written by identify
+    pub(crate) robot: PathBuf,
+    /// Motion (CSV, MCAP, Parquet) with the positions of the joints
+    pub(crate) motion: PathBuf,
+    /// File to write the columns t and JOINT/effort to, as CSV unless it ends in .mcap or .parquet; - is
+    /// stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+    /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
+    #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
+    pub(crate) cutoff_hz: Option<f64>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FormatArg {
+    /// links, limits, damping and friction
+    Urdf,
+    /// the same for MuJoCo, with armature, gravity and motors
+    Mjcf,
+}
+
+/// Write a model as URDF or MJCF, for controllers and simulators
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident export model.json -o robot.urdf
+  armident export model.json -o robot.xml           (MJCF, for MuJoCo)
+  armident export urdf/panda.urdf -o - --format mjcf
+
+The chain with its links, limits and what the format holds of the joints' effects; what it cannot hold
+is said. Shapes and meshes are left out.")]
+pub(crate) struct ExportArgs {
+    /// Model written by identify, or a URDF
+    pub(crate) robot: PathBuf,
+    /// File to write; .urdf or .xml tells the format, - is stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+    /// The format, where the name of the file does not tell it
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<FormatArg>,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
