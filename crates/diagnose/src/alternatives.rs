@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::effect;
+use armident_effects::{EVERYDAY, effect};
 
 use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
-use crate::problem::{Group, Meaning, Whitened};
+use crate::problem::{Group, Meaning, PRICE_OF_SELDOM, Whitened};
 use crate::search::{Answer, answer};
 
 /// Share of what a name needs that another law may leave over and still pass for the same.
@@ -44,6 +44,34 @@ pub(crate) fn rivals(
     let moved = metric.problem.with_added(&held);
     let metric = moved.whitened(metric.scale, &metric.wide);
     answer(&metric, of.set.clone()).map_or_else(Vec::new, |of| of_group(&metric, &of, group))
+}
+
+/// The answer with everyday friction in the place of laws that the recordings cannot tell from it: nearly
+/// every joint has it, and few have another law alone.
+pub(crate) fn everyday_first(
+    metric: &Whitened<'_>,
+    mut of: Answer,
+    point: &OperatingPoint,
+) -> Answer {
+    let everyday = |g: usize| {
+        let slug = metric.problem.groups[g].slug();
+        EVERYDAY.iter().any(|law| law.law().slug == slug)
+    };
+    for group in of.set.clone() {
+        let joints = &metric.problem.groups[group].site.joints;
+        if everyday(group) || joints.len() != 1 {
+            continue;
+        }
+        let usual = rivals(metric, &of, group, point).into_iter().find(|rival| {
+            everyday(rival.group)
+                && metric.problem.groups[rival.group].site.joints == *joints
+                && rival.answer.score - of.score < PRICE_OF_SELDOM
+        });
+        if let Some(rival) = usual {
+            of = rival.answer;
+        }
+    }
+    of
 }
 
 fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {

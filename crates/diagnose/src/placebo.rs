@@ -17,7 +17,7 @@ use crate::select::Selection;
 const GOLDEN: f64 = 0.618_033_988_75;
 
 /// What the selection makes of wrong terms.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Placebo {
     /// Terms tried.
     pub terms: usize,
@@ -25,6 +25,9 @@ pub struct Placebo {
     pub improve: usize,
     /// Those that would have been named: useful, material, and a shorter description.
     pub named: usize,
+    /// Materiality of the largest, in what is asked of a name: far below 1 where that lies above all that
+    /// comes about by chance.
+    pub largest: f64,
 }
 
 pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms: usize) -> Placebo {
@@ -82,6 +85,7 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
         let useful = usefulness(&metric, &with, group).is_some_and(|u| u > 1.0);
         let (size, _) = materiality(&metric, &with, group, &selection.point);
         found.improve += usize::from(useful);
+        found.largest = found.largest.max(size.ratio());
         let shorter = with.score < selection.answer.score;
         found.named += usize::from(useful && shorter && size.ratio() >= 1.0);
     }

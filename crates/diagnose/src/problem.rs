@@ -12,8 +12,9 @@ const LEAST_UNIQUE: f64 = 1e-6;
 /// Price of a group in the score: the logarithm of the some three hundred groups it was chosen from,
 /// doubled.
 pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
-/// Price of a change that seldom comes about: odds of one in a hundred against those that often do.
-const PRICE_OF_SELDOM: f64 = 9.2;
+/// Price of a law, or a change, that seldom comes about: odds of one in a hundred against those that often
+/// do.
+pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
 
 /// How many times larger the errors of a link with a wrong body may be than those of all others.
 const WIDE: f64 = 12.0;

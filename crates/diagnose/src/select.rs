@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use crate::alternatives::everyday_first;
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
@@ -123,6 +124,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         if seeks_change {
             let metric = problem.whitened(scale, &wide);
             found = prune(&metric, with_changes(&metric, found), &point);
+        } else {
+            found = everyday_first(&problem.whitened(scale, &wide), found, &point);
         }
         let fractional = fractional_ripples(evidence, &problem, &found);
         memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();

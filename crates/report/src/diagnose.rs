@@ -240,10 +240,11 @@ impl DiagnoseReport {
         }
         page.push_str(&self.atlas_text());
         page.push_str(&self.proof_text(bars));
-        if let Some(Placebo { terms, improve, named }) = self.placebo {
+        if let Some(Placebo { terms, improve, named, largest }) = &self.placebo {
             page.push_str(&format!(
                 "\nOf {terms} wrong terms {improve} lower the error of stretches that were not fitted, and \
-                 {named} would have been named\n"
+                 {named} would have been named; the largest matters {:.0} % of what a name asks for\n",
+                100.0 * largest
             ));
         }
         page.push_str(&self.next_motion_text());
