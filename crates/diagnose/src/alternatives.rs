@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{EVERYDAY, effect};
+use armident_effects::effect;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
@@ -54,8 +54,7 @@ pub(crate) fn everyday_first(
     point: &OperatingPoint,
 ) -> Answer {
     let everyday = |g: usize| {
-        let slug = metric.problem.groups[g].slug();
-        EVERYDAY.iter().any(|law| law.law().slug == slug)
+        ["viscous_friction", "coulomb_friction"].contains(&metric.problem.groups[g].slug())
     };
     for group in of.set.clone() {
         let joints = &metric.problem.groups[group].site.joints;
