@@ -16,7 +16,13 @@ pub(crate) fn completions(args: &CompletionsArgs) -> Result<Outcome, Failure> {
 pub(crate) fn man(args: &ManArgs) -> Result<Outcome, Failure> {
     let folder = &args.output_folder;
     output::create_folder(folder)?;
-    clap_mangen::generate_to(Cli::command(), folder)
-        .map_err(|error| Failure::unwritable(folder, &error))?;
+    let mut cli = Cli::command().disable_help_subcommand(true);
+    cli.build();
+    for command in std::iter::once(&cli).chain(cli.get_subcommands()) {
+        let page = clap_mangen::Man::new(command.clone());
+        let mut text = Vec::new();
+        page.render(&mut text).map_err(|error| Failure::unwritable(folder, &error))?;
+        output::write_file(&folder.join(page.get_filename()), &text)?;
+    }
     Ok(Outcome::Done)
 }
