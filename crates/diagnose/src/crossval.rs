@@ -35,7 +35,8 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
         let folds = folds(&small);
         let small_id = |g: usize| originals.iter().position(|o| *o == g).map(|k| ids[k]);
         let set: Vec<usize> = of.set.iter().filter_map(|g| small_id(*g)).collect();
-        let errors = |set: &[usize]| all_errors(&folds, set, metric);
+        let metrics = metrics(&folds, metric.scale, &metric.wide);
+        let errors = |set: &[usize]| all_errors(&folds, &metrics, set);
         let with = errors(&set);
         let mut worst: Option<(f64, usize)> = None;
         for &g in &of.set {
@@ -123,7 +124,8 @@ pub(crate) fn with_changes(metric: &Whitened<'_>, mut of: Answer) -> Answer {
         let all = [of.set.clone(), candidates.clone()].concat();
         let (small, ids) = problem.restricted(&all);
         let folds = folds(&small);
-        let errors = |set: &[usize]| all_errors(&folds, set, metric);
+        let metrics = metrics(&folds, metric.scale, &metric.wide);
+        let errors = |set: &[usize]| all_errors(&folds, &metrics, set);
         let set = &ids[..of.set.len()];
         let without = errors(set);
         let mut best: Option<(f64, Answer)> = None;
@@ -186,13 +188,10 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
     let mut scales = vec![metric.scale];
     scales.extend(SCALES.iter().filter(|s| **s != metric.scale));
     // logarithms of squared errors, `[fold][joint]`: no stretch and no joint outweighs the others
-    let errors = |found: &Answer, scale: f64| -> Vec<Vec<f64>> {
+    let errors = |found: &Answer, metrics: &[Whitened<'_>]| -> Vec<Vec<f64>> {
         let set: Vec<usize> = found.set.iter().filter_map(&small_id).collect();
-        let of = |fold: &Fold| fold.errors(&set, scale, &metric.wide);
-        folds
-            .iter()
-            .map(|f| of(f).iter().map(|e| e.max(f64::MIN_POSITIVE).ln()).collect())
-            .collect()
+        let squares = all_errors(&folds, metrics, &set).into_iter();
+        squares.map(|of| of.iter().map(|e| e.max(f64::MIN_POSITIVE).ln()).collect()).collect()
     };
     // by joint, or over all joints
     let gains = |before: &[Vec<f64>], after: &[Vec<f64>], joint: Option<usize>| -> Vec<f64> {
@@ -208,13 +207,14 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
     let mut best: Option<(Predictor, Vec<Vec<f64>>)> = None;
     for scale in scales {
         let full = problem.whitened(scale, &metric.wide);
+        let metrics = metrics(&folds, scale, &metric.wide);
         let of = |set: Vec<usize>| admissible_part(&full, set, &named.set);
         let Some(short) = of(named.set.clone()) else { continue };
-        let of_short = errors(&short, scale);
+        let of_short = errors(&short, &metrics);
         let mut found = (short, of_short);
         if let Some(long) = of(extended.clone()) {
             // terms of those joints only that are the better for it
-            let of_long = errors(&long, scale);
+            let of_long = errors(&long, &metrics);
             let helped: Vec<bool> = (0..problem.rows.joints())
                 .map(|j| gains(&found.1, &of_long, Some(j)).iter().sum::<f64>() > 0.0)
                 .collect();
@@ -225,7 +225,7 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
                 .filter(|g| named.set.contains(g) || helped[problem.groups[*g].site.joints[0]])
                 .collect();
             if let Some(chosen) = of(set) {
-                let of_chosen = errors(&chosen, scale);
+                let of_chosen = errors(&chosen, &metrics);
                 if gains(&found.1, &of_chosen, None).iter().sum::<f64>() > 0.0 {
                     found = (chosen, of_chosen);
                 }
@@ -251,11 +251,13 @@ pub(crate) fn usefulness(metric: &Whitened<'_>, of: &Answer, group: usize) -> Op
     let joints = &metric.problem.groups[group].site.joints;
     let without: Vec<usize> =
         of.set.iter().zip(&ids).filter(|(g, _)| **g != group).map(|(_, id)| *id).collect();
-    let gains: Vec<f64> = folds(&small)
+    let folds = folds(&small);
+    let gains: Vec<f64> = folds
         .iter()
-        .map(|fold| {
+        .zip(&metrics(&folds, metric.scale, &metric.wide))
+        .map(|(fold, metric)| {
             let [with, without] = [&ids, &without].map(|set| {
-                let errors = fold.errors(set, metric.scale, &metric.wide);
+                let errors = fold.errors(set, metric);
                 joints.iter().map(|j| errors[*j]).sum::<f64>()
             });
             (without / with).ln()
@@ -324,7 +326,8 @@ pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Vec<f64> {
     let folds = folds_of(&reference, &rows.starts[..=rows.changed_from], SHORT_BLOCKS);
     let mut squares = vec![0.0; rows.joints()];
     for fold in &folds {
-        for (sum, of_joint) in squares.iter_mut().zip(fold.errors(&[], scale, &[])) {
+        let metric = fold.fitted.whitened(scale, &[]);
+        for (sum, of_joint) in squares.iter_mut().zip(fold.errors(&[], &metric)) {
             *sum += of_joint;
         }
     }
@@ -370,15 +373,19 @@ fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {
     folds
 }
 
-/// Errors of every stretch, `[fold][joint]`, in the metric of the whole.
-fn all_errors(folds: &[Fold], set: &[usize], metric: &Whitened<'_>) -> Vec<Vec<f64>> {
-    folds.iter().map(|f| f.errors(set, metric.scale, &metric.wide)).collect()
+/// What is fitted for each stretch, in a metric.
+fn metrics<'a>(folds: &'a [Fold], scale: f64, wide: &[usize]) -> Vec<Whitened<'a>> {
+    folds.iter().map(|fold| fold.fitted.whitened(scale, wide)).collect()
+}
+
+/// Errors of every stretch, `[fold][joint]`, in the metrics of the others.
+fn all_errors(folds: &[Fold], metrics: &[Whitened<'_>], set: &[usize]) -> Vec<Vec<f64>> {
+    folds.iter().zip(metrics).map(|(fold, metric)| fold.errors(set, metric)).collect()
 }
 
 impl Fold {
     /// Sum of weighted squares of the stretch that was not fitted, by joint.
-    fn errors(&self, set: &[usize], scale: f64, wide: &[usize]) -> Vec<f64> {
-        let metric = self.fitted.whitened(scale, wide);
+    fn errors(&self, set: &[usize], metric: &Whitened<'_>) -> Vec<f64> {
         let joints = self.predicted.effort.len();
         let Some(fit) = metric.fit(metric.columns_of(set)) else {
             return vec![f64::INFINITY; joints];

@@ -1,5 +1,7 @@
 //! The weighted linear problem: columns, their products, and the groups of columns that are laws.
 
+use std::sync::Arc;
+
 use armident_effects::{Onset, Place, effect};
 use armident_numeric::{Cholesky, Mat, gram_of_columns};
 
@@ -206,78 +208,146 @@ impl Problem {
         problem
     }
 
+    /// How many groups and columns there are, for [`Self::back_to`].
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { groups: self.groups.len(), columns: self.columns.len() }
+    }
+
+    /// Forgets the groups and columns that came after a mark.
+    pub(crate) fn back_to(&mut self, mark: Mark, integral: &mut Integral) {
+        self.groups.truncate(mark.groups);
+        self.columns.truncate(mark.columns);
+        self.gram.truncate(mark.columns);
+        self.rhs.truncate(mark.columns);
+        integral.reduced.truncate(mark.columns);
+        integral.gram.truncate(mark.columns);
+        integral.rhs.truncate(mark.columns);
+    }
+
     /// The problem with inertial errors integrated out: of relative deviation `scale`, and
     /// [`WIDE`] times that on the links in `wide`.
     pub(crate) fn whitened(&self, scale: f64, wide: &[usize]) -> Whitened<'_> {
+        self.whitened_by(&mut self.integral(scale, wide))
+    }
+
+    /// What integrates inertial errors of that size out, no column reduced by it yet.
+    pub(crate) fn integral(&self, scale: f64, wide: &[usize]) -> Integral {
+        let mut integral = Integral {
+            scale,
+            wide: wide.to_vec(),
+            log_determinant: 0.0,
+            prior: None,
+            reduced: Vec::new(),
+            gram: Vec::new(),
+            rhs: Vec::new(),
+        };
+        if scale == 0.0 && self.background.free == 0 {
+            return integral;
+        }
+        let weight = self.rows.share;
+        let inertial = self.background.directions.len() - self.background.free;
+        let per_link = (inertial / self.background.links.max(1)).max(1);
+        let directions: Vec<Vec<f64>> = self
+            .background
+            .directions
+            .iter()
+            .enumerate()
+            .map(|(k, d)| {
+                let is_wide = wide.contains(&(k / per_link));
+                let scale = match (k < inertial, is_wide) {
+                    (true, true) => WIDE * scale,
+                    (true, false) => scale,
+                    (false, _) => 1.0,
+                };
+                d.iter().map(|x| scale * x).collect()
+            })
+            .collect();
+        // W'Y, then W'W
+        let with_rigid: Vec<Vec<f64>> =
+            (0..self.rigid).map(|k| self.along(&directions, k)).collect();
+        let w_w = |a: usize, b: usize| -> f64 {
+            directions[b].iter().zip(&with_rigid).map(|(d, w)| d * w[a]).sum()
+        };
+        let cholesky =
+            Cholesky::of(directions.len(), |i, j| f64::from(u8::from(i == j)) + weight * w_w(i, j));
+        if let Some(cholesky) = cholesky {
+            integral.log_determinant = cholesky.log_determinant();
+            let w_y = directions.iter().map(|d| dot(d, &self.rhs[..self.rigid])).collect();
+            integral.prior = Some(Arc::new(Prior { weight, cholesky, w_y, directions }));
+        }
+        integral
+    }
+
+    /// Products of a column with directions of the standard parameters.
+    fn along(&self, directions: &[Vec<f64>], column: usize) -> Vec<f64> {
+        let products: Vec<f64> = (0..self.rigid).map(|p| self.product(column, p)).collect();
+        directions.iter().map(|d| dot(d, &products)).collect()
+    }
+
+    /// The same where some of the columns were reduced before.
+    pub(crate) fn whitened_by(&self, integral: &mut Integral) -> Whitened<'_> {
         let count = self.columns.len();
-        let mut gram: Vec<Vec<f64>> = self.gram.clone();
-        let mut rhs = self.rhs.clone();
+        let Integral { reduced, gram, rhs, .. } = integral;
+        let known = gram.len();
+        gram.extend_from_slice(&self.gram[known..]);
+        rhs.extend_from_slice(&self.rhs[known..]);
         let mut square = self.square;
-        let mut log_determinant = 0.0;
-        let mut prior = None;
-        if scale > 0.0 || self.background.free > 0 {
-            let weight = self.rows.share;
-            let inertial = self.background.directions.len() - self.background.free;
-            let per_link = (inertial / self.background.links.max(1)).max(1);
-            let directions: Vec<Vec<f64>> = self
-                .background
-                .directions
-                .iter()
-                .enumerate()
-                .map(|(k, d)| {
-                    let is_wide = wide.contains(&(k / per_link));
-                    let scale = match (k < inertial, is_wide) {
-                        (true, true) => WIDE * scale,
-                        (true, false) => scale,
-                        (false, _) => 1.0,
-                    };
-                    d.iter().map(|x| scale * x).collect()
-                })
-                .collect();
-            let along = |k: usize| -> Vec<f64> {
-                let products: Vec<f64> = (0..self.rigid).map(|p| self.product(k, p)).collect();
-                directions.iter().map(|d| dot(d, &products)).collect()
-            };
-            // W'Y, then W'W
-            let with_rigid: Vec<Vec<f64>> = (0..self.rigid).map(along).collect();
-            let w_w = |a: usize, b: usize| -> f64 {
-                directions[b].iter().zip(&with_rigid).map(|(d, w)| d * w[a]).sum()
-            };
-            let cholesky = Cholesky::of(directions.len(), |i, j| {
-                f64::from(u8::from(i == j)) + weight * w_w(i, j)
-            });
-            if let Some(cholesky) = cholesky {
-                log_determinant = cholesky.log_determinant();
-                let w_y: Vec<f64> =
-                    directions.iter().map(|d| dot(d, &self.rhs[..self.rigid])).collect();
-                let reduced_y = cholesky.forward(&w_y);
-                let reduced: Vec<Vec<f64>> =
-                    (0..count).map(|k| cholesky.forward(&along(k))).collect();
+        if let Some(prior) = &integral.prior {
+            let Prior { weight, cholesky, w_y, directions } = &**prior;
+            reduced.extend((known..count).map(|k| cholesky.forward(&self.along(directions, k))));
+            if known == 0 {
                 let matrix = Mat::from_fn(directions.len(), count, |i, j| reduced[j][i]);
                 let correction = matrix.transpose() * &matrix;
-                for k in 0..count {
-                    for l in 0..=k {
-                        gram[k][l] -= weight * correction[(k, l)];
+                for (k, row) in gram.iter_mut().enumerate() {
+                    for (l, product) in row.iter_mut().enumerate() {
+                        *product -= weight * correction[(k, l)];
                     }
-                    rhs[k] -= weight * dot(&reduced[k], &reduced_y);
                 }
-                square -= weight * dot(&reduced_y, &reduced_y);
-                prior = Some(Prior { weight, cholesky, w_y, directions });
+            } else {
+                for (k, row) in gram.iter_mut().enumerate().skip(known) {
+                    for (product, other) in row.iter_mut().zip(reduced.iter()) {
+                        *product -= weight * dot(&reduced[k], other);
+                    }
+                }
             }
+            let reduced_y = cholesky.forward(w_y);
+            for (product, reduced) in rhs.iter_mut().zip(reduced.iter()).skip(known) {
+                *product -= weight * dot(reduced, &reduced_y);
+            }
+            square -= weight * dot(&reduced_y, &reduced_y);
         }
         let norm = (0..count).map(|k| gram[k][k].max(f64::MIN_POSITIVE).sqrt()).collect();
         Whitened {
             problem: self,
-            scale,
-            wide: wide.to_vec(),
-            gram,
-            rhs,
+            scale: integral.scale,
+            wide: integral.wide.clone(),
+            gram: gram.clone(),
+            rhs: rhs.clone(),
             square,
-            log_determinant,
+            log_determinant: integral.log_determinant,
             norm,
-            prior,
+            prior: integral.prior.clone(),
         }
     }
+}
+
+/// How many groups and columns a problem had.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mark {
+    groups: usize,
+    columns: usize,
+}
+
+/// What integrates inertial errors of one size out of columns: the same for all that are added later.
+pub(crate) struct Integral {
+    scale: f64,
+    wide: Vec<usize>,
+    log_determinant: f64,
+    prior: Option<Arc<Prior>>,
+    /// the columns so far, their products and those with the efforts
+    reduced: Vec<Vec<f64>>,
+    gram: Vec<Vec<f64>>,
+    rhs: Vec<f64>,
 }
 
 /// A [`Problem`] in the metric in which inertial errors of a given size are noise.
@@ -291,7 +361,7 @@ pub(crate) struct Whitened<'a> {
     square: f64,
     log_determinant: f64,
     norm: Vec<f64>,
-    prior: Option<Prior>,
+    prior: Option<Arc<Prior>>,
 }
 
 /// What integrates inertial errors out.
@@ -411,7 +481,8 @@ impl Whitened<'_> {
     pub(crate) fn inertial_errors(&self, fit: &Fit) -> Vec<f64> {
         let problem = self.problem;
         let mut change = vec![0.0; problem.rigid];
-        let Some(Prior { weight, cholesky, w_y, directions }) = &self.prior else { return change };
+        let Some(prior) = &self.prior else { return change };
+        let Prior { weight, cholesky, w_y, directions } = &**prior;
         let rhs: Vec<f64> = directions
             .iter()
             .zip(w_y)
@@ -437,7 +508,7 @@ impl Whitened<'_> {
 
     /// Posterior covariance of some standard parameters' errors, the fit of the laws as it is.
     pub(crate) fn inertial_covariance(&self, parameters: &[usize]) -> Vec<Vec<f64>> {
-        let Some(Prior { cholesky, directions, .. }) = &self.prior else {
+        let Some(Prior { cholesky, directions, .. }) = self.prior.as_deref() else {
             return vec![vec![0.0; parameters.len()]; parameters.len()];
         };
         let rows: Vec<Vec<f64>> =
@@ -455,7 +526,7 @@ impl Whitened<'_> {
     /// The same of the posterior with the laws as they are, and what a unit of each coefficient of the fit
     /// does to the standard parameters.
     pub(crate) fn inertial_posterior(&self, fit: &Fit) -> Option<[Vec<Vec<f64>>; 2]> {
-        let Prior { weight, cholesky, directions, .. } = self.prior.as_ref()?;
+        let Prior { weight, cholesky, directions, .. } = self.prior.as_deref()?;
         let rigid = self.problem.rigid;
         // A = L L': the rows of L^-1 D
         let columns: Vec<Vec<f64>> = (0..rigid)

@@ -123,7 +123,8 @@ pub(crate) fn refine(
 ) -> Answer {
     // a problem of the answer's columns alone: trials are then cheap
     let (mut small, set) = problem.restricted(&found.set);
-    let Some(mut best) = answer(&small.whitened(scale, wide), set) else { return found };
+    let mut integral = small.integral(scale, wide);
+    let Some(mut best) = answer(&small.whitened_by(&mut integral), set) else { return found };
     for _ in 0..2 {
         for k in 0..best.set.len() {
             let group = small.groups[best.set[k]].clone();
@@ -150,20 +151,22 @@ pub(crate) fn refine(
                                 continue;
                             }
                         }
+                        let mark = small.mark();
                         let Some(id) = recreate(evidence, at, contact, &mut small, &trial) else {
                             continue;
                         };
                         let mut set = best.set.clone();
                         set[k] = id;
-                        let metric = small.whitened(scale, wide);
-                        let Some(mut next) = answer(&metric, set.clone()) else { continue };
-                        if next.score < best.score - 1e-3 {
+                        let metric = small.whitened_by(&mut integral);
+                        let next = answer(&metric, set.clone());
+                        if let Some(mut next) = next.filter(|n| n.score < best.score - 1e-3) {
                             // keep the order of groups, so that k stays the same group
                             next.set = set;
                             best = next;
                             improved = true;
                             break;
                         }
+                        small.back_to(mark, &mut integral);
                     }
                     if !improved {
                         step *= 0.5;
