@@ -51,7 +51,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         };
         let (train, holdout) = (in_effort(&train), in_effort(&holdout));
         let heard = heard(&data.model, books, &train)?;
-        let Some((mut diagnosis, placebo, books)) = heard else {
+        let Some(Said { mut diagnosis, placebo, books }) = heard else {
             println!("| {} | all | - | - | - | columns in doubt |", set.folder);
             continue;
         };
@@ -110,11 +110,18 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Of one set.
+struct Said {
+    diagnosis: Diagnosis,
+    placebo: Placebo,
+    books: Books,
+}
+
 fn heard(
     model: &ArmModel,
     mut books: Books,
     train: &[Recording],
-) -> Result<Option<(Diagnosis, Placebo, Books)>, Box<dyn Error>> {
+) -> Result<Option<Said>, Box<dyn Error>> {
     let mut placebo = Placebo::default();
     let heard = books.hear(model.chain.dof(), train, &[], |train, _| {
         diagnose_with_placebo(model, train, PLACEBOS).map(|(diagnosis, tried)| {
@@ -123,7 +130,7 @@ fn heard(
         })
     });
     Ok(match heard {
-        Some(heard) => Some((heard?.1, placebo, books)),
+        Some(heard) => Some(Said { diagnosis: heard?.1, placebo, books }),
         None => None,
     })
 }
