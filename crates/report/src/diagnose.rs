@@ -293,12 +293,14 @@ impl DiagnoseReport {
             let joint = self.atlas.iter().find(|a| a.joint == *name);
             joint.map_or(0.0, JointAtlas::left_over_noise)
         };
+        // a channel that was smoothed before it was recorded has next to no noise: the number says nothing more
+        const MANY: f64 = 100.0;
         let most = self.unexplained.iter().map(of).fold(0.0, f64::max);
-        format!(
-            "up to {} times the noise of {} is left unexplained",
-            significant(most, 2, 0.0),
-            self.unexplained.join(", ")
-        )
+        let times = match most < MANY {
+            true => format!("up to {}", significant(most, 2, 0.0)),
+            false => format!("more than {MANY}"),
+        };
+        format!("{times} times the noise of {} is left unexplained", self.unexplained.join(", "))
     }
 
     fn books_text(&self) -> String {
