@@ -90,7 +90,6 @@ fn deflected(deflection: f64, travel: f64) -> f64 {
 }
 
 /// Travels `Fc / s0` to try, as shares of the standard deviation of the position.
-const SHARES_OF_TRAVEL: [f64; 17] = [
-    5e-5, 1.5e-4, 4e-4, 1e-3, 0.002, 0.0035, 0.006, 0.012, 0.02, 0.035, 0.055, 0.08, 0.11, 0.16,
-    0.24, 0.36, 0.5,
+const SHARES_OF_TRAVEL: [f64; 15] = [
+    4e-4, 1e-3, 0.002, 0.0035, 0.006, 0.012, 0.02, 0.035, 0.055, 0.08, 0.11, 0.16, 0.24, 0.36, 0.5,
 ];
