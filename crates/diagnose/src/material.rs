@@ -12,7 +12,7 @@ use crate::search::{Answer, answer};
 /// Least root mean square effort, in standard deviations of one recorded sample, that must come back
 /// when an effect is removed and all others are fitted again: 28 % more error of prediction. What comes
 /// about by chance is far smaller: of wrong terms ([`crate::Placebo`]) the largest reaches a tenth of it on
-/// simulated arms, about half of it on real ones (docs/real-data.md).
+/// simulated arms and under a half on most real ones (docs/real-data.md).
 pub(crate) const LEAST: f64 = 0.8;
 /// The same where inertial errors are fitted too: they absorb part of what comes back.
 pub(crate) const LEAST_BESIDE_INERTIA: f64 = 0.6;
