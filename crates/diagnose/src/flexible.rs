@@ -3,6 +3,7 @@
 
 use armident_effects::Place;
 use armident_numeric::{Cholesky, Mat, gram_of_columns, symmetric_eigen};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::{At, Evidence};
@@ -457,6 +458,30 @@ fn reduced(
     Some((Flexible { basis, transform }, columns))
 }
 
+/// What the best description leaves of a residual: its sum of squares over that of the residual, each
+/// column paid for with an independent sample. Not more than 1.
+pub(crate) fn least_left(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    joint: usize,
+    residual: &[f64],
+) -> f64 {
+    let rows = &evidence.rows;
+    let size = rows.in_sample_noise(joint, residual) * rows.sample_deviation[joint];
+    let samples = residual.len() as f64 * rows.share;
+    let beside = beside(evidence, at, joint);
+    let before = dot(residual, residual).max(f64::MIN_POSITIVE);
+    candidates(evidence, at, joint)
+        .into_par_iter()
+        .filter_map(|basis| {
+            let (_, columns) = reduced(evidence, at, joint, basis, size)?;
+            let free = 1.0 - (beside.len() + columns.len()) as f64 / samples;
+            let left = sum_of_squares_left(&beside, &columns, residual)?;
+            (free > 0.0).then_some(left / (before * free))
+        })
+        .reduce(|| 1.0, f64::min)
+}
+
 /// Description length of a residual by a basis and the plain terms.
 fn description(
     beside: &[Vec<f64>],
@@ -464,6 +489,12 @@ fn description(
     residual: &[f64],
     share: f64,
 ) -> Option<f64> {
+    let left = sum_of_squares_left(beside, columns, residual)?;
+    let samples = residual.len() as f64 * share;
+    Some(samples * left.ln() + samples.ln() * columns.len() as f64)
+}
+
+fn sum_of_squares_left(beside: &[Vec<f64>], columns: &[Vec<f64>], residual: &[f64]) -> Option<f64> {
     let all: Vec<&[f64]> = beside.iter().chain(columns).map(Vec::as_slice).collect();
     let gram = gram_of_columns(&all);
     let norm: Vec<f64> =
@@ -473,7 +504,5 @@ fn description(
     })?;
     let rhs: Vec<f64> = all.iter().zip(&norm).map(|(c, n)| dot(c, residual) / n).collect();
     let reduced = cholesky.forward(&rhs);
-    let left = (dot(residual, residual) - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE);
-    let samples = residual.len() as f64 * share;
-    Some(samples * left.ln() + samples.ln() * columns.len() as f64)
+    Some((dot(residual, residual) - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE))
 }

@@ -2,6 +2,10 @@
 
 use armident_numeric::{Cholesky, gram_of_columns};
 
+use rayon::prelude::*;
+
+use crate::evidence::{At, Evidence};
+use crate::flexible;
 use crate::problem::{Problem, Whitened, dot};
 use crate::search::Answer;
 
@@ -9,13 +13,12 @@ use crate::search::Answer;
 /// weighs less; and changes of its misfit (logarithm) that no longer matter.
 const CLEAR_MISFIT: f64 = 1.5;
 
-/// What all columns of the library together leave over on each joint, each joint by itself, in units of
-/// its noise: less is not in the reach of any answer. Clearly more than 1 where efforts were smoothed
-/// before they were recorded, so that the noise above the band says nothing about the band, and where
-/// the physics is none of the library's.
-pub(crate) fn first_misfits(problem: &Problem) -> Vec<f64> {
+/// What all columns of the library together leave over on each joint, each joint by itself, and how much of
+/// the sample is left beside so many columns.
+fn left_by_all(problem: &Problem) -> Vec<Option<(Vec<f64>, f64)>> {
     const HOLD: f64 = 1e-6;
     (0..problem.rows.joints())
+        .into_par_iter()
         .map(|j| {
             let blocks: Vec<&[f64]> = problem
                 .columns
@@ -28,8 +31,7 @@ pub(crate) fn first_misfits(problem: &Problem) -> Vec<f64> {
             let norm: Vec<f64> = (0..blocks.len()).map(|k| gram[(k, k)].sqrt()).collect();
             let cholesky = Cholesky::of(blocks.len(), |a, b| {
                 gram[(a, b)] / (norm[a] * norm[b]) + if a == b { HOLD } else { 0.0 }
-            });
-            let Some(cholesky) = cholesky else { return 1.0 };
+            })?;
             let rhs: Vec<f64> = blocks.iter().zip(&norm).map(|(c, n)| dot(c, effort) / n).collect();
             let solution = cholesky.solve(&rhs);
             let mut residual = effort.clone();
@@ -41,10 +43,37 @@ pub(crate) fn first_misfits(problem: &Problem) -> Vec<f64> {
             let samples = effort.len() as f64 * problem.rows.share;
             // each column takes one independent sample
             let free = (1.0 - blocks.len() as f64 / samples).max(0.1);
-            problem.rows.in_band_noise(j, &residual) / free.sqrt()
+            Some((residual, free))
         })
-        .map(|left| if left > CLEAR_MISFIT { left } else { 1.0 })
         .collect()
+}
+
+/// Weights of the rows in which joints stick, from what all columns of the library together leave there.
+pub(crate) fn stuck_weights(problem: &Problem) -> Vec<f64> {
+    let left = left_by_all(problem);
+    let weight = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| match left {
+        Some((residual, _)) => problem.rows.stuck_weight_for(j, residual),
+        None => problem.rows.stuck_weight[j],
+    };
+    left.iter().enumerate().map(weight).collect()
+}
+
+/// What all columns of the library together and a description without a name leave over on each joint, each
+/// joint by itself, in units of its noise: less is not in the reach of any answer. Clearly more than 1 where
+/// efforts were smoothed before they were recorded, so that the noise above the band says nothing about the
+/// band, and where the joint moves by what is not in its own recording.
+pub(crate) fn first_misfits(evidence: &Evidence<'_>, at: &[At<'_>], problem: &Problem) -> Vec<f64> {
+    let misfit = |(j, left): (usize, Option<(Vec<f64>, f64)>)| {
+        let Some((residual, free)) = left else { return 1.0 };
+        let left = problem.rows.in_band_noise(j, &residual) / free.sqrt();
+        if left <= CLEAR_MISFIT {
+            return 1.0;
+        }
+        // weighed down by what only a description explains, the joint would not be worth describing
+        let left = left * flexible::least_left(evidence, at, j, &residual).sqrt();
+        if left > CLEAR_MISFIT { left } else { 1.0 }
+    };
+    left_by_all(problem).into_iter().enumerate().map(misfit).collect()
 }
 
 /// Independent samples per row of a residual: one over its autocorrelation time, joints by their number

@@ -3,7 +3,7 @@
 use crate::noise::{Noise, noise_of};
 use crate::signals::Signals;
 
-/// Weight of a row in which its joint sticks: its friction is then no function of its motion.
+/// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
 const STUCK_WEIGHT: f64 = 0.15;
 /// Share of a row's kernel over stuck samples from which on the row counts as stuck.
 const STUCK_SHARE: f64 = 0.12;
@@ -34,6 +34,8 @@ pub(crate) struct Rows {
     pub(crate) changed_from: usize,
     /// `[joint]`, 1 or more: by what the weights are smaller for the imperfection of the model
     pub(crate) misfit: Vec<f64>,
+    /// `[joint]`: weight of the rows in which it sticks
+    pub(crate) stuck_weight: Vec<f64>,
 }
 
 impl Rows {
@@ -55,6 +57,7 @@ impl Rows {
             sample_deviation: vec![0.0; joints],
             stuck: vec![Vec::new(); joints],
             misfit: vec![1.0; joints],
+            stuck_weight: vec![STUCK_WEIGHT; joints],
             share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
                 / signals.len() as f64,
             rows_hz: signals[0].band.rows_hz,
@@ -148,6 +151,33 @@ impl Rows {
         let change = self.misfit[joint] / factor;
         self.weight[joint].iter_mut().for_each(|w| *w *= change);
         self.misfit[joint] = factor;
+    }
+
+    /// What the rows in which a joint sticks can at most say, from what they leave over: static friction is
+    /// anything up to the break-away effort, which may be many times the noise.
+    pub(crate) fn stuck_weight_for(&self, joint: usize, left_over: &[f64]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        let rows = left_over.iter().zip(&self.weight[joint]).zip(&self.deviation[joint]);
+        for (((left, weight), deviation), _) in
+            rows.zip(&self.stuck[joint]).filter(|(((_, w), _), stuck)| **stuck && **w > 0.0)
+        {
+            sum += (left / (weight * deviation)).powi(2);
+            count += 1;
+        }
+        if count == 0 {
+            return STUCK_WEIGHT;
+        }
+        STUCK_WEIGHT.min((f64::from(count) / sum).sqrt())
+    }
+
+    pub(crate) fn set_stuck_weight(&mut self, joint: usize, weight: f64) {
+        let change = weight / self.stuck_weight[joint];
+        for (w, stuck) in self.weight[joint].iter_mut().zip(&self.stuck[joint]) {
+            if *stuck {
+                *w *= change;
+            }
+        }
+        self.stuck_weight[joint] = weight;
     }
 
     /// Root mean square of weighted rows of one joint that do not stick, in units of the noise in the

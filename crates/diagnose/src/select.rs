@@ -9,7 +9,7 @@ use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
-use crate::misfit::{first_misfits, independent_share, misfits};
+use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
 use crate::problem::{Group, Problem, Whitened};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
@@ -83,9 +83,18 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
     let mut memory = Memory::default();
     let ripple = RippleColumns::new(owner, &owner.at(&point));
     let seeks_change = owner.rows.changed_from > 0;
-    let first = owner.problem(&point);
-    let misfit =
-        if seeks_change { imperfection(&first, REFERENCE_SCALE) } else { first_misfits(&first) };
+    let mut first = owner.problem(&point);
+    if !seeks_change {
+        for (j, weight) in stuck_weights(&first).into_iter().enumerate() {
+            owner.rows.set_stuck_weight(j, weight);
+        }
+        first = owner.problem(&point);
+    }
+    let misfit = if seeks_change {
+        imperfection(&first, REFERENCE_SCALE)
+    } else {
+        first_misfits(owner, &owner.at(&point), &first)
+    };
     for (j, misfit) in misfit.into_iter().enumerate() {
         owner.rows.set_misfit(j, misfit);
     }

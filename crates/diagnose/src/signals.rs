@@ -24,6 +24,13 @@ const SIGN_SHARE: f64 = 0.002;
 const STICK_SHARE: f64 = 0.006;
 /// ... if it stays there this long \[s\].
 const STICK_S: f64 = 0.03;
+/// A joint rests while its recorded position stays within this many standard deviations of its noise...
+const SAME_PLACE_DEVIATIONS: f64 = 6.0;
+/// ... this long \[s\], where at its accelerations so far around \[s\] it would have gone this many times as
+/// far.
+const REST_S: f64 = 0.015;
+const AROUND_S: f64 = 0.05;
+const FAR: f64 = 5.0;
 /// Share of the acceleration noise from the position that is clearly better.
 const CLEARLY_BETTER: f64 = 0.5;
 /// Share of the acceleration's noise in it from which on it matters.
@@ -125,7 +132,14 @@ impl Signals {
             }
             signals.position.push(inner(&position, margin));
             signals.acceleration.push(acceleration);
-            let (direction, stuck) = directions_and_stops(&velocity, noise, rate_hz);
+            let (direction, mut stuck) = directions_and_stops(&velocity, noise, rate_hz);
+            let acceleration = &signals.acceleration[j];
+            let resolution = SAME_PLACE_DEVIATIONS * signals.position_noise[j].deviation;
+            for (start, end) in
+                rests(&signals.recorded_position[j], acceleration, resolution, rate_hz)
+            {
+                stuck[start..end].fill(true);
+            }
             signals.velocity.push(velocity);
             signals.direction.push(direction);
             signals.stuck.push(stuck);
@@ -281,6 +295,46 @@ fn directions_and_stops(velocity: &[f64], noise: f64, rate_hz: f64) -> (Vec<f64>
         }
     }
     (direction, stuck)
+}
+
+/// Stretches in which a joint stays at one place though at its accelerations around it would have left: the
+/// rests of stick and slip, too short to be seen in a filtered velocity.
+fn rests(
+    position: &[f64],
+    acceleration: &[f64],
+    resolution: f64,
+    rate_hz: f64,
+) -> Vec<(usize, usize)> {
+    let least = (REST_S * rate_hz).ceil().max(4.0) as usize;
+    let around = (AROUND_S * rate_hz).round() as usize;
+    let n = position.len();
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start + least <= n {
+        let (mut low, mut high) = (position[start], position[start]);
+        let mut end = start;
+        while end < n {
+            low = low.min(position[end]);
+            high = high.max(position[end]);
+            if high - low > resolution {
+                break;
+            }
+            end += 1;
+        }
+        if end - start < least {
+            start += 1;
+            continue;
+        }
+        let near = &acceleration[start.saturating_sub(around)..(end + around).min(n)];
+        let square = near.iter().map(|a| a * a).sum::<f64>() / near.len() as f64;
+        // turning back at that acceleration in the middle of the stretch
+        let turned = square.sqrt() * ((end - start) as f64 / rate_hz).powi(2) / 8.0;
+        if turned > FAR * resolution {
+            found.push((start, end));
+        }
+        start = end;
+    }
+    found
 }
 
 /// Stretches of samples with a speed below a threshold.
