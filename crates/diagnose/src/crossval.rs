@@ -155,7 +155,8 @@ pub(crate) struct Predictor {
 }
 
 impl Predictor {
-    /// Another answer with the terms that this one has beside what was named.
+    /// Another answer with the terms that this one has beside what was named. Without what it lacks, others
+    /// may want a wrong sign: those are left out too.
     pub(crate) fn beside(
         &self,
         metric: &Whitened<'_>,
@@ -169,7 +170,7 @@ impl Predictor {
                 set.push(g);
             }
         }
-        admissible_part(metric, set, &other.set)
+        admissible_part(metric, set, &[])
     }
 }
 
