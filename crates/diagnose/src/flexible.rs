@@ -12,8 +12,10 @@ use crate::problem::{Group, Meaning, Problem, Site, dot};
 /// Knots along the joint's own position, its own velocity, and along each axis of products.
 const POSITION_KNOTS: usize = 64;
 const VELOCITY_KNOTS: usize = 21;
-const FACTOR_KNOTS: usize = 8;
+const FACTOR_KNOTS: usize = 16;
 const PLANE_KNOTS: usize = 8;
+/// Speeds at which a saturating factor turns, over the root mean square speed.
+const TURNS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 /// Share of the range by which the knots reach beyond what training visited.
 const MARGIN: f64 = 0.1;
 /// Second differences of the coefficients, over the effort that is to be described: deviation of the
@@ -171,6 +173,23 @@ impl Basis {
         places
     }
 
+    /// The same with factors that saturate at speeds between those of the candidates.
+    fn turning_beside(&self) -> Vec<Self> {
+        const BESIDE: [f64; 4] = [0.86, 0.93, 1.08, 1.17];
+        if self.factors.iter().all(|f| f.form != Form::Saturating) {
+            return Vec::new();
+        }
+        BESIDE
+            .map(|by| {
+                let mut basis = self.clone();
+                for factor in basis.factors.iter_mut().filter(|f| f.form == Form::Saturating) {
+                    factor.scale *= by;
+                }
+                basis
+            })
+            .to_vec()
+    }
+
     /// Number of functions.
     fn size(&self) -> usize {
         self.axes.iter().map(|a| a.knots).product()
@@ -263,18 +282,25 @@ pub(crate) fn offer(
 ) -> Vec<usize> {
     let size = problem.rows.in_sample_noise(joint, residual) * problem.rows.sample_deviation[joint];
     let beside = beside(evidence, at, joint);
-    let mut found: Vec<(f64, Flexible, Vec<Vec<f64>>)> = candidates(evidence, at, joint)
-        .into_iter()
-        .filter_map(|basis| {
-            let (flexible, columns) = reduced(evidence, at, joint, basis, size)?;
-            let score = description(&beside, &columns, residual, problem.rows.share)?;
-            Some((score, flexible, columns))
-        })
-        .collect();
+    let judged = |basis: Basis| -> Option<(f64, Flexible, Vec<Vec<f64>>)> {
+        let (flexible, columns) = reduced(evidence, at, joint, basis, size)?;
+        let score = description(&beside, &columns, residual, problem.rows.share)?;
+        Some((score, flexible, columns))
+    };
+    let mut found: Vec<_> =
+        candidates(evidence, at, joint).into_par_iter().filter_map(judged).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(OFFERED);
+    for best in &mut found {
+        let closer = best.1.basis.turning_beside().into_iter().filter_map(judged);
+        if let Some(closer) = closer.min_by(|a, b| a.0.total_cmp(&b.0))
+            && closer.0 < best.0
+        {
+            *best = closer;
+        }
+    }
     found
         .into_iter()
-        .take(OFFERED)
         .map(|(_, flexible, columns)| {
             push(problem, &evidence.names[joint], joint, flexible, columns)
         })
@@ -350,8 +376,12 @@ fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis
         let margin = MARGIN * (high - low).max(f64::MIN_POSITIVE);
         Axis { joint: name(j), quantity, range: [low - margin, high + margin], knots }
     };
-    let factor =
-        |j: usize, form: Form| Factor { joint: name(j), form, scale: evidence.scale[j].speed_rms };
+    let turning = |j: usize, form: Form, turn: f64| Factor {
+        joint: name(j),
+        form,
+        scale: turn * evidence.scale[j].speed_rms,
+    };
+    let factor = |j: usize, form: Form| turning(j, form, 1.0);
     let moves = |j: usize| {
         let axis = axis(j, Quantity::Position, 2);
         axis.range[1] - axis.range[0] > 1e-4
@@ -368,10 +398,12 @@ fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis
             axes: vec![axis(joint, Quantity::Position, POSITION_KNOTS)],
         });
     }
-    for form in [Form::Linear, Form::Direction, Form::SignedSquare, Form::Cube, Form::Saturating] {
+    let plain = [Form::Linear, Form::Direction, Form::SignedSquare, Form::Cube];
+    let saturating = TURNS.map(|turn| turning(joint, Form::Saturating, turn));
+    for own in plain.map(|form| factor(joint, form)).into_iter().chain(saturating) {
         for along in std::iter::once(joint).chain(others.iter().copied()) {
             bases.push(Basis {
-                factors: vec![factor(joint, form)],
+                factors: vec![own.clone()],
                 axes: vec![axis(along, Quantity::Position, FACTOR_KNOTS)],
             });
         }
