@@ -14,6 +14,7 @@ use crate::crossval::predictor;
 use crate::evidence::Evidence;
 use crate::findings::{Finding, claims};
 use crate::learn::{View, choose_outputs, learned, rigid_alone};
+use crate::material::joints_of_inertial_errors;
 use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
 use crate::placebo::{Placebo, placebo};
@@ -56,6 +57,8 @@ pub struct Diagnosis {
     pub constants: Option<ConstantEstimates>,
     /// Relative error of the believed inertias that the recordings ask for.
     pub inertial_error: f64,
+    /// Joints on which these errors of all links together matter, whether or not a single link is named.
+    pub inertias_matter_on: Vec<String>,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
     pub atlas: Vec<JointAtlas>,
 }
@@ -191,6 +194,10 @@ fn told(
         effort_noise: names.iter().cloned().zip(evidence.rows.sample_deviation.clone()).collect(),
         joints: names.to_vec(),
         inertial_error: selection.scale,
+        inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
+            .into_iter()
+            .map(|j| names[j].clone())
+            .collect(),
     })
 }
 

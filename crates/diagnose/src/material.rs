@@ -199,23 +199,39 @@ pub(crate) fn link_materiality(metric: &Whitened<'_>, of: &Answer, link: usize) 
     effort_materiality(metric.problem, &terms, &left)
 }
 
+/// Joints on which the inertial errors of all links together matter.
+pub(crate) fn joints_of_inertial_errors(metric: &Whitened<'_>, of: &Answer) -> Vec<usize> {
+    let problem = metric.problem;
+    if metric.scale == 0.0 || problem.rows.changed_from > 0 {
+        return Vec::new();
+    }
+    let terms: Vec<(usize, f64)> =
+        metric.inertial_errors(&of.fit).into_iter().enumerate().collect();
+    let left = excess(problem, &metric.residual(&of.fit));
+    (0..left.len()).filter(|j| effort_on(problem, &terms, &left, *j).ratio() >= 1.0).collect()
+}
+
 /// Effort of columns with these coefficients, in standard deviations of one recorded sample, on the
 /// joint where it matters most.
 fn effort_materiality(problem: &Problem, terms: &[(usize, f64)], left: &[f64]) -> Materiality {
     let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
-    for (j, left) in left.iter().enumerate() {
-        let mut effort = vec![0.0; problem.rows.len()];
-        for &(column, coefficient) in terms {
-            for (e, x) in effort.iter_mut().zip(&problem.columns[column][j]) {
-                *e += coefficient * x;
-            }
-        }
-        let value = problem.rows.in_sample_noise(j, &effort);
-        let least = LEAST.max(share_of_excess(problem) * left);
-        let found = Materiality { value, least, joint: j };
+    for j in 0..left.len() {
+        let found = effort_on(problem, terms, left, j);
         if found.ratio() > worst.ratio() {
             worst = found;
         }
     }
     worst
+}
+
+/// The same on one joint.
+fn effort_on(problem: &Problem, terms: &[(usize, f64)], left: &[f64], joint: usize) -> Materiality {
+    let mut effort = vec![0.0; problem.rows.len()];
+    for &(column, coefficient) in terms {
+        for (e, x) in effort.iter_mut().zip(&problem.columns[column][joint]) {
+            *e += coefficient * x;
+        }
+    }
+    let value = problem.rows.in_sample_noise(joint, &effort);
+    Materiality { value, least: LEAST.max(share_of_excess(problem) * left[joint]), joint }
 }

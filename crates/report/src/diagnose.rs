@@ -53,6 +53,8 @@ pub struct DiagnoseReport {
     fit: Fits,
     effort_noise: BTreeMap<String, f64>,
     inertial_error: f64,
+    /// joints on which the inertial errors of all links together matter
+    inertias_matter_on: Vec<String>,
     atlas: Vec<JointAtlas>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     constants: Vec<ConstantEstimate>,
@@ -115,7 +117,10 @@ impl DiagnoseReport {
             .map(|joint| joint.joint.clone())
             .collect();
         let mut report = Self {
-            verdict: match diagnosis.findings.is_empty() && unexplained.is_empty() {
+            verdict: match diagnosis.findings.is_empty()
+                && unexplained.is_empty()
+                && diagnosis.inertias_matter_on.is_empty()
+            {
                 true => "match",
                 false => "mismatch",
             },
@@ -125,6 +130,7 @@ impl DiagnoseReport {
             fit,
             effort_noise: diagnosis.effort_noise.clone(),
             inertial_error: diagnosis.inertial_error,
+            inertias_matter_on: diagnosis.inertias_matter_on.clone(),
             atlas: diagnosis.atlas.clone(),
             constants: diagnosis.constants.as_ref().map_or_else(Vec::new, |c| c.constants.clone()),
             ..Self::empty(chain, inputs)
@@ -153,6 +159,7 @@ impl DiagnoseReport {
             fit: Fits::default(),
             effort_noise: BTreeMap::new(),
             inertial_error: 0.0,
+            inertias_matter_on: Vec::new(),
             atlas: Vec::new(),
             constants: Vec::new(),
             unexplained: Vec::new(),
@@ -256,6 +263,7 @@ impl DiagnoseReport {
         let mut sentence = match (self.findings.len(), change) {
             // what no law explains is no nothing
             (0, _) if !self.unexplained.is_empty() => self.unexplained_clause(change),
+            (0, false) if !self.inertias_matter_on.is_empty() => self.inertias_clause(),
             (0, false) => "the recordings show nothing that the model leaves out".to_owned(),
             (1, false) => "the recordings show one effect that the model leaves out".to_owned(),
             (n, false) => format!("the recordings show {n} effects that the model leaves out"),
@@ -276,6 +284,16 @@ impl DiagnoseReport {
             sentence.push_str(&format!("; {}", self.left_clause()));
         }
         sentence
+    }
+
+    /// Instead of findings where all links are off by a little.
+    fn inertias_clause(&self) -> String {
+        format!(
+            "the recordings show no single effect that the model leaves out, but its inertias are off by about \
+             {} %, which matters on {}",
+            significant(100.0 * self.inertial_error, 2, 0.0),
+            self.inertias_matter_on.join(", ")
+        )
     }
 
     /// Instead of findings.
