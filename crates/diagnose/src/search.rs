@@ -32,6 +32,10 @@ fn admissible(group: &Group, fit: &Fit) -> bool {
         Scope::Joint | Scope::Neighbours => {
             law.admits(&law.parameters(&group.shape, &coefficients))
         }
+        // the columns are those of a small tilt: what asks for more than a quarter turn is none
+        Scope::Arm if group.slug() == "gravity_direction" => {
+            coefficients.iter().all(|c| c.abs() < std::f64::consts::FRAC_PI_2)
+        }
         // a load has mass
         Scope::Link => group.slug() != "payload" || coefficients[0] > 0.0,
         // the simulated motion of the link, about as large as simulated, and the inertia of a motor
