@@ -644,3 +644,61 @@ fn a_load_on_an_imperfect_pendulum() {
     let moment = number(&parameters["delta_mcz"]["value"]);
     assert!((moment + 0.4).abs() < 0.1, "{moment}");
 }
+
+/// Links that are all off by a few per cent are no single effect, and no match.
+#[test]
+fn links_that_are_all_a_little_off() {
+    let folder = recordings("diagnose_all_links", &[]);
+    let mut made = String::new();
+    let mut off = [1.1, 0.92, 1.12].iter().cycle();
+    for line in std::fs::read_to_string(urdf()).unwrap().lines() {
+        let mass = line.split_once("<mass value=\"").and_then(|(_, rest)| rest.split_once('"'));
+        match mass {
+            Some((mass, _)) => {
+                let changed = mass.parse::<f64>().unwrap() * off.next().unwrap();
+                made += &line.replace(mass, &changed.to_string());
+            }
+            None => made += line,
+        }
+        made.push('\n');
+    }
+    std::fs::write(folder.join("off.urdf"), made).unwrap();
+    let args = ["diagnose", "off.urdf", "train.csv", "-q", "--json", "-"];
+    let diagnosis = run_in(&folder, &args).fine().json();
+    assert_eq!(named(&diagnosis), BTreeSet::new());
+    assert_eq!(diagnosis["verdict"], "mismatch");
+    let sentence = string(&diagnosis["sentence"]);
+    assert!(sentence.contains("no single effect"), "{sentence}");
+    let on: Vec<&str> = list(&diagnosis["inertias_matter_on"]).iter().map(string).collect();
+    assert!(on.contains(&"shoulder_lift_joint"), "{on:?}");
+    // whose masses carry no more effort than the noise
+    assert!(!on.contains(&"wrist_3_joint"), "{on:?}");
+}
+
+/// A narrow detent far above the noise of its joint, beside everyday friction: what no law explains must not
+/// make its joint unimportant before it is described.
+#[test]
+fn a_detent_is_described() {
+    let friction: Vec<String> = JOINTS
+        .iter()
+        .flat_map(|j| [format!("coulomb_friction:{j}=1.5"), format!("viscous_friction:{j}=1.2")])
+        .collect();
+    let folder =
+        recordings("diagnose_detent", &friction.iter().map(String::as_str).collect::<Vec<_>>());
+    changed(&folder, "train.csv", |h, row| {
+        let value = |name: &str| -> f64 {
+            row[h.iter().position(|x| *x == name).unwrap()].parse().unwrap()
+        };
+        let (q, effort) = (value("elbow_joint/position"), value("elbow_joint/effort"));
+        let detent = 4.0 * (-((q - 1.5) / 0.2).powi(2)).exp() * (25.0 * (q - 1.5)).sin();
+        Some(set(h, row, "elbow_joint/effort", &(effort + detent).to_string()))
+    });
+    let diagnosis = diagnose(&folder, &[]).fine().json();
+    let described = ("unmodelled".to_owned(), "elbow_joint".to_owned());
+    assert!(named(&diagnosis).contains(&described), "{:?}", named(&diagnosis));
+    let finding =
+        list(&diagnosis["findings"]).iter().find(|f| f["effect"] == "unmodelled").unwrap();
+    assert_eq!(finding["evidence"]["variables"], serde_json::json!(["elbow_joint/position"]));
+    let left = number(&diagnosis["fit"]["train"]["after"]["elbow_joint"]);
+    assert!(left < 0.5, "{left}");
+}

@@ -384,3 +384,36 @@ pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::rests;
+
+    /// Holds of 25 ms between slides of 60 ms are found; the smooth reversals of a sine are not rests.
+    #[test]
+    fn holds_between_slides_are_rests() {
+        const RATE_HZ: f64 = 400.0;
+        let slides = |t: f64| {
+            let (cycle, phase) = ((t / 0.085).floor(), t % 0.085);
+            let x = ((phase - 0.025) / 0.06).max(0.0);
+            0.02 * (cycle + x * x * (3.0 - 2.0 * x))
+        };
+        let twice = |values: &[f64]| -> Vec<f64> {
+            let second = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]) * RATE_HZ * RATE_HZ;
+            let inner = values.windows(3).map(second);
+            std::iter::once(0.0).chain(inner).chain([0.0]).collect()
+        };
+        let sampled = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            (0..800).map(|k| of(f64::from(k) / RATE_HZ)).collect()
+        };
+        let position = sampled(&slides);
+        let found = rests(&position, &twice(&position), 2e-5, RATE_HZ);
+        // 2 s hold 23 of them; the first samples of a slide are still at the place
+        assert!((20..=24).contains(&found.len()), "{found:?}");
+        assert!(found.iter().all(|(start, end)| (8..=14).contains(&(end - start))), "{found:?}");
+        let sine = sampled(&|t: f64| (3.0 * t).sin());
+        assert_eq!(rests(&sine, &twice(&sine), 2e-5, RATE_HZ), []);
+        // a joint at rest is none of stick and slip either
+        assert_eq!(rests(&[0.5; 800], &[0.0; 800], 2e-5, RATE_HZ), []);
+    }
+}
