@@ -702,3 +702,17 @@ fn a_detent_is_described() {
     let left = number(&diagnosis["fit"]["train"]["after"]["elbow_joint"]);
     assert!(left < 0.5, "{left}");
 }
+
+/// A hold-out of another arm than the one trained on: the finding is not confirmed, and the joint is said on
+/// which the model is worse than the robot as given.
+#[test]
+fn a_holdout_that_contradicts() {
+    let folder = recordings("diagnose_contradicted", &["coulomb_friction:elbow_joint=4"]);
+    simulate(&project("examples/ur5/holdout.csv"), &folder.join("holdout.csv"), "7", &[]);
+    let diagnosis = diagnosed(&folder);
+    assert_eq!(named(&diagnosis), pairs(&[("coulomb_friction", "elbow_joint")]));
+    assert_eq!(diagnosis["findings"][0]["confirmed"], false);
+    assert_eq!(diagnosis["worse_on_holdout"], serde_json::json!(["elbow_joint"]));
+    let sentence = string(&diagnosis["sentence"]);
+    assert!(sentence.ends_with("worse than by the robot as given on elbow_joint"), "{sentence}");
+}

@@ -60,6 +60,9 @@ pub struct DiagnoseReport {
     constants: Vec<ConstantEstimate>,
     /// joints on which more than noise is left over without a name
     unexplained: Vec<String>,
+    /// joints of the hold-out that the model predicts worse than the robot as given
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    worse_on_holdout: Vec<String>,
     /// of the hold-out
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     whiteness_p: BTreeMap<String, f64>,
@@ -125,6 +128,7 @@ impl DiagnoseReport {
                 false => "mismatch",
             },
             unexplained,
+            worse_on_holdout: Self::worse(&fit),
             joints: diagnosis.joints.clone(),
             findings: diagnosis.findings.clone(),
             fit,
@@ -163,6 +167,7 @@ impl DiagnoseReport {
             atlas: Vec::new(),
             constants: Vec::new(),
             unexplained: Vec::new(),
+            worse_on_holdout: Vec::new(),
             whiteness_p: BTreeMap::new(),
             replay: None,
             placebo: None,
@@ -283,7 +288,24 @@ impl DiagnoseReport {
         if !self.findings.is_empty() && !self.unexplained.is_empty() {
             sentence.push_str(&format!("; {}", self.left_clause()));
         }
+        if !self.worse_on_holdout.is_empty() {
+            sentence.push_str(&format!(
+                "; the hold-out is predicted worse than by the robot as given on {}",
+                self.worse_on_holdout.join(", ")
+            ));
+        }
         sentence
+    }
+
+    /// Joints on which what was learned does not hold for the motion that was kept out.
+    fn worse(fit: &Fits) -> Vec<String> {
+        // less is the scatter of a short hold-out
+        const CLEARLY: f64 = 1.1;
+        let Some(errors) = &fit.holdout else { return Vec::new() };
+        let worse = |(joint, after): &(&String, &f64)| {
+            errors.before.get(*joint).is_some_and(|before| **after > CLEARLY * before)
+        };
+        errors.after.iter().filter(worse).map(|(joint, _)| joint.clone()).collect()
     }
 
     /// Instead of findings where all links are off by a little.
