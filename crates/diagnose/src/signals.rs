@@ -26,6 +26,8 @@ const STICK_SHARE: f64 = 0.006;
 const STICK_S: f64 = 0.03;
 /// A joint rests while its recorded position stays within this many standard deviations of its noise...
 const SAME_PLACE_DEVIATIONS: f64 = 6.0;
+/// ... or of this many steps of its encoder...
+const SAME_PLACE_STEPS: f64 = 1.5;
 /// ... this long \[s\], where at its accelerations so far around \[s\] it would have gone this many times as
 /// far.
 const REST_S: f64 = 0.015;
@@ -134,7 +136,9 @@ impl Signals {
             signals.acceleration.push(acceleration);
             let (direction, mut stuck) = directions_and_stops(&velocity, noise, rate_hz);
             let acceleration = &signals.acceleration[j];
-            let resolution = SAME_PLACE_DEVIATIONS * signals.position_noise[j].deviation;
+            // a joint that mostly stands still has no noise to tell its encoder's step by
+            let resolution = (SAME_PLACE_DEVIATIONS * signals.position_noise[j].deviation)
+                .max(SAME_PLACE_STEPS * least_step(&signals.recorded_position[j]));
             for (start, end) in
                 rests(&signals.recorded_position[j], acceleration, resolution, rate_hz)
             {
@@ -335,6 +339,12 @@ fn rests(
         start = end;
     }
     found
+}
+
+/// The least that successive samples differ by, if they do.
+fn least_step(position: &[f64]) -> f64 {
+    let steps = position.windows(2).map(|p| (p[1] - p[0]).abs()).filter(|step| *step > 0.0);
+    steps.reduce(f64::min).unwrap_or(0.0)
 }
 
 /// Stretches of samples with a speed below a threshold.
