@@ -216,3 +216,25 @@ fn what_is_no_result_is_refused() {
     assert!(failed.stderr.contains("not of the form"), "{}", failed.stderr);
     assert!(!folder.join("page.html").exists());
 }
+
+/// A hold-out too short to judge whiteness, a replay that never came to its end: `null` in the results, and no
+/// fault of theirs.
+#[test]
+fn what_could_not_be_determined_is_no_fault() {
+    let folder = scratch("page_null");
+    let (result, page) = (folder.join("result.json"), folder.join("page.html"));
+    let diagnosis = r#"{"schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow"],
+        "sentence": "the recordings show nothing", "effort_noise": {"elbow": 0.1},
+        "whiteness_p": {"elbow": null},
+        "replay": {"window_s": 0.5, "before": {"elbow": null}, "after": {"elbow": 0.25}}}"#;
+    let validated = r#"{"schema": "armident.validate/1", "joints": ["elbow"],
+        "after": {"elbow": {"rmse": 1, "relative": 0.1, "rmse_raw": 1, "whiteness_p": null}},
+        "replay_before": {"window_s": 0.5, "windows": 0, "diverged": 2,
+                          "position_rms": {"elbow": null}, "velocity_rms": {"elbow": null}}}"#;
+    for document in [diagnosis, validated] {
+        std::fs::write(&result, document).unwrap();
+        run(&["report", text(&result), "-o", text(&page)]).fine();
+        assert!(std::fs::read_to_string(&page).unwrap().contains("elbow"));
+        std::fs::remove_file(&page).unwrap();
+    }
+}

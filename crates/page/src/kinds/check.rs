@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::{counted, joints};
+use super::{ByJoint, counted, joints};
 use crate::drawing::Drawing;
 use crate::figures;
 use crate::page::{Grid, Section, Step, Tone, View, number, optional, percent};
@@ -135,7 +135,7 @@ pub(crate) fn view(of: Checked, drawing: &Drawing) -> View {
         sentences,
         next,
         overview: figures::over_time(drawing).into_iter().collect(),
-        joints: joints(drawing, &open, &BTreeMap::new()),
+        joints: joints(drawing, &open, &ByJoint::default()),
         skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &marked, &[])),
         sections: vec![
             Section {

@@ -163,7 +163,7 @@ pub(crate) fn view(of: Identified, drawing: &Drawing) -> View {
         sentences,
         next: next(&of, worst),
         overview: bars(&of, kind).into_iter().chain(figures::over_time(drawing)).collect(),
-        joints: joints(drawing, &open, &BTreeMap::new()),
+        joints: joints(drawing, &open, &ByJoint::default()),
         skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
         sections: vec![set, excitation(&of)],
         cards: Vec::new(),

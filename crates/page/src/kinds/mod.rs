@@ -9,7 +9,9 @@ mod scoreboard;
 mod validate;
 
 use std::collections::BTreeMap;
+use std::ops::Deref;
 
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
@@ -35,7 +37,24 @@ fn read<T: DeserializeOwned>(document: &Value) -> Result<T, PageError> {
 }
 
 /// A number a joint.
-type ByJoint = BTreeMap<String, f64>;
+#[derive(Debug, Default, Deserialize)]
+#[serde(from = "BTreeMap<String, Option<f64>>")]
+struct ByJoint(BTreeMap<String, f64>);
+
+impl From<BTreeMap<String, Option<f64>>> for ByJoint {
+    /// `null` is what could not be determined.
+    fn from(map: BTreeMap<String, Option<f64>>) -> Self {
+        Self(map.into_iter().filter_map(|(joint, x)| Some((joint, x?))).collect())
+    }
+}
+
+impl Deref for ByJoint {
+    type Target = BTreeMap<String, f64>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
 
 /// A section a joint: efforts over time, where residuals lie, their spectra. `open` are the joints that
 /// are open at first; `noise` is the noise of one recorded sample.

@@ -154,7 +154,7 @@ pub(crate) fn view(of: Validated, drawing: &Drawing) -> View {
             .into_iter()
             .chain(figures::over_time(drawing))
             .collect(),
-        joints: joints(drawing, &open, &BTreeMap::new()),
+        joints: joints(drawing, &open, &ByJoint::default()),
         skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
         sections: vec![numbers(&of)],
         cards: Vec::new(),
