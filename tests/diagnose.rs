@@ -716,3 +716,26 @@ fn a_holdout_that_contradicts() {
     let sentence = string(&diagnosis["sentence"]);
     assert!(sentence.ends_with("worse than by the robot as given on elbow_joint"), "{sentence}");
 }
+
+/// What is said of a finding is what the saved model has: a friction without the smaller one beside it, too small
+/// to be named, would be too large by it.
+#[test]
+fn numbers_are_those_of_the_model() {
+    let effects = ["coulomb_friction:elbow_joint=4", "viscous_friction:elbow_joint=0.3"];
+    let folder = recordings("diagnose_numbers", &effects);
+    let diagnosis = diagnose(&folder, &["--save-model", "model.json"]).fine().json();
+    assert_eq!(named(&diagnosis), pairs(&[("coulomb_friction", "elbow_joint")]));
+    let level = &diagnosis["findings"][0]["parameters"]["level"];
+    let model = read_json(&folder.join("model.json"));
+    let of_model = |effect: &str| {
+        let term = list(&model["effects"])
+            .iter()
+            .find(|e| e["effect"] == effect && e["joint"] == "elbow_joint");
+        term.map(|e| number(&e["parameters"][0]))
+    };
+    let said = number(&level["value"]);
+    assert!((said / of_model("coulomb_friction").unwrap() - 1.0).abs() < 1e-9, "{said}");
+    let viscous = of_model("viscous_friction").expect("the small term helps to predict");
+    assert!((viscous - 0.3).abs() < 0.1, "{viscous}");
+    assert!((said - 4.0).abs() < 3.0 * number(&level["stderr"]), "{said}");
+}

@@ -3,6 +3,8 @@
 
 use armident_effects::EVERYDAY;
 
+use std::collections::BTreeMap;
+
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem, Whitened};
@@ -333,6 +335,43 @@ pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Vec<f64> {
         }
     }
     squares.iter().map(|s| (s / until.max(1) as f64).sqrt().max(1.0)).collect()
+}
+
+/// Stretches of a recording that are left out one after the other for a standard error.
+const LEFT_OUT_PER_RECORDING: usize = 5;
+
+/// By how much more than their covariance says the coefficients of an answer scatter when stretches of the
+/// recordings are left out (delete-a-block jackknife), by column, 1 or more: what a model leaves over lasts longer
+/// than noise, and is more. A window is in one stretch: there it is by how much more is left over than the
+/// weights say.
+pub(crate) fn scatter(metric: &Whitened<'_>, of: &Answer) -> BTreeMap<usize, f64> {
+    let problem = metric.problem;
+    let rows = &problem.rows;
+    let (small, ids) = problem.restricted(&of.set);
+    let folds = folds_of(&small, &rows.starts[rows.changed_from..], LEFT_OUT_PER_RECORDING);
+    let metrics = metrics(&folds, metric.scale, &metric.wide);
+    let fits: Vec<_> =
+        metrics.iter().filter_map(|metric| metric.fit(metric.columns_of(&ids))).collect();
+    let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt().max(1.0);
+    let count = fits.len() as f64;
+    let mut factors = BTreeMap::new();
+    for (&g, &id) in of.set.iter().zip(&ids) {
+        let group = &problem.groups[g];
+        let covariance = metric.covariance(&of.fit, &group.columns);
+        for (k, &column) in group.columns.iter().enumerate() {
+            let here = small.groups[id].columns[k];
+            let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
+            let mean = values.iter().sum::<f64>() / count;
+            let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+            let variance = (count - 1.0) / count * squares;
+            let factor = match group.site.window {
+                Some(_) => left_over,
+                None => (variance / covariance[k][k]).sqrt(),
+            };
+            factors.insert(column, if factor.is_finite() { factor.max(1.0) } else { 1.0 });
+        }
+    }
+    factors
 }
 
 /// The groups of a set and the simpler relatives that could take their places.

@@ -138,7 +138,7 @@ fn told(
     let mut learned_model = learned(model, &best_view);
     choose_outputs(&mut learned_model, evidence)?;
     let constants = constants(model, &learned_model, &best_metric, &best.answer);
-    let claims = claims(evidence, selection);
+    let claims = claims(evidence, selection, &best_view);
     // the model of another answer, all that is not in question as in the model learned
     let model_of = |answer: &Answer, wide: &[usize]| {
         let metric = selection.problem.whitened(best.scale, wide);

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::alternatives::{Rival, rivals, separated_by};
 use crate::atlas::Character;
+use crate::crossval::scatter;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
@@ -101,10 +102,17 @@ pub(crate) struct Claim {
     pub(crate) rivals: Vec<Answer>,
 }
 
-/// What is claimed, the most material first.
-pub(crate) fn claims(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Claim> {
+/// What is claimed, the most material first. Numbers are those of the model, `numbers`: a friction without the
+/// smaller one beside it, which nobody names, would be too large by it.
+pub(crate) fn claims(
+    evidence: &Evidence<'_>,
+    selection: &Selection,
+    numbers: &View<'_, '_>,
+) -> Vec<Claim> {
     let metric = selection.metric();
     let view = selection.view(evidence, &metric);
+    let own = scatter(&metric, &selection.answer);
+    let of_model = scatter(numbers.metric, numbers.answer);
     let mut found: Vec<Claim> = selection
         .answer
         .set
@@ -112,6 +120,10 @@ pub(crate) fn claims(evidence: &Evidence<'_>, selection: &Selection) -> Vec<Clai
         .map(|&g| {
             let (size, without) = materiality(&metric, &selection.answer, g, &selection.point);
             let mut finding = finding_of_group(&view, g, &size);
+            finding.parameters = match numbers.answer.set.contains(&g) {
+                true => parameters(numbers, g, &of_model),
+                false => parameters(&view, g, &own),
+            };
             let rivals = rivals(&metric, &selection.answer, g, &selection.point);
             finding.alternatives = rivals.iter().map(|r| alternative(&view, g, r)).collect();
             Claim {
@@ -175,7 +187,7 @@ fn finding_of_group(view: &View<'_, '_>, id: usize, size: &Materiality) -> Findi
         link: link_of(evidence, group),
         window: group.site.window.map(|w| w.1),
         recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
-        parameters: parameters(view, id),
+        parameters: BTreeMap::new(),
         confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
         confirmed: None,
         evidence: FindingEvidence {
@@ -276,13 +288,22 @@ fn stem(source: &str) -> String {
 /// Slope over the columns' unit below which a number of a body does not appear in them.
 const UNSEEN: f64 = 1e-6;
 
-fn parameters(view: &View<'_, '_>, id: usize) -> BTreeMap<&'static str, Value> {
+fn parameters(
+    view: &View<'_, '_>,
+    id: usize,
+    scatter: &BTreeMap<usize, f64>,
+) -> BTreeMap<&'static str, Value> {
     let View { evidence, metric, answer, point, ref gain, .. } = *view;
     let group = &metric.problem.groups[id];
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = answer.fit.of_group(group);
-    let covariance = metric.covariance(&answer.fit, &group.columns);
+    let factors: Vec<f64> =
+        group.columns.iter().map(|c| scatter.get(c).copied().unwrap_or(1.0)).collect();
+    let mut covariance = metric.covariance(&answer.fit, &group.columns);
+    for (row, a) in covariance.iter_mut().zip(&factors) {
+        row.iter_mut().zip(&factors).for_each(|(x, b)| *x *= a * b);
+    }
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         match group.slug() {
             "gravity_direction" => {
@@ -346,7 +367,8 @@ fn parameters(view: &View<'_, '_>, id: usize) -> BTreeMap<&'static str, Value> {
             let mut moved = group.shape.clone();
             moved[k] += step;
             let slopes = of(&moved, &coefficients);
-            Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * 1e3).collect())
+            let by = 1e3 * factors.iter().copied().fold(1.0, f64::max);
+            Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * by).collect())
         })
         .collect();
     law.law()
