@@ -102,8 +102,8 @@ pub(crate) struct Claim {
     pub(crate) rivals: Vec<Answer>,
 }
 
-/// What is claimed, the most material first. Numbers are those of the model, `numbers`: a friction without the
-/// smaller one beside it, which nobody names, would be too large by it.
+/// What is claimed, the most material first. `numbers` has all that is claimed and the small terms
+/// of the model beside it: a friction without the one that nobody names would be too large by it.
 pub(crate) fn claims(
     evidence: &Evidence<'_>,
     selection: &Selection,
@@ -111,19 +111,15 @@ pub(crate) fn claims(
 ) -> Vec<Claim> {
     let metric = selection.metric();
     let view = selection.view(evidence, &metric);
-    let own = scatter(&metric, &selection.answer);
-    let of_model = scatter(numbers.metric, numbers.answer);
+    let scatter = scatter(numbers.metric, numbers.answer);
     let mut found: Vec<Claim> = selection
         .answer
         .set
         .iter()
         .map(|&g| {
             let (size, without) = materiality(&metric, &selection.answer, g, &selection.point);
-            let mut finding = finding_of_group(&view, g, &size);
-            finding.parameters = match numbers.answer.set.contains(&g) {
-                true => parameters(numbers, g, &of_model),
-                false => parameters(&view, g, &own),
-            };
+            let numbers = parameters(numbers, g, &scatter);
+            let mut finding = finding_of_group(&view, g, &size, numbers);
             let rivals = rivals(&metric, &selection.answer, g, &selection.point);
             finding.alternatives = rivals.iter().map(|r| alternative(&view, g, r)).collect();
             Claim {
@@ -175,7 +171,12 @@ fn link_of(evidence: &Evidence<'_>, group: &Group) -> Option<String> {
         .then(|| evidence.chain.joints[group.site.joints[0]].child_link.clone())
 }
 
-fn finding_of_group(view: &View<'_, '_>, id: usize, size: &Materiality) -> Finding {
+fn finding_of_group(
+    view: &View<'_, '_>,
+    id: usize,
+    size: &Materiality,
+    parameters: BTreeMap<&'static str, Value>,
+) -> Finding {
     let View { evidence, metric, answer, .. } = *view;
     let group = &metric.problem.groups[id];
     let names = |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
@@ -187,7 +188,7 @@ fn finding_of_group(view: &View<'_, '_>, id: usize, size: &Materiality) -> Findi
         link: link_of(evidence, group),
         window: group.site.window.map(|w| w.1),
         recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
-        parameters: BTreeMap::new(),
+        parameters,
         confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
         confirmed: None,
         evidence: FindingEvidence {
