@@ -1,9 +1,10 @@
 //! Blocked cross-validation: what an effect explains must also be explained in stretches of the
 //! recordings that its coefficients have not seen.
 
-use armident_effects::EVERYDAY;
-
 use std::collections::BTreeMap;
+use std::ops::Range;
+
+use armident_effects::EVERYDAY;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
@@ -340,38 +341,54 @@ pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Vec<f64> {
 /// Stretches of a recording that are left out one after the other for a standard error.
 const LEFT_OUT_PER_RECORDING: usize = 5;
 
-/// By how much more than their covariance says the coefficients of an answer scatter when stretches of the
-/// recordings are left out (delete-a-block jackknife), by column, 1 or more: what a model leaves over lasts longer
-/// than noise, and is more. A window is in one stretch: there it is by how much more is left over than the
-/// weights say.
-pub(crate) fn scatter(metric: &Whitened<'_>, of: &Answer) -> BTreeMap<usize, f64> {
-    let problem = metric.problem;
-    let rows = &problem.rows;
-    let (small, ids) = problem.restricted(&of.set);
-    let folds = folds_of(&small, &rows.starts[rows.changed_from..], LEFT_OUT_PER_RECORDING);
-    let metrics = metrics(&folds, metric.scale, &metric.wide);
-    let fits: Vec<_> =
-        metrics.iter().filter_map(|metric| metric.fit(metric.columns_of(&ids))).collect();
-    let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt().max(1.0);
-    let count = fits.len() as f64;
-    let mut factors = BTreeMap::new();
-    for (&g, &id) in of.set.iter().zip(&ids) {
-        let group = &problem.groups[g];
-        let covariance = metric.covariance(&of.fit, &group.columns);
-        for (k, &column) in group.columns.iter().enumerate() {
-            let here = small.groups[id].columns[k];
-            let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
-            let mean = values.iter().sum::<f64>() / count;
-            let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-            let variance = (count - 1.0) / count * squares;
-            let factor = match group.site.window {
-                Some(_) => left_over,
-                None => (variance / covariance[k][k]).sqrt(),
-            };
-            factors.insert(column, if factor.is_finite() { factor.max(1.0) } else { 1.0 });
+/// How coefficients scatter when stretches of the recordings are left out: what a model leaves over lasts longer
+/// than noise, and is more.
+pub(crate) struct Scatter {
+    /// by column: variance of a delete-a-block jackknife
+    variance: BTreeMap<usize, f64>,
+    /// by how much more is left over than the weights say
+    left_over: f64,
+}
+
+impl Scatter {
+    /// Of the coefficients of an answer.
+    pub(crate) fn of(metric: &Whitened<'_>, of: &Answer) -> Self {
+        let problem = metric.problem;
+        let rows = &problem.rows;
+        let (small, ids) = problem.restricted(&of.set);
+        let starts = &rows.starts[rows.changed_from..];
+        let fits: Vec<_> = stretches(starts, LEFT_OUT_PER_RECORDING)
+            .into_iter()
+            .filter_map(|inside| {
+                let fitted = small.of_rows(|row| !inside.contains(&row));
+                let metric = fitted.whitened(metric.scale, &metric.wide);
+                metric.fit(metric.columns_of(&ids))
+            })
+            .collect();
+        let count = fits.len() as f64;
+        let mut variance = BTreeMap::new();
+        for (&g, &id) in of.set.iter().zip(&ids) {
+            for (&column, &here) in problem.groups[g].columns.iter().zip(&small.groups[id].columns)
+            {
+                let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
+                let mean = values.iter().sum::<f64>() / count;
+                let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+                variance.insert(column, (count - 1.0) / count * squares);
+            }
         }
+        let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt();
+        Self { variance, left_over }
     }
-    factors
+
+    /// By how much more a coefficient of a group scatters than its covariance says, 1 or more. A window is in one
+    /// stretch: there it is by how much more is left over.
+    pub(crate) fn factor(&self, group: &Group, column: usize, covariance: f64) -> f64 {
+        let factor = match group.site.window {
+            Some(_) => self.left_over,
+            None => self.variance.get(&column).map_or(1.0, |v| (v / covariance).sqrt()),
+        };
+        if factor.is_finite() { factor.max(1.0) } else { 1.0 }
+    }
 }
 
 /// The groups of a set and the simpler relatives that could take their places.
@@ -398,19 +415,20 @@ fn folds(problem: &Problem) -> Vec<Fold> {
 }
 
 fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {
-    let mut folds = Vec::new();
-    for pair in starts.windows(2) {
-        let length = pair[1] - pair[0];
-        for block in 0..blocks {
-            let at = |k: usize| pair[0] + k * length / blocks;
-            let inside = at(block)..at(block + 1);
-            folds.push(Fold {
-                fitted: problem.of_rows(|row| !inside.contains(&row)),
-                predicted: problem.of_rows(|row| inside.contains(&row)),
-            });
-        }
-    }
-    folds
+    let fold = |inside: Range<usize>| Fold {
+        fitted: problem.of_rows(|row| !inside.contains(&row)),
+        predicted: problem.of_rows(|row| inside.contains(&row)),
+    };
+    stretches(starts, blocks).into_iter().map(fold).collect()
+}
+
+/// Rows of so many stretches of each recording.
+fn stretches(starts: &[usize], blocks: usize) -> Vec<Range<usize>> {
+    let of_recording = |pair: &[usize]| {
+        let (from, length) = (pair[0], pair[1] - pair[0]);
+        (0..blocks).map(move |k| from + k * length / blocks..from + (k + 1) * length / blocks)
+    };
+    starts.windows(2).flat_map(of_recording).collect()
 }
 
 /// What is fitted for each stretch, in a metric.

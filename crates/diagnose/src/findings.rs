@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::alternatives::{Rival, rivals, separated_by};
 use crate::atlas::Character;
-use crate::crossval::scatter;
+use crate::crossval::Scatter;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
@@ -111,7 +111,7 @@ pub(crate) fn claims(
 ) -> Vec<Claim> {
     let metric = selection.metric();
     let view = selection.view(evidence, &metric);
-    let scatter = scatter(numbers.metric, numbers.answer);
+    let scatter = Scatter::of(numbers.metric, numbers.answer);
     let mut found: Vec<Claim> = selection
         .answer
         .set
@@ -289,19 +289,16 @@ fn stem(source: &str) -> String {
 /// Slope over the columns' unit below which a number of a body does not appear in them.
 const UNSEEN: f64 = 1e-6;
 
-fn parameters(
-    view: &View<'_, '_>,
-    id: usize,
-    scatter: &BTreeMap<usize, f64>,
-) -> BTreeMap<&'static str, Value> {
+fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'static str, Value> {
     let View { evidence, metric, answer, point, ref gain, .. } = *view;
     let group = &metric.problem.groups[id];
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = answer.fit.of_group(group);
-    let factors: Vec<f64> =
-        group.columns.iter().map(|c| scatter.get(c).copied().unwrap_or(1.0)).collect();
     let mut covariance = metric.covariance(&answer.fit, &group.columns);
+    let factors: Vec<f64> = (group.columns.iter().enumerate())
+        .map(|(k, &column)| scatter.factor(group, column, covariance[k][k]))
+        .collect();
     for (row, a) in covariance.iter_mut().zip(&factors) {
         row.iter_mut().zip(&factors).for_each(|(x, b)| *x *= a * b);
     }

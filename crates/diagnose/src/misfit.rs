@@ -1,7 +1,6 @@
 //! What models leave over more than noise, and how many samples of it are independent.
 
 use armident_numeric::{Cholesky, gram_of_columns};
-
 use rayon::prelude::*;
 
 use crate::evidence::{At, Evidence};

@@ -157,12 +157,12 @@ impl Rows {
     /// anything up to the break-away effort, which may be many times the noise.
     pub(crate) fn stuck_weight_for(&self, joint: usize, left_over: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        let rows = left_over.iter().zip(&self.weight[joint]).zip(&self.deviation[joint]);
-        for (((left, weight), deviation), _) in
-            rows.zip(&self.stuck[joint]).filter(|(((_, w), _), stuck)| **stuck && **w > 0.0)
-        {
-            sum += (left / (weight * deviation)).powi(2);
-            count += 1;
+        for (k, left) in left_over.iter().enumerate() {
+            let weight = self.weight[joint][k];
+            if self.stuck[joint][k] && weight > 0.0 {
+                sum += (left / (weight * self.deviation[joint][k])).powi(2);
+                count += 1;
+            }
         }
         if count == 0 {
             return STUCK_WEIGHT;

@@ -85,10 +85,13 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
     let seeks_change = owner.rows.changed_from > 0;
     let mut first = owner.problem(&point);
     if !seeks_change {
-        for (j, weight) in stuck_weights(&first).into_iter().enumerate() {
-            owner.rows.set_stuck_weight(j, weight);
+        let weights = stuck_weights(&first);
+        if weights != owner.rows.stuck_weight {
+            for (j, weight) in weights.into_iter().enumerate() {
+                owner.rows.set_stuck_weight(j, weight);
+            }
+            first = owner.problem(&point);
         }
-        first = owner.problem(&point);
     }
     let misfit = if seeks_change {
         imperfection(&first, REFERENCE_SCALE)
