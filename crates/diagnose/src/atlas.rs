@@ -11,8 +11,8 @@ use serde::Serialize;
 
 use crate::evidence::{At, Evidence};
 use crate::model::DiagnosedModel;
-use crate::problem::dot;
 use crate::ripple::wave_gain;
+use armident_numeric::dot;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.
 const BINS: usize = 12;

@@ -57,6 +57,25 @@ impl Band {
         self.at(column, &self.kept)
     }
 
+    /// Appends the rows of columns of which only a few are not zero at a sample: `few` of them, with their
+    /// values. Each row costs its taps so many times, however many columns there are.
+    pub(crate) fn rows_of_few(&self, entries: &[(usize, f64)], few: usize, rows: &mut [Vec<f64>]) {
+        let half = self.taps.len() / 2;
+        let mut sums = vec![0.0; rows.len()];
+        for &i in &self.kept {
+            sums.fill(0.0);
+            let window = &entries[few * (i - half)..few * (i - half + self.taps.len())];
+            for (tap, entries) in self.taps.iter().zip(window.chunks_exact(few)) {
+                for (column, value) in entries {
+                    sums[*column] += tap * value;
+                }
+            }
+            for (rows, sum) in rows.iter_mut().zip(&sums) {
+                rows.push(*sum);
+            }
+        }
+    }
+
     /// Rows so far apart that white noise is white in them again: at twice the cut-off.
     pub(crate) fn independent_rows(&self, column: &[f64]) -> Vec<f64> {
         let step = (self.rate_hz / (2.0 * self.cutoff_hz)).ceil().max(1.0) as usize;
@@ -141,6 +160,19 @@ mod tests {
         assert!((gain(3.1) - 1.0).abs() < 0.01, "{}", gain(3.1));
         assert!((gain(10.0) - 0.5).abs() < 0.05, "{}", gain(10.0));
         assert!(gain(16.0) < 0.01, "{}", gain(16.0));
+        // columns of one entry a sample, as columns in full
+        let wave = wave(3.1);
+        let entries: Vec<(usize, f64)> =
+            wave.iter().enumerate().map(|(k, x)| (k % 2, *x)).collect();
+        let mut rows = vec![Vec::new(); 2];
+        band.rows_of_few(&entries, 1, &mut rows);
+        for (column, rows) in rows.iter().enumerate() {
+            let full: Vec<f64> =
+                entries.iter().map(|e| if e.0 == column { e.1 } else { 0.0 }).collect();
+            for (few, full) in rows.iter().zip(band.rows(&full)) {
+                assert!((few - full).abs() < 1e-12, "{few} {full}");
+            }
+        }
         let share = band.independent_share();
         assert!((0.6..0.85).contains(&share), "{share}");
         // white noise: the mean power over all frequencies is the sum of the squared taps

@@ -9,8 +9,9 @@ use armident_kinematics::InertialParameters;
 use serde::Serialize;
 
 use crate::model::DiagnosedModel;
-use crate::problem::{Whitened, dot};
+use crate::problem::Whitened;
 use crate::search::Answer;
+use armident_numeric::dot;
 
 /// 97.5 % quantile of the normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;

@@ -206,8 +206,10 @@ pub(crate) fn usable_signals(
     names: &[String],
     recordings: &[Recording],
 ) -> Result<Vec<Signals>, DiagnoseError> {
-    let signals: Vec<Signals> =
-        recordings.iter().map(|r| Signals::new(r, names)).collect::<Result<_, _>>()?;
+    let signals: Vec<Signals> = recordings
+        .iter()
+        .map(|r| Ok(Signals::new(r, names)?.thinned()))
+        .collect::<Result<_, RecordingError>>()?;
     if signals.iter().any(|s| s.band.kept.len() < 2) {
         return Err(DiagnoseError::TooShort);
     }

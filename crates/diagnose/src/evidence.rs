@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix, inverse_dynamics_of_motion};
+use armident_dynamics::{ArmAngles, ParameterColumns, RigidArm, inertia_matrix};
 use armident_effects::{
     ArmMotion, EVERYDAY, Effect, JointMotion, LIBRARY, MotionScale, Place, Scope, effect, tilted,
 };
@@ -53,6 +53,7 @@ pub(crate) struct At<'a> {
     pub(crate) rigid: Vec<Vec<f64>>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
+    angles: ArmAngles,
     /// of each joint, formed when first asked for
     loads: Vec<OnceLock<Load>>,
 }
@@ -70,10 +71,17 @@ impl<'a> At<'a> {
         let moved = |(q, offset): (&Vec<f64>, &f64)| q.iter().map(|q| q - offset).collect();
         let position: Vec<Vec<f64>> =
             signals.position.iter().zip(&point.offset).map(moved).collect();
-        let rigid =
-            inverse_dynamics_of_motion(&arm, &position, &signals.velocity, &signals.acceleration);
         let loads = (0..arm.dof()).map(|_| OnceLock::new()).collect();
-        Self { signals, arm, position, rigid, delay_s: point.delay_s, loads }
+        let (angles, rigid) = (ArmAngles::of(&arm, &position), Vec::new());
+        let mut at = Self { signals, arm, position, rigid, delay_s: point.delay_s, angles, loads };
+        at.rigid = at.motion().efforts(&at.arm);
+        at
+    }
+
+    /// The motion of the arm as recorded.
+    pub(crate) fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
+        let (v, a) = (&self.signals.velocity, &self.signals.acceleration);
+        armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
     }
 
     /// What a joint has to move.
@@ -267,10 +275,7 @@ impl<'a> Evidence<'a> {
             let wanted: Vec<usize> = (10 * row..10 * n).collect();
             let by_recording: Vec<Vec<Vec<f64>>> = at
                 .iter()
-                .map(|at| {
-                    let (v, a) = (&at.signals.velocity, &at.signals.acceleration);
-                    standard.of_motion(&at.arm, row, &at.position, v, a, &wanted)
-                })
+                .map(|at| standard.of_arm_motion(&at.arm, row, &at.motion(), &wanted))
                 .collect();
             let formed = wanted.iter().enumerate().filter_map(|(k, &parameter)| {
                 let pieces = by_recording.iter().map(|c| c[k].as_slice());

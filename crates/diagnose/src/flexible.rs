@@ -2,12 +2,12 @@
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
 use armident_effects::Place;
-use armident_numeric::{Cholesky, Mat, gram_of_columns, symmetric_eigen};
+use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::{At, Evidence};
-use crate::problem::{Group, Meaning, Problem, Site, dot};
+use crate::problem::{Group, Meaning, Problem, Site};
 
 /// Knots along the joint's own position, its own velocity, and along each axis of products.
 const POSITION_KNOTS: usize = 64;
@@ -126,14 +126,11 @@ pub struct FlexibleTerm {
 impl FlexibleTerm {
     /// Over a motion; joints that are not there count as resting at 0.
     pub(crate) fn effort(&self, at: &At<'_>, index: impl Fn(&str) -> Option<usize>) -> Vec<f64> {
-        let columns = self.basis.columns(at, &index);
-        let mut effort = vec![0.0; at.signals.len()];
-        for (column, c) in columns.iter().zip(&self.coefficients) {
-            for (e, x) in effort.iter_mut().zip(column) {
-                *e += c * x;
-            }
-        }
-        effort
+        let hats = self.basis.hats(at, &index);
+        let value = |there: &[(usize, f64)]| {
+            there.iter().map(|(function, weight)| self.coefficients[*function] * weight).sum()
+        };
+        hats.chunks_exact(self.basis.overlap()).map(value).collect()
     }
 }
 
@@ -208,22 +205,28 @@ impl Basis {
         product
     }
 
-    /// Values of the functions over a motion, `[function][sample]`.
-    fn columns(&self, at: &At<'_>, index: &impl Fn(&str) -> Option<usize>) -> Vec<Vec<f64>> {
-        let samples = at.signals.len();
-        let mut columns = vec![vec![0.0; samples]; self.size()];
-        let column = |name: &str, quantity: Quantity| {
-            index(name).map(|j| match quantity {
-                Quantity::Position => at.position[j].as_slice(),
-                Quantity::Velocity => at.signals.velocity[j].as_slice(),
+    /// How many functions are not zero at a sample: hats overlap in pairs along each axis.
+    fn overlap(&self) -> usize {
+        1 << self.axes.len()
+    }
+
+    /// The functions that are not zero and their values, [`Self::overlap`] a sample.
+    fn hats(&self, at: &At<'_>, index: &impl Fn(&str) -> Option<usize>) -> Vec<(usize, f64)> {
+        let axes: Vec<Option<&[f64]>> = self
+            .axes
+            .iter()
+            .map(|axis| {
+                index(&axis.joint).map(|j| match axis.quantity {
+                    Quantity::Position => at.position[j].as_slice(),
+                    Quantity::Velocity => at.signals.velocity[j].as_slice(),
+                })
             })
-        };
-        let axes: Vec<Option<&[f64]>> =
-            self.axes.iter().map(|a| column(&a.joint, a.quantity)).collect();
+            .collect();
         let factors = self.factor_values(at, index);
-        for (t, &factor) in factors.iter().enumerate() {
-            // hats overlap in pairs: at most four products are not zero
-            let mut cells = vec![(0, factor)];
+        let mut hats = Vec::with_capacity(factors.len() * self.overlap());
+        for (t, factor) in factors.into_iter().enumerate() {
+            let first = hats.len();
+            hats.push((0, factor));
             for (axis, values) in self.axes.iter().zip(&axes) {
                 let span = (axis.knots - 1) as f64;
                 let x = (values.map_or(0.0, |v| v[t]) - axis.range[0])
@@ -232,19 +235,14 @@ impl Basis {
                 let x = x.clamp(0.0, span);
                 let left = (x.floor() as usize).min(axis.knots - 2);
                 let share = x - left as f64;
-                cells = cells
-                    .iter()
-                    .flat_map(|(cell, weight)| {
-                        [(left, 1.0 - share), (left + 1, share)]
-                            .map(|(k, w)| (cell * axis.knots + k, weight * w))
-                    })
-                    .collect();
-            }
-            for (cell, weight) in cells {
-                columns[cell][t] = weight;
+                for k in first..hats.len() {
+                    let (cell, weight) = hats[k];
+                    hats[k] = (cell * axis.knots + left, weight * (1.0 - share));
+                    hats.push((cell * axis.knots + left + 1, weight * share));
+                }
             }
         }
-        columns
+        hats
     }
 
     /// `P`: squared second differences along every axis, and a weak hold on the coefficients.
@@ -282,10 +280,12 @@ pub(crate) fn offer(
 ) -> Vec<usize> {
     let size = problem.rows.in_sample_noise(joint, residual) * problem.rows.sample_deviation[joint];
     let beside = beside(evidence, at, joint);
-    let judged = |basis: Basis| -> Option<(f64, Flexible, Vec<Vec<f64>>)> {
-        let (flexible, columns) = reduced(evidence, at, joint, basis, size)?;
-        let score = description(&beside, &columns, residual, problem.rows.share)?;
-        Some((score, flexible, columns))
+    let samples = residual.len() as f64 * problem.rows.share;
+    let judged = |basis: Basis| -> Option<(f64, Flexible)> {
+        let (flexible, left) = fitted(evidence, at, joint, basis, size, &beside, residual)?;
+        let columns = flexible.transform.len();
+        // a description length
+        Some((samples * left.ln() + samples.ln() * columns as f64, flexible))
     };
     let mut found: Vec<_> =
         candidates(evidence, at, joint).into_par_iter().filter_map(judged).collect();
@@ -301,43 +301,11 @@ pub(crate) fn offer(
     }
     found
         .into_iter()
-        .map(|(_, flexible, columns)| {
-            push(problem, &evidence.names[joint], joint, flexible, columns)
-        })
+        .map(|(_, flexible)| recreate(evidence, at, problem, joint, &flexible))
         .collect()
 }
 
-fn push(
-    problem: &mut Problem,
-    name: &str,
-    joint: usize,
-    flexible: Flexible,
-    columns: Vec<Vec<f64>>,
-) -> usize {
-    let joints = problem.rows.joints();
-    let ids = columns
-        .into_iter()
-        .map(|column| {
-            let mut blocks = vec![Vec::new(); joints];
-            blocks[joint] = column;
-            problem.push_columns(vec![blocks])
-        })
-        .collect();
-    let places = flexible.basis.places(name);
-    problem.groups.push(Group {
-        meaning: Meaning::Flexible(flexible),
-        site: Site { joints: vec![joint], window: None },
-        shape: Vec::new(),
-        columns: ids,
-        searched: 2,
-        places,
-        transform: None,
-        above_band: 1.0,
-    });
-    problem.groups.len() - 1
-}
-
-/// The group again in a problem of another operating point.
+/// Adds a description to a problem; gives its id.
 pub(crate) fn recreate(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
@@ -346,8 +314,26 @@ pub(crate) fn recreate(
     flexible: &Flexible,
 ) -> usize {
     let rows = rows_of(evidence, at, joint, &flexible.basis);
-    let columns = flexible.transform.iter().map(|t| combined(&rows, t)).collect();
-    push(problem, &evidence.names[joint], joint, flexible.clone(), columns)
+    let ids = flexible
+        .transform
+        .iter()
+        .map(|transform| {
+            let mut blocks = vec![Vec::new(); problem.rows.joints()];
+            blocks[joint] = combined(&rows, transform);
+            problem.push_columns(vec![blocks])
+        })
+        .collect();
+    problem.groups.push(Group {
+        meaning: Meaning::Flexible(flexible.clone()),
+        site: Site { joints: vec![joint], window: None },
+        shape: Vec::new(),
+        columns: ids,
+        searched: 2,
+        places: flexible.basis.places(&evidence.names[joint]),
+        transform: None,
+        above_band: 1.0,
+    });
+    problem.groups.len() - 1
 }
 
 /// What the plain terms of the joint explain anyway: they are fitted beside every description.
@@ -431,13 +417,15 @@ fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis
 /// Weighted rows of all functions of a basis.
 fn rows_of(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize, basis: &Basis) -> Vec<Vec<f64>> {
     let index = |name: &str| evidence.names.iter().position(|n| n == name);
-    let by_recording: Vec<Vec<Vec<f64>>> = at.iter().map(|at| basis.columns(at, &index)).collect();
-    (0..basis.size())
-        .map(|k| {
-            let pieces = by_recording.iter().map(|c| c[k].as_slice());
-            evidence.rows.form_law(&evidence.signals, joint, pieces)
-        })
-        .collect()
+    let mut rows = vec![Vec::with_capacity(evidence.rows.len()); basis.size()];
+    for at in at {
+        let (hats, overlap) = (basis.hats(at, &index), basis.overlap());
+        at.signals.band.rows_of_few(&hats, overlap, &mut rows);
+    }
+    for rows in &mut rows {
+        evidence.rows.weigh_law(joint, rows);
+    }
+    rows
 }
 
 fn combined(rows: &[Vec<f64>], transform: &[f64]) -> Vec<f64> {
@@ -450,15 +438,45 @@ fn combined(rows: &[Vec<f64>], transform: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// The directions of a basis that the recordings know better than the prior does.
-fn reduced(
+/// The directions of a basis that the recordings know better than the prior does, and the sum of squares that
+/// they and the plain terms leave of a residual.
+fn fitted(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     joint: usize,
     basis: Basis,
     effort: f64,
-) -> Option<(Flexible, Vec<Vec<f64>>)> {
+    beside: &[Vec<f64>],
+    residual: &[f64],
+) -> Option<(Flexible, f64)> {
     let rows = rows_of(evidence, at, joint, &basis);
+    let others: Vec<&[f64]> = beside.iter().map(Vec::as_slice).chain([residual]).collect();
+    let all: Vec<&[f64]> = others.iter().copied().chain(rows.iter().map(Vec::as_slice)).collect();
+    let products = gram_of_columns(&all);
+    let transform = known_directions(evidence, at, &basis, effort, &products, others.len())?;
+    // the same products of the directions in place of the functions
+    let to_directions = Mat::from_fn(all.len(), others.len() + transform.len(), |i, j| {
+        match (i.checked_sub(others.len()), j.checked_sub(others.len())) {
+            (Some(function), Some(direction)) => transform[direction][function],
+            (None, None) => f64::from(u8::from(i == j)),
+            _ => 0.0,
+        }
+    });
+    let products = to_directions.transpose() * (&products * &to_directions);
+    let left = sum_of_squares_left(&products, beside.len())?;
+    Some((Flexible { basis, transform }, left))
+}
+
+/// Coefficients of the functions along these directions, largest first; `products` are those of the functions
+/// from `first` on.
+fn known_directions(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    basis: &Basis,
+    effort: f64,
+    products: &Mat<f64>,
+    first: usize,
+) -> Option<Vec<Vec<f64>>> {
     let index = |name: &str| evidence.names.iter().position(|n| n == name);
     let factors: Vec<f64> = at.iter().flat_map(|at| basis.factor_values(at, &index)).collect();
     let factor = (dot(&factors, &factors) / factors.len().max(1) as f64).sqrt();
@@ -466,12 +484,11 @@ fn reduced(
     let (values, vectors) = symmetric_eigen(&basis.penalty()).ok()?;
     let size = basis.size();
     // coefficients = deviation P^(-1/2) z with z of deviation 1
-    let root = |k: usize| deviation / values[k].max(1e-12).sqrt();
-    let smooth: Vec<Vec<f64>> =
-        (0..size).map(|k| (0..size).map(|i| vectors[(i, k)] * root(k)).collect()).collect();
-    let along: Vec<Vec<f64>> = smooth.iter().map(|t| combined(&rows, t)).collect();
-    let views: Vec<&[f64]> = along.iter().map(Vec::as_slice).collect();
-    let (known, directions) = symmetric_eigen(&gram_of_columns(&views)).ok()?;
+    let smooth =
+        Mat::from_fn(size, size, |i, k| vectors[(i, k)] * deviation / values[k].max(1e-12).sqrt());
+    let of_functions = products.as_ref().submatrix(first, first, size, size);
+    let along = smooth.transpose() * (of_functions * &smooth);
+    let (known, directions) = symmetric_eigen(&along).ok()?;
     let kept: Vec<usize> = (0..size)
         .rev()
         .filter(|k| known[*k] * evidence.rows.share > 1.0)
@@ -480,14 +497,8 @@ fn reduced(
     if kept.is_empty() {
         return None;
     }
-    let transform: Vec<Vec<f64>> = kept
-        .iter()
-        .map(|&k| {
-            (0..size).map(|i| (0..size).map(|m| directions[(m, k)] * smooth[m][i]).sum()).collect()
-        })
-        .collect();
-    let columns = transform.iter().map(|t| combined(&rows, t)).collect();
-    Some((Flexible { basis, transform }, columns))
+    let transform = &smooth * &directions;
+    Some(kept.iter().map(|&k| (0..size).map(|i| transform[(i, k)]).collect()).collect())
 }
 
 /// What the best description leaves of a residual: its sum of squares over that of the residual, each
@@ -506,35 +517,23 @@ pub(crate) fn least_left(
     candidates(evidence, at, joint)
         .into_par_iter()
         .filter_map(|basis| {
-            let (_, columns) = reduced(evidence, at, joint, basis, size)?;
-            let free = 1.0 - (beside.len() + columns.len()) as f64 / samples;
-            let left = sum_of_squares_left(&beside, &columns, residual)?;
+            let (flexible, left) = fitted(evidence, at, joint, basis, size, &beside, residual)?;
+            let free = 1.0 - (beside.len() + flexible.transform.len()) as f64 / samples;
             (free > 0.0).then_some(left / (before * free))
         })
         .reduce(|| 1.0, f64::min)
 }
 
-/// Description length of a residual by a basis and the plain terms.
-fn description(
-    beside: &[Vec<f64>],
-    columns: &[Vec<f64>],
-    residual: &[f64],
-    share: f64,
-) -> Option<f64> {
-    let left = sum_of_squares_left(beside, columns, residual)?;
-    let samples = residual.len() as f64 * share;
-    Some(samples * left.ln() + samples.ln() * columns.len() as f64)
-}
-
-fn sum_of_squares_left(beside: &[Vec<f64>], columns: &[Vec<f64>], residual: &[f64]) -> Option<f64> {
-    let all: Vec<&[f64]> = beside.iter().chain(columns).map(Vec::as_slice).collect();
-    let gram = gram_of_columns(&all);
+/// From the products of all columns: what all of them leave of the one at `place`.
+fn sum_of_squares_left(products: &Mat<f64>, place: usize) -> Option<f64> {
+    const HOLD: f64 = 1e-7;
+    let columns: Vec<usize> = (0..products.nrows()).filter(|k| *k != place).collect();
     let norm: Vec<f64> =
-        (0..all.len()).map(|k| gram[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
-    let cholesky = Cholesky::of(all.len(), |i, j| {
-        gram[(i, j)] / (norm[i] * norm[j]) + if i == j { 1e-7 } else { 0.0 }
+        columns.iter().map(|&k| products[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let cholesky = Cholesky::of(columns.len(), |i, j| {
+        products[(columns[i], columns[j])] / (norm[i] * norm[j]) + if i == j { HOLD } else { 0.0 }
     })?;
-    let rhs: Vec<f64> = all.iter().zip(&norm).map(|(c, n)| dot(c, residual) / n).collect();
+    let rhs: Vec<f64> = columns.iter().zip(&norm).map(|(&k, n)| products[(k, place)] / n).collect();
     let reduced = cholesky.forward(&rhs);
-    Some((dot(residual, residual) - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE))
+    Some((products[(place, place)] - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE))
 }

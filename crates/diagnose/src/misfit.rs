@@ -1,11 +1,11 @@
 //! What models leave over more than noise, and how many samples of it are independent.
 
-use armident_numeric::{Cholesky, gram_of_columns};
+use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
 
 use crate::evidence::{At, Evidence};
 use crate::flexible;
-use crate::problem::{Problem, Whitened, dot};
+use crate::problem::{Problem, Whitened};
 use crate::search::Answer;
 
 /// A joint that leaves over more than this many times its noise has an imperfect model, which then

@@ -3,7 +3,7 @@
 use armident_dynamics::RigidArm;
 use armident_effects::{EffectOnJoint, Scope, effect, tilted};
 use armident_ident::ArmModel;
-use armident_recording::{Recording, RecordingError};
+use armident_recording::{EvenGrid, Recording, RecordingError};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -84,7 +84,8 @@ impl DiagnosedModel {
     /// A motion without the positions of the joints, or mostly gaps.
     pub fn predict(&self, motion: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
         let names: Vec<String> = self.arm.chain.joints.iter().map(|j| j.name.clone()).collect();
-        let signals = Signals::new(motion, &names)?;
+        let grid = EvenGrid::new(&motion.time_s, &motion.source)?;
+        let signals = Signals::on(&grid, motion, &names)?;
         let on_grid = self.on_grid(&signals)?;
         let mut efforts = Vec::new();
         for (effort, cutoff_hz) in on_grid.iter().zip(&self.learned.output_cutoff_hz) {
@@ -92,7 +93,7 @@ impl DiagnosedModel {
                 Some(hz) => low_pass(*hz, signals.rate_hz)?.filter(effort),
                 None => effort.clone(),
             };
-            efforts.push(signals.grid.at_stamps(&smooth));
+            efforts.push(grid.at_stamps(&smooth));
         }
         Ok(efforts)
     }

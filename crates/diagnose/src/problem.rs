@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use armident_effects::{Onset, Place, effect};
-use armident_numeric::{Cholesky, Mat, gram_of_columns};
+use armident_numeric::{Cholesky, Mat, dot, products_of_columns};
+use rayon::prelude::*;
 
 use crate::rows::{Blocks, Rows};
 
@@ -17,6 +18,10 @@ pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
 /// Price of a law, or a change, that seldom comes about: odds of one in a hundred against those that often
 /// do.
 pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
+
+/// From so many new columns on their products come from one product of matrices, which has to copy all
+/// columns first.
+const FEWEST_AS_MATRIX: usize = 8;
 
 /// How many times larger the errors of a link with a wrong body may be than those of all others.
 const WIDE: f64 = 12.0;
@@ -146,36 +151,34 @@ impl Problem {
             self.gram.push(vec![0.0; k + 1]);
             self.rhs.push(0.0);
         }
-        let fresh = total - first;
-        for j in 0..self.rows.joints() {
-            let present: Vec<usize> =
-                (0..total).filter(|&k| !self.columns[k][j].is_empty()).collect();
-            let is_new = present.iter().filter(|&&k| k >= first).count();
-            if is_new == 0 {
-                continue;
-            }
-            for &k in present.iter().filter(|&&k| k >= first) {
-                self.rhs[k] += dot(&self.columns[k][j], &self.effort[j]);
-            }
-            if fresh > 24 {
-                let views: Vec<&[f64]> =
-                    present.iter().map(|&k| self.columns[k][j].as_slice()).collect();
-                let gram = gram_of_columns(&views);
-                for (a, &k) in present.iter().enumerate() {
-                    for (b, &l) in present[..=a].iter().enumerate() {
-                        if k >= first {
-                            self.gram[k][l] += gram[(a, b)];
-                        }
-                    }
-                }
+        // joint by joint: columns that are there, and the products of the new ones among them
+        let of_joint = |j: usize| -> (Vec<usize>, Vec<f64>, Vec<Vec<f64>>) {
+            let block = |k: usize| self.columns[k][j].as_slice();
+            let present: Vec<usize> = (0..total).filter(|&k| !block(k).is_empty()).collect();
+            let old = present.partition_point(|k| *k < first);
+            let fresh = &present[old..];
+            let rhs = fresh.iter().map(|&k| dot(block(k), &self.effort[j])).collect();
+            let products = if fresh.len() >= FEWEST_AS_MATRIX {
+                let all: Vec<&[f64]> = present.iter().map(|&k| block(k)).collect();
+                let products = products_of_columns(&all[old..], &all);
+                let row = |a: usize| (0..=old + a).map(|b| products[(a, b)]).collect();
+                (0..fresh.len()).map(row).collect()
             } else {
-                for (a, &k) in present.iter().enumerate() {
-                    if k < first {
-                        continue;
-                    }
-                    for &l in &present[..=a] {
-                        self.gram[k][l] += dot(&self.columns[k][j], &self.columns[l][j]);
-                    }
+                let row = |a: usize| {
+                    let others = &present[..=old + a];
+                    others.iter().map(|&l| dot(block(fresh[a]), block(l))).collect()
+                };
+                (0..fresh.len()).map(row).collect()
+            };
+            (present, rhs, products)
+        };
+        let by_joint: Vec<_> = (0..self.rows.joints()).into_par_iter().map(of_joint).collect();
+        for (present, rhs, products) in by_joint {
+            let fresh = &present[present.len() - rhs.len()..];
+            for ((&k, rhs), products) in fresh.iter().zip(rhs).zip(products) {
+                self.rhs[k] += rhs;
+                for (&l, product) in present.iter().zip(products) {
+                    self.gram[k][l] += product;
                 }
             }
         }
@@ -580,10 +583,6 @@ impl Whitened<'_> {
         }
         residual
     }
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Problem {

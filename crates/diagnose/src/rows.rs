@@ -71,9 +71,9 @@ impl Rows {
                 let noise = rows.noise[r][j];
                 let from_effort = noise.deviation.powi(2) * s.band.noise_gain(noise.colour);
                 let from_encoders: f64 =
-                    (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise(i)).powi(2)).sum();
+                    (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise[i]).powi(2)).sum();
                 let deviation = (from_effort + from_encoders).sqrt();
-                squares += noise.deviation.powi(2) / signals.len() as f64;
+                squares += s.effort_noise[j].powi(2) / signals.len() as f64;
                 let sticks: Vec<f64> = s.stuck[j].iter().map(|b| f64::from(u8::from(*b))).collect();
                 for share in s.band.rows(&sticks) {
                     let stuck = share > STUCK_SHARE;
@@ -118,10 +118,14 @@ impl Rows {
         for (s, column) in signals.iter().zip(columns) {
             rows.extend(s.band.rows(column));
         }
+        self.weigh(joint, &mut rows);
+        rows
+    }
+
+    fn weigh(&self, joint: usize, rows: &mut [f64]) {
         for (x, w) in rows.iter_mut().zip(&self.weight[joint]) {
             *x *= w;
         }
-        rows
     }
 
     /// The same of a law: nothing before the change.
@@ -134,6 +138,12 @@ impl Rows {
         let mut rows = self.form(signals, joint, columns);
         rows[..self.judged_from()].fill(0.0);
         rows
+    }
+
+    /// Weights rows of a law that are formed already.
+    pub(crate) fn weigh_law(&self, joint: usize, rows: &mut [f64]) {
+        self.weigh(joint, rows);
+        rows[..self.judged_from()].fill(0.0);
     }
 
     /// First row of what is judged.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use armident_numeric::Cholesky;
+use armident_numeric::{Cholesky, dot};
 use armident_recording::{
     CUTOFF_SHARE_BOUND, EvenGrid, Quantity, Recording, RecordingError, ZeroPhaseLowPass,
     differentiate,
@@ -10,7 +10,6 @@ use armident_recording::{
 
 use crate::band::Band;
 use crate::noise::{Noise, noise_of};
-use crate::problem::dot;
 
 /// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
 /// columns with signs and products are formed from it and only then filtered.
@@ -44,6 +43,9 @@ const NO_LAG_S: f64 = 1e-3;
 const NO_LAG_SAMPLES: f64 = 0.05;
 /// Friction fades to nothing in this time \[s\] when a joint stops and goes on the same way.
 const DIP_S: f64 = 0.04;
+/// Rate \[Hz\] that a search needs at least: ten times the cut-off of the kinematics, 25 times that of the
+/// band.
+const SEARCHED_HZ: f64 = 250.0;
 
 /// Channels of the joints of a chain on an even grid, joint-major.
 #[derive(Debug, Clone)]
@@ -60,26 +62,40 @@ pub(crate) struct Signals {
     pub(crate) stuck: Vec<Vec<bool>>,
     /// empty for a joint whose effort is not recorded
     pub(crate) effort: Vec<Vec<f64>>,
-    pub(crate) position_noise: Vec<Noise>,
-    /// noise of the recorded velocity of a joint whose derivatives come from it
-    pub(crate) velocity_noise: Vec<Option<VelocityNoise>>,
+    /// noise of one recorded sample of the effort \[N m or N\]
+    pub(crate) effort_noise: Vec<f64>,
+    /// noise of the acceleration in the band \[rad/s2 or m/s2\]
+    pub(crate) acceleration_noise: Vec<f64>,
     pub(crate) band: Band,
-    pub(crate) grid: EvenGrid,
 }
 
 /// Noise of a recorded velocity \[rad/s or m/s\] and of its derivative in the band.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct VelocityNoise {
+struct VelocityNoise {
     deviation: f64,
     acceleration_in_band: f64,
 }
 
 impl Signals {
+    /// At every sample.
+    ///
     /// # Errors
     /// A joint without position, or a recording that is mostly gaps.
     pub(crate) fn new(recording: &Recording, joints: &[String]) -> Result<Self, RecordingError> {
-        recording.check()?;
         let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        Self::on(&grid, recording, joints)
+    }
+
+    /// On the grid of the recording.
+    ///
+    /// # Errors
+    /// A joint without position.
+    pub(crate) fn on(
+        grid: &EvenGrid,
+        recording: &Recording,
+        joints: &[String],
+    ) -> Result<Self, RecordingError> {
+        recording.check()?;
         let rate_hz = grid.rate_hz();
         let start_s = grid.time_s().first().copied().unwrap_or_default();
         let time_s: Vec<f64> = grid.time_s().iter().map(|t| t - start_s).collect();
@@ -100,8 +116,8 @@ impl Signals {
             source: recording.source.clone(),
             rate_hz,
             band: Band::new(rate_hz, time_s.len()),
-            position_noise: recorded_position.iter().map(|q| noise_of(q, rate_hz)).collect(),
-            velocity_noise: vec![None; joints.len()],
+            effort_noise: effort.iter().map(|e| noise_of(e, rate_hz).deviation).collect(),
+            acceleration_noise: Vec::new(),
             position: Vec::new(),
             time_s,
             recorded_position,
@@ -110,7 +126,6 @@ impl Signals {
             direction: Vec::new(),
             stuck: Vec::new(),
             effort,
-            grid,
         };
         for (j, recorded) in recorded_velocity.iter().enumerate() {
             let inner = |values: &[f64], margin: usize| {
@@ -121,7 +136,9 @@ impl Signals {
             let mut velocity = differentiate(&position, rate_hz);
             let mut acceleration = inner(&differentiate(&velocity, rate_hz), margin);
             velocity = inner(&velocity, margin);
-            let mut noise = signals.position_noise[j].deviation * signals.kinematics_gain(1);
+            let of_position = noise_of(&signals.recorded_position[j], rate_hz);
+            let mut noise = of_position.deviation * signals.kinematics_gain(1);
+            let mut acceleration_noise = signals.in_band(&of_position, 2);
             if !recorded.is_empty()
                 && let Some(of_recorded) = signals.better_velocity(recorded, &velocity)
             {
@@ -130,14 +147,15 @@ impl Signals {
                 acceleration = inner(&differentiate(&smooth, rate_hz), margin);
                 velocity = inner(&smooth, margin);
                 noise = of_recorded.deviation * signals.kinematics_gain(0);
-                signals.velocity_noise[j] = Some(of_recorded);
+                acceleration_noise = of_recorded.acceleration_in_band;
             }
+            signals.acceleration_noise.push(acceleration_noise);
             signals.position.push(inner(&position, margin));
             signals.acceleration.push(acceleration);
             let (direction, mut stuck) = directions_and_stops(&velocity, noise, rate_hz);
             let acceleration = &signals.acceleration[j];
             // a joint that mostly stands still has no noise to tell its encoder's step by
-            let resolution = (SAME_PLACE_DEVIATIONS * signals.position_noise[j].deviation)
+            let resolution = (SAME_PLACE_DEVIATIONS * of_position.deviation)
                 .max(SAME_PLACE_STEPS * least_step(&signals.recorded_position[j]));
             for (start, end) in
                 rests(&signals.recorded_position[j], acceleration, resolution, rate_hz)
@@ -155,6 +173,30 @@ impl Signals {
         self.time_s.len()
     }
 
+    /// At the rate that a search needs: each law is formed at every sample hundreds of times, and all is
+    /// compared in the band. Efforts and positions as recorded become means around the samples that
+    /// remain, motions are below the rate already.
+    pub(crate) fn thinned(mut self) -> Self {
+        let step = (self.rate_hz / SEARCHED_HZ).floor() as usize;
+        if step < 2 {
+            return self;
+        }
+        let motions = [&mut self.position, &mut self.velocity, &mut self.acceleration];
+        for values in motions.into_iter().chain([&mut self.direction]).flatten() {
+            *values = every(step, values);
+        }
+        for values in self.recorded_position.iter_mut().chain(&mut self.effort) {
+            *values = means(step, values);
+        }
+        for stuck in &mut self.stuck {
+            *stuck = every(step, stuck);
+        }
+        self.time_s = every(step, &self.time_s);
+        self.rate_hz /= step as f64;
+        self.band = Band::new(self.rate_hz, self.time_s.len());
+        self
+    }
+
     /// Standard deviation of the `order`-th derivative of the low-passed position, for white noise of
     /// deviation 1 on the position, before the band.
     fn kinematics_gain(&self, order: i32) -> f64 {
@@ -166,16 +208,8 @@ impl Signals {
         ((0..POINTS).map(power).sum::<f64>() / POINTS as f64).sqrt()
     }
 
-    /// The same of the acceleration, in the band.
-    pub(crate) fn acceleration_noise(&self, joint: usize) -> f64 {
-        match &self.velocity_noise[joint] {
-            Some(noise) => noise.acceleration_in_band,
-            None => self.acceleration_noise_of(&self.position_noise[joint], 2),
-        }
-    }
-
     /// Noise in the band of the `order`-th derivative of a channel.
-    fn acceleration_noise_of(&self, channel: &Noise, order: i32) -> f64 {
+    fn in_band(&self, channel: &Noise, order: i32) -> f64 {
         channel.deviation * self.band.mean_power(|f| kinematics_power(f, order)).sqrt()
     }
 
@@ -207,7 +241,7 @@ impl Signals {
         let no_lag_s = NO_LAG_S.max(NO_LAG_SAMPLES / self.rate_hz);
         let same = (scale - 1.0).abs() < SAME_SCALE && lag_s.abs() < no_lag_s;
         let in_band = (of_recorded.max(0.0) / recorded.len().max(1) as f64).sqrt();
-        let white = self.acceleration_noise_of(&noise, 1);
+        let white = self.in_band(&noise, 1);
         same.then_some(VelocityNoise {
             deviation: noise.deviation,
             acceleration_in_band: in_band.max(white),
@@ -341,6 +375,27 @@ fn rests(
     found
 }
 
+fn every<T: Copy>(step: usize, values: &[T]) -> Vec<T> {
+    values.iter().copied().step_by(step).collect()
+}
+
+/// Every so many samples the mean of as many around it, the outermost by half where the number is even;
+/// of fewer at the ends, so that a line stays a line.
+fn means(step: usize, values: &[f64]) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    let outer = if step.is_multiple_of(2) { 0.5 } else { 1.0 };
+    let mean = |t: usize| {
+        let half = (step / 2).min(t).min(last - t);
+        if half == 0 {
+            return values[t];
+        }
+        let inner: f64 = values[t + 1 - half..t + half].iter().sum();
+        let weight = (2 * half - 1) as f64 + 2.0 * outer;
+        (inner + outer * (values[t - half] + values[t + half])) / weight
+    };
+    (0..values.len()).step_by(step).map(mean).collect()
+}
+
 /// The least that successive samples differ by, if they do.
 fn least_step(position: &[f64]) -> f64 {
     let steps = position.windows(2).map(|p| (p[1] - p[0]).abs()).filter(|step| *step > 0.0);
@@ -397,7 +452,25 @@ pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::rests;
+    use super::{means, rests};
+
+    /// A line stays a line up to its ends; of what alternates with every sample nothing is left.
+    #[test]
+    fn means_around_the_samples_that_remain() {
+        for step in [2, 3, 4, 5] {
+            let line: Vec<f64> = (0..41).map(|k| 2.0 * f64::from(k) - 7.0).collect();
+            let expected: Vec<f64> = line.iter().copied().step_by(step).collect();
+            for (got, expected) in means(step, &line).iter().zip(&expected) {
+                assert!((got - expected).abs() < 1e-12, "{step}: {got} {expected}");
+            }
+            let waves = (0..41).map(|k| (std::f64::consts::TAU * f64::from(k) / step as f64).cos());
+            let left = means(step, &waves.collect::<Vec<_>>());
+            let inner = &left[1..left.len() - 1];
+            assert!(inner.iter().all(|x| x.abs() < 1e-12), "{step}: {inner:?}");
+        }
+        assert_eq!(means(4, &[]), Vec::<f64>::new());
+        assert_eq!(means(4, &[3.0]), [3.0]);
+    }
 
     /// Holds of 25 ms between slides of 60 ms are found; the smooth reversals of a sine are not rests.
     #[test]

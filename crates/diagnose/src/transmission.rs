@@ -8,16 +8,16 @@
 //! that of the motor by one scalar differential equation a joint; the efforts of all joints follow from
 //! the motion of the link.
 
-use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{Effect, Place, RotorInertia};
 use armident_recording::{RecordingError, differentiate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::evidence::{At, Evidence};
-use crate::problem::{Group, Meaning, Problem, Site, dot};
+use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::Blocks;
 use crate::signals::{Signals, extended, low_pass};
+use armident_numeric::dot;
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
 const MOTOR_HZ: f64 = 80.0;
@@ -93,17 +93,15 @@ impl Transmission {
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
         let motor =
             Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
-        let mut position = at.position.clone();
-        let mut velocity = at.signals.velocity.clone();
-        let mut acceleration = at.signals.acceleration.clone();
+        let (followed, rate_hz) = (at.load(joint), at.signals.rate_hz);
+        let mut link = self.link(&motor, followed, rate_hz);
         // the loads on the link are those of its own motion: found in turns
-        for turn in 0..turns {
-            let rigid = at.load(joint);
-            let own = (turn > 0).then(|| rigid.moved(at, joint, &position, &velocity));
-            let (q, v, a) = self.link(&motor, own.as_ref().unwrap_or(rigid), at.signals.rate_hz);
-            (position[joint], velocity[joint], acceleration[joint]) = (q, v, a);
+        for _ in 1..turns {
+            let own = followed.moved(at, joint, &link[0], &link[1]);
+            link = self.link(&motor, &own, rate_hz);
         }
-        let mut effort = inverse_dynamics_of_motion(&at.arm, &position, &velocity, &acceleration);
+        let link = link.each_ref().map(Vec::as_slice);
+        let mut effort = at.motion().with_joint(&at.arm, joint, link).efforts(&at.arm);
         for (effort, rigid) in effort.iter_mut().zip(&at.rigid) {
             for (e, r) in effort.iter_mut().zip(rigid) {
                 *e -= r;
@@ -112,8 +110,8 @@ impl Transmission {
         Ok(effort)
     }
 
-    /// Motion of the link at every sample.
-    fn link(&self, motor: &Motor, load: &Load, rate_hz: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    /// Position, velocity and acceleration of the link at every sample.
+    fn link(&self, motor: &Motor, load: &Load, rate_hz: f64) -> [Vec<f64>; 3] {
         let n = motor.position.len();
         let steps = (1.0 / (rate_hz * STEP_S)).ceil().max(1.0) as usize;
         let h = 1.0 / (rate_hz * steps as f64);
@@ -145,7 +143,7 @@ impl Transmission {
             acceleration[t] = if t == 0 { mean } else { 0.5 * (acceleration[t] + mean) };
             acceleration[t + 1] = mean;
         }
-        (position, velocity, acceleration)
+        [position, velocity, acceleration]
     }
 }
 
@@ -191,52 +189,37 @@ pub(crate) struct Load {
 impl Load {
     /// About a link that follows its motor.
     pub(crate) fn of(at: &At<'_>, joint: usize) -> Self {
-        let (position, velocity) = (&at.position, &at.signals.velocity);
+        let (position, velocity) = (&at.position[joint], &at.signals.velocity[joint]);
         let (bias, slope) = bias_and_slope(at, joint, position, velocity);
-        let unit = effort_on(at, joint, position, velocity, 1.0);
+        let one = vec![1.0; at.signals.len()];
+        let unit = at.motion().with_acceleration(joint, &one).effort_on(&at.arm, joint);
         let inertia = unit.iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
-        Self { inertia, bias, slope, position: position[joint].clone() }
+        Self { inertia, bias, slope, position: position.clone() }
     }
 
     /// About another motion of the link; the inertia about a joint does not depend on its own position.
-    fn moved(
-        &self,
-        at: &At<'_>,
-        joint: usize,
-        position: &[Vec<f64>],
-        velocity: &[Vec<f64>],
-    ) -> Self {
+    fn moved(&self, at: &At<'_>, joint: usize, position: &[f64], velocity: &[f64]) -> Self {
         let (bias, slope) = bias_and_slope(at, joint, position, velocity);
-        Self { inertia: self.inertia.clone(), bias, slope, position: position[joint].clone() }
+        Self { inertia: self.inertia.clone(), bias, slope, position: position.to_vec() }
     }
 }
 
+/// All efforts on a joint but that of its own acceleration, and how they change with its position.
 fn bias_and_slope(
     at: &At<'_>,
     joint: usize,
-    position: &[Vec<f64>],
-    velocity: &[Vec<f64>],
+    position: &[f64],
+    velocity: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
     const STEP: f64 = 1e-4;
-    let bias = effort_on(at, joint, position, velocity, 0.0);
-    let mut moved = position.to_vec();
-    moved[joint].iter_mut().for_each(|q| *q += STEP);
-    let beside = effort_on(at, joint, &moved, velocity, 0.0);
+    let (motion, none) = (at.motion(), vec![0.0; position.len()]);
+    let bias_at = |position: &[f64]| {
+        motion.with_joint(&at.arm, joint, [position, velocity, &none]).effort_on(&at.arm, joint)
+    };
+    let beside: Vec<f64> = position.iter().map(|q| q + STEP).collect();
+    let (bias, beside) = (bias_at(position), bias_at(&beside));
     let slope = beside.iter().zip(&bias).map(|(a, b)| (a - b) / STEP).collect();
     (bias, slope)
-}
-
-/// Effort on a joint whose own acceleration is given.
-fn effort_on(
-    at: &At<'_>,
-    joint: usize,
-    position: &[Vec<f64>],
-    velocity: &[Vec<f64>],
-    own: f64,
-) -> Vec<f64> {
-    let mut acceleration = at.signals.acceleration.clone();
-    acceleration[joint].fill(own);
-    inverse_dynamics_of_motion(&at.arm, position, velocity, &acceleration).swap_remove(joint)
 }
 
 /// Adds the group of a transmission on a joint; gives its id.
@@ -248,8 +231,9 @@ pub(crate) fn push(
     joint: usize,
     shape: &[f64],
 ) -> Option<usize> {
-    let formed = formed(evidence, at, slug, joint, shape, 2)?;
-    Some(push_formed(evidence, at, problem, slug, joint, shape, formed))
+    let Formed { blocks, above_band } = formed(evidence, at, slug, joint, shape, 2)?;
+    let column = problem.push_columns(vec![blocks]);
+    Some(push_group(evidence, at, problem, (slug, joint, shape), column, above_band))
 }
 
 /// The efforts of a transmission, beside a rigid one, in the band.
@@ -281,16 +265,15 @@ fn formed(
     })
 }
 
-fn push_formed(
+/// The group of a transmission whose column is there.
+fn push_group(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     problem: &mut Problem,
-    slug: &'static str,
-    joint: usize,
-    shape: &[f64],
-    formed: Formed,
+    (slug, joint, shape): (&'static str, usize, &[f64]),
+    column: usize,
+    above_band: f64,
 ) -> usize {
-    let column = problem.push_columns(vec![formed.blocks]);
     let inertia: Vec<Vec<f64>> = at
         .iter()
         .filter_map(|at| RotorInertia.columns(&[], &at.joint(joint)).into_iter().next())
@@ -308,7 +291,7 @@ fn push_formed(
         searched: shape.len(),
         places: vec![Place::Inertia],
         transform: None,
-        above_band: formed.above_band,
+        above_band,
     });
     problem.groups.len() - 1
 }
@@ -369,10 +352,18 @@ pub(crate) fn offer(
     let of_size =
         |(slug, shape): &(&'static str, Vec<f64>)| formed(evidence, at, slug, joint, shape, 1);
     let all: Vec<Option<Formed>> = sizes.par_iter().map(of_size).collect();
-    let found = sizes.iter().zip(all).filter_map(|(size, formed)| Some((size, formed?)));
-    found
-        .map(|((slug, shape), formed)| {
-            push_formed(evidence, at, problem, slug, joint, shape, formed)
+    let mut found = Vec::new();
+    let mut columns = Vec::new();
+    for (size, formed) in sizes.into_iter().zip(all) {
+        let Some(Formed { blocks, above_band }) = formed else { continue };
+        columns.push(blocks);
+        found.push((size, above_band));
+    }
+    let first = problem.push_columns(columns);
+    let places = found.into_iter().zip(first..);
+    places
+        .map(|(((slug, shape), above_band), column)| {
+            push_group(evidence, at, problem, (slug, joint, &shape), column, above_band)
         })
         .collect()
 }

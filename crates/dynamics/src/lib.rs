@@ -49,6 +49,7 @@ mod constants;
 mod coriolis;
 mod forward;
 mod inertia_matrix;
+mod motion;
 mod newton_euler;
 mod real;
 mod regressor;
@@ -63,8 +64,9 @@ pub use forward::{NotPositiveDefinite, energy, forward_dynamics};
 pub use inertia_matrix::{
     InertiaSweep, gravity_effort, inertia_matrix, inertia_matrix_into, inertia_matrix_of,
 };
+pub use motion::{ArmAngles, ArmMotion};
 pub use newton_euler::{
     LinkMotion, Sweep, inverse_dynamics, inverse_dynamics_into, inverse_dynamics_of_motion,
 };
 pub use real::{BATCH, Batch, Real, load_batch, store_batch};
-pub use regressor::{ArmMotion, ParameterColumns, regressor_row_into, standard_regressor};
+pub use regressor::{ParameterColumns, regressor_row_into, standard_regressor};

@@ -116,6 +116,12 @@ pub fn inverse_dynamics_into<T: Real>(
     effort: &mut [T],
 ) {
     sweep.run(arm, q, dq, ddq);
+    efforts_of(arm, sweep, effort);
+}
+
+/// Inward pass: efforts from the motions of the links.
+#[inline(always)]
+pub(crate) fn efforts_of<T: Real>(arm: &RigidArm, sweep: &Sweep<T>, effort: &mut [T]) {
     let zero = Vector3::from_element(T::splat(0.0));
     let (mut force, mut moment) = (zero, zero);
     for i in (0..arm.dof()).rev() {

@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use armident_kinematics::InertialParameters;
 use nalgebra::Vector3;
 
-use crate::arm::{JointGeometry, RigidArm};
+use crate::arm::RigidArm;
 use crate::constants::{BodyConstants, links_from_constants};
+use crate::motion::ArmMotion;
 use crate::newton_euler::{LinkMotion, Sweep};
-use crate::real::{BATCH, Batch, Real, load_batch, store_batch};
+use crate::real::{BATCH, Batch, Real, store_batch};
 
 const TEN: usize = InertialParameters::COUNT;
 
@@ -176,52 +177,18 @@ impl ParameterColumns {
         motion: &ArmMotion<'_>,
         wanted: &[usize],
     ) -> Vec<Vec<f64>> {
-        let ArmMotion { q, dq, ddq, sin, cos } = motion;
-        let n = arm.dof();
-        let samples = q[0].len();
         let chosen = Self { columns: wanted.iter().map(|&c| self.columns[c].clone()).collect() };
-        let mut result = vec![vec![0.0; samples]; wanted.len()];
+        let mut result = vec![vec![0.0; motion.samples()]; wanted.len()];
         let zero = Batch::from([0.0; BATCH]);
-        let mut sweep = Sweep::new(n);
-        let (mut qb, mut vb, mut ab) = (vec![zero; n], vec![zero; n], vec![zero; n]);
-        let mut angles = vec![(zero, zero); n];
-        let mut row = vec![zero; TEN * n];
+        let mut row = vec![zero; TEN * arm.dof()];
         let mut out = vec![zero; wanted.len()];
-        for start in (0..samples).step_by(BATCH) {
-            for j in 0..n {
-                qb[j] = load_batch(&q[j], start);
-                vb[j] = load_batch(&dq[j], start);
-                ab[j] = load_batch(&ddq[j], start);
-                angles[j] = (load_batch(&sin[j], start), load_batch(&cos[j], start));
-            }
-            sweep.run_at(arm, &qb, &angles, &vb, &ab);
-            regressor_row_into(arm, &sweep, joint, &mut row);
+        motion.sweep(arm, |start, sweep| {
+            regressor_row_into(arm, sweep, joint, &mut row);
             chosen.map_row(&row, &mut out);
             for (column, value) in result.iter_mut().zip(&out) {
                 store_batch(*value, column, start);
             }
-        }
+        });
         result
-    }
-}
-
-/// Positions, velocities and accelerations of the joints over a motion, joint-major, with the sines and
-/// cosines of the joints.
-#[derive(Debug, Clone)]
-pub struct ArmMotion<'a> {
-    q: &'a [Vec<f64>],
-    dq: &'a [Vec<f64>],
-    ddq: &'a [Vec<f64>],
-    sin: Vec<Vec<f64>>,
-    cos: Vec<Vec<f64>>,
-}
-
-impl<'a> ArmMotion<'a> {
-    /// Of columns of one length, as many as the arm has joints.
-    pub fn new(arm: &RigidArm, q: &'a [Vec<f64>], dq: &'a [Vec<f64>], ddq: &'a [Vec<f64>]) -> Self {
-        let of_joint =
-            |(joint, q): (&JointGeometry, &Vec<f64>)| q.iter().map(|&q| joint.sin_cos(q)).unzip();
-        let (sin, cos) = arm.joints.iter().zip(q).map(of_joint).unzip();
-        Self { q, dq, ddq, sin, cos }
     }
 }

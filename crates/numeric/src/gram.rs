@@ -13,8 +13,17 @@ pub fn gram_of_columns(columns: &[&[f64]]) -> Mat<f64> {
     gram
 }
 
-/// Scalar product, in several sums at a time: one would wait for itself.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// `AᵀB` of columns of one length.
+pub fn products_of_columns(a: &[&[f64]], b: &[&[f64]]) -> Mat<f64> {
+    let rows = a.first().map_or(0, |c| c.len());
+    let [a, b] = [a, b].map(|columns| Mat::from_fn(rows, columns.len(), |i, j| columns[j][i]));
+    let mut products = Mat::zeros(a.ncols(), b.ncols());
+    matmul(products.as_mut(), Accum::Replace, a.transpose(), &b, 1.0, Par::Seq);
+    products
+}
+
+/// Scalar product of columns, in several sums at a time: one would wait for itself.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     const SUMS: usize = 8;
     let n = a.len().min(b.len());
     let (a, b) = (&a[..n], &b[..n]);

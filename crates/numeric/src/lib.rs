@@ -34,7 +34,7 @@ mod svd;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
-pub use gram::{Cholesky, gram_of_columns, symmetric_eigen};
+pub use gram::{Cholesky, dot, gram_of_columns, products_of_columns, symmetric_eigen};
 pub use least_squares::{
     DampedLeastSquares, LeastSquares, NumericError, PseudoInverse, information_root,
 };

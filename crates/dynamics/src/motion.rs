@@ -1,0 +1,193 @@
+//! A motion of the whole arm, with the sines and cosines of its joints: these cost as much as the rest of an
+//! inverse dynamics, and are the same for all that is asked about one motion.
+
+use std::sync::Arc;
+
+use crate::arm::{JointGeometry, RigidArm};
+use crate::newton_euler::{Sweep, efforts_of};
+use crate::real::{BATCH, Batch, load_batch, store_batch};
+
+/// Sines and cosines of all joints over a motion: 16 bytes a sample and joint; clones share them.
+#[derive(Debug, Clone)]
+pub struct ArmAngles(Vec<Arc<JointAngles>>);
+
+#[derive(Debug)]
+struct JointAngles {
+    sin: Vec<f64>,
+    cos: Vec<f64>,
+}
+
+impl JointAngles {
+    fn of(joint: &JointGeometry, q: &[f64]) -> Arc<Self> {
+        let (sin, cos) = q.iter().map(|&q| joint.sin_cos(q)).unzip();
+        Arc::new(Self { sin, cos })
+    }
+}
+
+impl ArmAngles {
+    /// At joint positions `q[joint][sample]` \[rad or m\].
+    pub fn of(arm: &RigidArm, q: &[Vec<f64>]) -> Self {
+        Self(arm.joints.iter().zip(q).map(|(joint, q)| JointAngles::of(joint, q)).collect())
+    }
+}
+
+/// Positions, velocities and accelerations of the joints over a motion, joint-major, with the sines and
+/// cosines of the joints.
+#[derive(Debug, Clone)]
+pub struct ArmMotion<'a> {
+    q: Vec<&'a [f64]>,
+    dq: Vec<&'a [f64]>,
+    ddq: Vec<&'a [f64]>,
+    angles: ArmAngles,
+}
+
+impl<'a> ArmMotion<'a> {
+    /// Of columns of one length, as many as the arm has joints.
+    pub fn new(arm: &RigidArm, q: &'a [Vec<f64>], dq: &'a [Vec<f64>], ddq: &'a [Vec<f64>]) -> Self {
+        Self::at(ArmAngles::of(arm, q), q, dq, ddq)
+    }
+
+    /// The same with the angles at `q` known.
+    pub fn at(
+        angles: ArmAngles,
+        q: &'a [Vec<f64>],
+        dq: &'a [Vec<f64>],
+        ddq: &'a [Vec<f64>],
+    ) -> Self {
+        let views = |columns: &'a [Vec<f64>]| columns.iter().map(Vec::as_slice).collect();
+        Self { q: views(q), dq: views(dq), ddq: views(ddq), angles }
+    }
+
+    /// The same with another position, velocity and acceleration of one joint.
+    pub fn with_joint<'b>(
+        &'b self,
+        arm: &RigidArm,
+        joint: usize,
+        [q, dq, ddq]: [&'b [f64]; 3],
+    ) -> ArmMotion<'b> {
+        let mut moved: ArmMotion<'b> = self.clone();
+        (moved.q[joint], moved.dq[joint], moved.ddq[joint]) = (q, dq, ddq);
+        moved.angles.0[joint] = JointAngles::of(&arm.joints[joint], q);
+        moved
+    }
+
+    /// The same with another acceleration of one joint.
+    pub fn with_acceleration<'b>(&'b self, joint: usize, ddq: &'b [f64]) -> ArmMotion<'b> {
+        let mut moved: ArmMotion<'b> = self.clone();
+        moved.ddq[joint] = ddq;
+        moved
+    }
+
+    /// Number of samples.
+    pub(crate) fn samples(&self) -> usize {
+        self.q.first().map_or(0, |q| q.len())
+    }
+
+    /// Calls `each` with the first sample of every batch of samples, and its poses and link motions.
+    #[inline(always)]
+    pub(crate) fn sweep(&self, arm: &RigidArm, mut each: impl FnMut(usize, &Sweep<Batch>)) {
+        let n = arm.dof();
+        let zero = Batch::from([0.0; BATCH]);
+        let mut sweep = Sweep::new(n);
+        let (mut q, mut dq, mut ddq) = (vec![zero; n], vec![zero; n], vec![zero; n]);
+        let mut angles = vec![(zero, zero); n];
+        for start in (0..self.samples()).step_by(BATCH) {
+            for j in 0..n {
+                q[j] = load_batch(self.q[j], start);
+                dq[j] = load_batch(self.dq[j], start);
+                ddq[j] = load_batch(self.ddq[j], start);
+                let JointAngles { sin, cos } = &*self.angles.0[j];
+                angles[j] = (load_batch(sin, start), load_batch(cos, start));
+            }
+            sweep.run_at(arm, &q, &angles, &dq, &ddq);
+            each(start, &sweep);
+        }
+    }
+
+    /// Effort `τ` over the motion, `[joint][sample]`: [`inverse_dynamics_of_motion`] with sines and cosines
+    /// that are known.
+    ///
+    /// [`inverse_dynamics_of_motion`]: crate::inverse_dynamics_of_motion
+    pub fn efforts(&self, arm: &RigidArm) -> Vec<Vec<f64>> {
+        let mut effort = vec![vec![0.0; self.samples()]; arm.dof()];
+        let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
+        self.sweep(arm, |start, sweep| {
+            efforts_of(arm, sweep, &mut batch);
+            for (effort, batch) in effort.iter_mut().zip(&batch) {
+                store_batch(*batch, effort, start);
+            }
+        });
+        effort
+    }
+
+    /// The effort of one joint alone.
+    pub fn effort_on(&self, arm: &RigidArm, joint: usize) -> Vec<f64> {
+        let mut effort = vec![0.0; self.samples()];
+        let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
+        self.sweep(arm, |start, sweep| {
+            efforts_of(arm, sweep, &mut batch);
+            store_batch(batch[joint], &mut effort, start);
+        });
+        effort
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inverse_dynamics_of_motion;
+    use armident_kinematics::{DrivingAxisFrame, InertialParameters, JointKind};
+
+    #[test]
+    fn efforts_are_those_of_the_inverse_dynamics() {
+        let joint = |kind, beta_rad: f64| {
+            let frame = DrivingAxisFrame { b_m: 0.3, d_m: 0.1, beta_rad, theta_rad: 0.2 };
+            JointGeometry::new(kind, frame)
+        };
+        let link = |m: f64| {
+            InertialParameters::from_array(&[
+                m,
+                0.1 * m,
+                -0.05,
+                0.02 * m,
+                0.2,
+                0.01,
+                -0.02,
+                0.3,
+                0.03,
+                0.25,
+            ])
+        };
+        let arm = RigidArm {
+            joints: vec![
+                joint(JointKind::Rotational, 0.4),
+                joint(JointKind::Translational, 1.1),
+                joint(JointKind::Rotational, -0.7),
+            ],
+            links: vec![link(3.0), link(2.0), link(1.0)],
+            gravity_e0: nalgebra::Vector3::new(0.3, -0.4, -9.7),
+        };
+        let wave = |phase: f64| -> Vec<Vec<f64>> {
+            let of = |j: usize| {
+                (0..11).map(move |t| (0.3 * f64::from(t) + phase + 1.3 * j as f64).sin()).collect()
+            };
+            (0..3).map(of).collect()
+        };
+        let (q, dq, ddq) = (wave(0.0), wave(1.0), wave(2.0));
+        let motion = ArmMotion::new(&arm, &q, &dq, &ddq);
+        assert_eq!(motion.efforts(&arm), inverse_dynamics_of_motion(&arm, &q, &dq, &ddq));
+        let other = [wave(3.0), wave(4.0), wave(5.0)];
+        for joint in 0..3 {
+            let (mut q, mut dq, mut ddq) = (q.clone(), dq.clone(), ddq.clone());
+            for (columns, other) in [&mut q, &mut dq, &mut ddq].into_iter().zip(&other) {
+                columns[joint].clone_from(&other[joint]);
+            }
+            let expected = inverse_dynamics_of_motion(&arm, &q, &dq, &ddq);
+            let of_joint: [&[f64]; 3] = other.each_ref().map(|columns| columns[joint].as_slice());
+            let moved = motion.with_joint(&arm, joint, of_joint);
+            assert_eq!(moved.efforts(&arm), expected);
+            assert_eq!(moved.effort_on(&arm, joint), expected[joint]);
+            assert_ne!(motion.effort_on(&arm, joint), expected[joint]);
+        }
+    }
+}
