@@ -1,6 +1,6 @@
 //! One case: the answer against the truth.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::Serialize;
@@ -63,6 +63,9 @@ pub struct CaseScore {
     pub window_iou: Vec<f64>,
     /// Slug and worst relative error of the bold parameters of effects that are named.
     pub parameter_errors: Vec<(String, f64)>,
+    /// Errors of all parameters of named effects and everyday friction that are told with a standard error, in
+    /// such errors.
+    pub standardized_errors: Vec<f64>,
     /// Jaccard index of the variables of unlisted laws.
     pub variables: Vec<f64>,
     /// Everyday friction of a field case.
@@ -302,7 +305,7 @@ fn score_names(truth: &Truth, answer: Option<&Answer>) -> CaseScore {
         .collect();
     score.false_slugs = false_slugs.into_iter().cloned().collect();
     score_verdict(&mut score, truth, answer, &judged);
-    score.everyday = score_everyday(truth, &judged);
+    score.everyday = score_everyday(truth, &judged, &mut score.standardized_errors);
     score.reliability = reliability(truth, findings);
     score
 }
@@ -395,6 +398,19 @@ fn score_details(score: &mut CaseScore, effect: &TrueEffect, truth: &Truth, judg
     if let Some(worst) = worst {
         score.parameter_errors.push((effect.effect.clone(), worst));
     }
+    if finding.joints == effect.joints {
+        score.standardized_errors.extend(standardized(finding, &effect.parameters));
+    }
+}
+
+/// Errors of the parameters of a finding, in standard errors.
+fn standardized(finding: &Finding, exact: &BTreeMap<String, f64>) -> Vec<f64> {
+    let error = |(name, exact): (&String, &f64)| {
+        let found = finding.parameters.get(name)?;
+        let stderr = found.stderr.filter(|stderr| *stderr > 0.0)?;
+        Some((found.value? - exact).abs() / stderr)
+    };
+    exact.iter().filter_map(error).collect()
 }
 
 /// Relative error of a parameter; a missing one counts 100 %.
@@ -419,7 +435,7 @@ fn intersection_over_union(a: [f64; 2], b: [f64; 2]) -> f64 {
     if union > 0.0 { common / union } else { 0.0 }
 }
 
-fn score_everyday(truth: &Truth, judged: &Judged<'_>) -> EverydayScore {
+fn score_everyday(truth: &Truth, judged: &Judged<'_>, errors: &mut Vec<f64>) -> EverydayScore {
     let mut score = EverydayScore::default();
     for term in truth.everyday.iter().filter(|term| term.counted) {
         score.counted += 1;
@@ -432,6 +448,10 @@ fn score_everyday(truth: &Truth, judged: &Judged<'_>) -> EverydayScore {
         let finding = judged.findings.iter().find(|(_, blames)| blames.contains(&itself));
         score.named += usize::from(covered || finding.is_some());
         if let Some((finding, _)) = finding {
+            // beside a law that contains it the level is not its own
+            if term.covered_by.is_none() {
+                errors.extend(standardized(finding, &term.parameters));
+            }
             score.with_level += 1;
             let near = term.parameters.iter().any(|(name, exact)| {
                 let found = finding.parameters.get(name).and_then(|p| p.value);

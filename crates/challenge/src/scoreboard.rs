@@ -76,6 +76,9 @@ fn beta_quantile(a: f64, b: f64, p: f64) -> f64 {
     Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p))
 }
 
+/// 97.5 % quantile of the normal distribution.
+const NORMAL_975: f64 = 1.96;
+
 /// How a ratio spreads over joints or cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
@@ -162,6 +165,11 @@ pub struct GroupScore {
     pub window_iou: Option<Spread>,
     /// Worst bold parameter of each named effect, relative.
     pub parameter_error: Option<Spread>,
+    /// Numbers told with a standard error of which the true one lies in the 95 % interval, 1.96 standard errors
+    /// to either side; and all their errors in standard errors.
+    pub within_interval: Rate,
+    /// See there.
+    pub standardized_error: Option<Spread>,
     /// Variables of unlisted laws.
     pub variables: Option<Spread>,
     /// Everyday friction, summed.
@@ -245,6 +253,14 @@ impl GroupScore {
             located: flags(&|case| case.located),
             window_iou: spread(&|case| case.window_iou.clone()),
             parameter_error: spread(&|case| case.parameter_errors.iter().map(|p| p.1).collect()),
+            within_interval: Rate::over(
+                cases
+                    .iter()
+                    .flat_map(|case| case.standardized_errors.iter().map(|z| *z < NORMAL_975))
+                    .collect::<Vec<_>>()
+                    .iter(),
+            ),
+            standardized_error: spread(&|case| case.standardized_errors.clone()),
             variables: spread(&|case| case.variables.clone()),
             everyday: EverydayScore {
                 counted: sum(&|case| case.everyday.counted),

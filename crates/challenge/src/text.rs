@@ -73,6 +73,8 @@ fn group_text(group: &GroupScore) -> String {
         line("located", rate(group.located)),
         line("window, intersection over union", spread_down(group.window_iou)),
         line("parameter error, relative", spread(group.parameter_error)),
+        line("true number in its 95 % interval", rate(group.within_interval)),
+        line("number's error in standard errors", spread(group.standardized_error)),
         line("variables, Jaccard", spread_down(group.variables)),
         line("hold-out after / noise", spread(group.after_over_oracle)),
         line("hold-out after / attainable", spread(group.after_over_attainable)),

@@ -1,6 +1,5 @@
 //! What all rows of the comparison have in common: weights, noise, and how columns become rows.
 
-use crate::noise::{Noise, noise_of};
 use crate::signals::Signals;
 
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
@@ -20,8 +19,6 @@ pub(crate) struct Rows {
     pub(crate) deviation: Blocks,
     /// `[joint]`: noise of one recorded sample \[N m or N\]
     pub(crate) sample_deviation: Vec<f64>,
-    /// `[recording][joint]`
-    pub(crate) noise: Vec<Vec<Noise>>,
     /// first row of each recording, and the number of rows
     pub(crate) starts: Vec<usize>,
     /// independent samples per row
@@ -43,10 +40,6 @@ impl Rows {
     /// the noise of differentiated encoders comes into the efforts.
     pub(crate) fn new(signals: &[Signals], inertia: &[Vec<Vec<f64>>]) -> Self {
         let joints = signals[0].position.len();
-        let noise: Vec<Vec<Noise>> = signals
-            .iter()
-            .map(|s| s.effort.iter().map(|e| noise_of(e, s.rate_hz)).collect())
-            .collect();
         let mut starts = vec![0];
         for s in signals {
             starts.push(starts[starts.len() - 1] + s.band.kept.len());
@@ -61,15 +54,13 @@ impl Rows {
             share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
                 / signals.len() as f64,
             rows_hz: signals[0].band.rows_hz,
-            noise,
             starts,
             changed_from: 0,
         };
         for j in 0..joints {
             let mut squares = 0.0;
             for (r, s) in signals.iter().enumerate() {
-                let noise = rows.noise[r][j];
-                let from_effort = noise.deviation.powi(2) * s.band.noise_gain(noise.colour);
+                let from_effort = s.effort_noise_in_band[j].powi(2);
                 let from_encoders: f64 =
                     (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise[i]).powi(2)).sum();
                 let deviation = (from_effort + from_encoders).sqrt();

@@ -27,7 +27,7 @@ const SAME_MISFIT: f64 = 0.3;
 /// Relative inertial error with which the reference is looked at first: what a URDF is off by.
 const REFERENCE_SCALE: f64 = 0.2;
 /// Share of the independent samples from which on their number was clearly overrated.
-const FEWER_SAMPLES: f64 = 0.6;
+const FEWER_SAMPLES: f64 = 0.8;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s\].

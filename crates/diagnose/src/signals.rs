@@ -62,8 +62,9 @@ pub(crate) struct Signals {
     pub(crate) stuck: Vec<Vec<bool>>,
     /// empty for a joint whose effort is not recorded
     pub(crate) effort: Vec<Vec<f64>>,
-    /// noise of one recorded sample of the effort \[N m or N\]
+    /// noise of the effort of one recorded sample, and in the band \[N m or N\]
     pub(crate) effort_noise: Vec<f64>,
+    pub(crate) effort_noise_in_band: Vec<f64>,
     /// noise of the acceleration in the band \[rad/s2 or m/s2\]
     pub(crate) acceleration_noise: Vec<f64>,
     pub(crate) band: Band,
@@ -116,7 +117,8 @@ impl Signals {
             source: recording.source.clone(),
             rate_hz,
             band: Band::new(rate_hz, time_s.len()),
-            effort_noise: effort.iter().map(|e| noise_of(e, rate_hz).deviation).collect(),
+            effort_noise: Vec::new(),
+            effort_noise_in_band: Vec::new(),
             acceleration_noise: Vec::new(),
             position: Vec::new(),
             time_s,
@@ -127,6 +129,12 @@ impl Signals {
             stuck: Vec::new(),
             effort,
         };
+        for effort in &signals.effort {
+            let noise = noise_of(effort, rate_hz);
+            let gain = signals.band.noise_gain(noise.colour);
+            signals.effort_noise.push(noise.deviation);
+            signals.effort_noise_in_band.push(noise.deviation * gain.sqrt());
+        }
         for (j, recorded) in recorded_velocity.iter().enumerate() {
             let inner = |values: &[f64], margin: usize| {
                 values[margin..margin + signals.time_s.len()].to_vec()
@@ -175,7 +183,7 @@ impl Signals {
 
     /// At the rate that a search needs: each law is formed at every sample hundreds of times, and all is
     /// compared in the band. Efforts and positions as recorded become means around the samples that
-    /// remain, motions are below the rate already.
+    /// remain, motions are below the rate already; noise stays what it was found to be at every sample.
     pub(crate) fn thinned(mut self) -> Self {
         let step = (self.rate_hz / SEARCHED_HZ).floor() as usize;
         if step < 2 {
