@@ -342,17 +342,22 @@ pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Vec<f64> {
 const LEFT_OUT_PER_RECORDING: usize = 5;
 
 /// How coefficients scatter when stretches of the recordings are left out: what a model leaves over lasts longer
-/// than noise, and is more.
+/// than noise, and is more. And what the clocks are not known by does to them.
 pub(crate) struct Scatter {
     /// by column: variance of a delete-a-block jackknife
     variance: BTreeMap<usize, f64>,
     /// by how much more is left over than the weights say
     left_over: f64,
+    /// column of a lag of the efforts, and what they may be early by: none where the lag is part of the answer
+    pub(crate) late: Option<(usize, f64)>,
+    /// by column: change of the coefficient by that
+    by_lag: BTreeMap<usize, f64>,
 }
 
 impl Scatter {
-    /// Of the coefficients of an answer.
-    pub(crate) fn of(metric: &Whitened<'_>, of: &Answer) -> Self {
+    /// Of the coefficients of an answer. `step_s` between samples as recorded \[s\]: within it nobody knows which
+    /// of position and effort was read first, and sensors of effort filter.
+    pub(crate) fn of(metric: &Whitened<'_>, of: &Answer, step_s: f64) -> Self {
         let problem = metric.problem;
         let rows = &problem.rows;
         let (small, ids) = problem.restricted(&of.set);
@@ -377,7 +382,15 @@ impl Scatter {
             }
         }
         let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt();
-        Self { variance, left_over }
+        // any instant in the step, so its standard deviation
+        let late = lag_beside(problem, of).map(|lag| (lag, -step_s / 12.0_f64.sqrt()));
+        let by_lag = late.and_then(|late| changes_by_lag(metric, of, late)).unwrap_or_default();
+        Self { variance, left_over, late, by_lag }
+    }
+
+    /// Change of a coefficient by a lag of the efforts.
+    pub(crate) fn by_lag(&self, column: usize) -> f64 {
+        self.by_lag.get(&column).copied().unwrap_or(0.0)
     }
 
     /// By how much more a coefficient of a group scatters than its covariance says, 1 or more. A window is in one
@@ -389,6 +402,29 @@ impl Scatter {
         };
         if factor.is_finite() { factor.max(1.0) } else { 1.0 }
     }
+}
+
+/// The column of a lag of the efforts that is not part of an answer: none where only a change is sought, before
+/// which they were as late.
+fn lag_beside(problem: &Problem, of: &Answer) -> Option<usize> {
+    let is_lag = |g: &usize| problem.groups[*g].slug() == "time_delay";
+    if problem.rows.changed_from > 0 || of.set.iter().any(is_lag) {
+        return None;
+    }
+    let lag = (0..problem.groups.len()).find(is_lag)?;
+    problem.groups[lag].columns.first().copied()
+}
+
+/// By how much the coefficients of an answer change when so much of a column is added to the efforts.
+fn changes_by_lag(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    added: (usize, f64),
+) -> Option<BTreeMap<usize, f64>> {
+    let moved = metric.problem.with_added(&[added]);
+    let moved = moved.whitened(metric.scale, &metric.wide).fit(of.fit.columns.clone())?;
+    let columns = of.fit.columns.iter();
+    Some(columns.map(|&c| (c, moved.coefficient(c) - of.fit.coefficient(c))).collect())
 }
 
 /// The groups of a set and the simpler relatives that could take their places.

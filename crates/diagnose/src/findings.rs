@@ -111,7 +111,8 @@ pub(crate) fn claims(
 ) -> Vec<Claim> {
     let metric = selection.metric();
     let view = selection.view(evidence, &metric);
-    let scatter = Scatter::of(numbers.metric, numbers.answer);
+    let step_s = evidence.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
+    let scatter = Scatter::of(numbers.metric, numbers.answer, step_s);
     let mut found: Vec<Claim> = selection
         .answer
         .set
@@ -299,8 +300,11 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
     let factors: Vec<f64> = (group.columns.iter().enumerate())
         .map(|(k, &column)| scatter.factor(group, column, covariance[k][k]))
         .collect();
-    for (row, a) in covariance.iter_mut().zip(&factors) {
-        row.iter_mut().zip(&factors).for_each(|(x, b)| *x *= a * b);
+    let by_lag: Vec<f64> = group.columns.iter().map(|column| scatter.by_lag(*column)).collect();
+    for (k, row) in covariance.iter_mut().enumerate() {
+        for (l, x) in row.iter_mut().enumerate() {
+            *x = *x * factors[k] * factors[l] + by_lag[k] * by_lag[l];
+        }
     }
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         match group.slug() {
@@ -355,17 +359,19 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
     let smooth = law.law().scope != Scope::ThroughJoint && group.site.window.is_none();
     let deviations = match group.shape.is_empty() || !smooth {
         true => Vec::new(),
-        false => shape_deviations(evidence, view.at(), metric, answer, id),
+        false => shape_deviations(evidence, view.at(), metric, answer, id, scatter.late),
     };
     let by_shape: Vec<Vec<f64>> = deviations
         .iter()
         .enumerate()
         .filter_map(|(k, deviation)| {
-            let step = 1e-3 * (*deviation)?;
+            let deviation = (*deviation)?;
+            let step = 1e-3 * deviation.by_noise;
             let mut moved = group.shape.clone();
             moved[k] += step;
             let slopes = of(&moved, &coefficients);
-            let by = 1e3 * factors.iter().copied().fold(1.0, f64::max);
+            let by_noise = deviation.by_noise * factors.iter().copied().fold(1.0, f64::max);
+            let by = by_noise.hypot(deviation.by_lag) / step;
             Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * by).collect())
         })
         .collect();

@@ -64,27 +64,38 @@ fn formed(
     }
 }
 
-/// Standard deviations of a group's shape constants, each from the curvature of the misfit with all coefficients
-/// fitted again; none for a constant in which the misfit has no bottom.
+/// What a shape constant is uncertain by.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShapeDeviation {
+    /// standard deviation, from the curvature of the misfit with all coefficients fitted again
+    pub(crate) by_noise: f64,
+    /// change where the efforts are late by a standard deviation of what is not known of it
+    pub(crate) by_lag: f64,
+}
+
+/// Of a group's shape constants; none for a constant in which the misfit has no bottom. `late`: column of a lag
+/// and its amount.
 pub(crate) fn shape_deviations(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     metric: &Whitened<'_>,
     of: &Answer,
     group: usize,
-) -> Vec<Option<f64>> {
+    late: Option<(usize, f64)>,
+) -> Vec<Option<ShapeDeviation>> {
     // near enough to the curvature once the first step was a standard deviation
     const ROUNDS: usize = 3;
     let problem = metric.problem;
     let (mut small, set) = problem.restricted(&of.set);
+    let mut lagging = late.map(|late| problem.with_added(&[late]).restricted(&of.set).0);
     let Some(place) = of.set.iter().position(|g| *g == group) else { return Vec::new() };
     let original = problem.groups[group].clone();
     let Meaning::Law(slug) = original.meaning else { return Vec::new() };
-    let mut misfit = |constant: usize, value: f64| -> Option<f64> {
+    let misfit = |small: &mut Problem, constant: usize, value: f64| -> Option<f64> {
         let mut moved = original.clone();
         moved.shape[constant] = value;
         let mut set = set.clone();
-        set[place] = formed(evidence, at, &mut small, slug, &moved)?;
+        set[place] = formed(evidence, at, small, slug, &moved)?;
         let metric = small.whitened(metric.scale, &metric.wide);
         let fit = metric.fit(metric.columns_of(&set))?;
         Some(problem.rows.share * fit.sum_of_squares)
@@ -92,19 +103,26 @@ pub(crate) fn shape_deviations(
     (0..original.shape.len())
         .map(|k| {
             let value = original.shape[k];
-            let middle = misfit(k, value)?;
+            let middle = misfit(&mut small, k, value)?;
             let mut step = 1e-2 * value.abs().max(f64::MIN_POSITIVE);
             let mut found = None;
             for _ in 0..ROUNDS {
-                let curvature = (misfit(k, value + step)? + misfit(k, value - step)?
-                    - 2.0 * middle)
-                    / (step * step);
+                let sides = [value - step, value + step];
+                let [below, above] = sides.map(|value| misfit(&mut small, k, value));
+                let (below, above) = (below?, above?);
+                let curvature = (above + below - 2.0 * middle) / (step * step);
                 if curvature <= 0.0 {
                     return found;
                 }
-                let deviation = (2.0 / curvature).sqrt();
-                found = Some(deviation);
-                step = deviation.min(0.3 * value.abs());
+                let by_noise = (2.0 / curvature).sqrt();
+                // where the slope of the misfit, changed by the lag, is zero again
+                let mut by_lag = 0.0;
+                if let Some(lagging) = &mut lagging {
+                    let [lower, upper] = sides.map(|value| misfit(lagging, k, value));
+                    by_lag = ((upper? - lower?) - (above - below)) / (2.0 * step * curvature);
+                }
+                found = Some(ShapeDeviation { by_noise, by_lag });
+                step = by_noise.min(0.3 * value.abs());
             }
             found
         })

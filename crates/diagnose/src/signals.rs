@@ -52,6 +52,8 @@ const SEARCHED_HZ: f64 = 250.0;
 pub(crate) struct Signals {
     pub(crate) source: String,
     pub(crate) rate_hz: f64,
+    /// before it was thinned
+    pub(crate) recorded_hz: f64,
     /// since the first sample
     pub(crate) time_s: Vec<f64>,
     pub(crate) recorded_position: Vec<Vec<f64>>,
@@ -116,6 +118,7 @@ impl Signals {
         let mut signals = Self {
             source: recording.source.clone(),
             rate_hz,
+            recorded_hz: rate_hz,
             band: Band::new(rate_hz, time_s.len()),
             effort_noise: Vec::new(),
             effort_noise_in_band: Vec::new(),
