@@ -27,11 +27,14 @@ pub(crate) struct OperatingPoint {
     pub(crate) offset: Vec<f64>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
+    /// changes of the links' standard parameters, for links that move by themselves behind their motors: how
+    /// they ring depends on what they really weigh
+    pub(crate) links: Option<Vec<f64>>,
 }
 
 impl OperatingPoint {
     pub(crate) fn of(joints: usize) -> Self {
-        Self { tilt: [0.0; 2], offset: vec![0.0; joints], delay_s: 0.0 }
+        Self { tilt: [0.0; 2], offset: vec![0.0; joints], delay_s: 0.0, links: None }
     }
 }
 
@@ -54,6 +57,8 @@ pub(crate) struct At<'a> {
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
     angles: ArmAngles,
+    /// the arm with other links, where a hidden one is simulated, and its efforts: formed when first asked for
+    others: Option<(RigidArm, OnceLock<Vec<Vec<f64>>>)>,
     /// of each joint, formed when first asked for
     loads: Vec<OnceLock<Load>>,
 }
@@ -73,7 +78,15 @@ impl<'a> At<'a> {
             signals.position.iter().zip(&point.offset).map(moved).collect();
         let loads = (0..arm.dof()).map(|_| OnceLock::new()).collect();
         let (angles, rigid) = (ArmAngles::of(&arm, &position), Vec::new());
-        let mut at = Self { signals, arm, position, rigid, delay_s: point.delay_s, angles, loads };
+        let others = point.links.as_ref().map(|changes| {
+            let mut others = arm.clone();
+            for (link, change) in others.links.iter_mut().zip(changes.chunks(10)) {
+                *link = changed(link, change);
+            }
+            (others, OnceLock::new())
+        });
+        let delay_s = point.delay_s;
+        let mut at = Self { signals, arm, position, rigid, delay_s, angles, others, loads };
         at.rigid = at.motion().efforts(&at.arm);
         at
     }
@@ -82,6 +95,14 @@ impl<'a> At<'a> {
     pub(crate) fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
         let (v, a) = (&self.signals.velocity, &self.signals.acceleration);
         armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
+    }
+
+    /// The arm whose links move by themselves behind their motors, and its efforts where they do not.
+    pub(crate) fn of_hidden_links(&self) -> (&RigidArm, &[Vec<f64>]) {
+        match &self.others {
+            Some((arm, efforts)) => (arm, efforts.get_or_init(|| self.motion().efforts(arm))),
+            None => (&self.arm, &self.rigid),
+        }
     }
 
     /// What a joint has to move.

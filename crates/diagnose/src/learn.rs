@@ -85,12 +85,8 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
     for &g in &answer.set {
         let group = &problem.groups[g];
         let coefficients = answer.fit.of_group(group);
-        if let Some(transform) = &group.transform {
-            for (t, c) in transform.iter().zip(&coefficients) {
-                for (p, t) in t.iter().enumerate() {
-                    change[10 * group.site.joints[0] + p] += t * c;
-                }
-            }
+        if group.transform.is_some() {
+            group.add_to_links(&coefficients, &mut change);
             continue;
         }
         if let Meaning::Flexible(flexible) = &group.meaning {

@@ -75,6 +75,8 @@ impl DiagnosedModel {
             tilt: self.learned.tilt_rad,
             offset: self.learned.encoder_offset.clone(),
             delay_s: self.learned.delay_s,
+            // those of the chain already
+            links: None,
         }
     }
 

@@ -70,6 +70,18 @@ impl Group {
         }
     }
 
+    /// Adds what coefficients of the group change of the links' standard parameters, `10` a link.
+    pub(crate) fn add_to_links(&self, coefficients: &[f64], change: &mut [f64]) {
+        let (Some(transform), Some(link)) = (&self.transform, self.site.joints.first()) else {
+            return;
+        };
+        for (direction, c) in transform.iter().zip(coefficients) {
+            for (sum, d) in change[10 * link..].iter_mut().zip(direction) {
+                *sum += d * c;
+            }
+        }
+    }
+
     /// What it costs, as a change between two recordings, that it seldom comes about.
     pub(crate) fn price_of_onset(&self) -> f64 {
         let onset = match self.meaning {

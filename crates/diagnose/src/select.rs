@@ -148,8 +148,10 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
                 g.slug() != "torque_ripple" || !memory.no_ripple.contains(&g.site.joints[0])
             });
         }
-        let target = moves(&problem, &found, &point);
-        let still = is_still(&target, &point);
+        let mut target = moves(&problem, &found, &point);
+        let links = hidden_links(&problem.whitened(scale, &wide), &found);
+        let still = is_still(&target, &point) && (links.is_none() || point.links.is_some());
+        target.links = links;
         let misfit = misfits(&problem.whitened(scale, &wide), &found);
         let reweighted = !seeks_change
             && misfit
@@ -191,6 +193,22 @@ fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
     answer(&metric, set).unwrap_or_else(|| best.answer.clone())
 }
 
+/// By what the links are changed, where one of them moves by itself behind its motor.
+fn hidden_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
+    let groups = || found.set.iter().map(|g| &metric.problem.groups[*g]);
+    let is_simulated = |group: &Group| {
+        ["joint_elasticity", "backlash"].contains(&group.slug()) && !group.shape.is_empty()
+    };
+    if !groups().any(is_simulated) {
+        return None;
+    }
+    let mut change = metric.inertial_errors(&found.fit);
+    for group in groups() {
+        group.add_to_links(&found.fit.of_group(group), &mut change);
+    }
+    change.iter().any(|x| *x != 0.0).then_some(change)
+}
+
 /// Whether a move of the operating point no longer matters.
 fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
     (to.tilt[0] - from.tilt[0]).hypot(to.tilt[1] - from.tilt[1]) < STILL.0
@@ -201,6 +219,7 @@ fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
 /// The operating point with what a fit adds to it.
 pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) -> OperatingPoint {
     let mut point = OperatingPoint::of(from.offset.len());
+    point.links.clone_from(&from.links);
     for &g in &found.set {
         let group = &problem.groups[g];
         let coefficients = found.fit.of_group(group);

@@ -101,8 +101,9 @@ impl Transmission {
             link = self.link(&motor, &own, rate_hz);
         }
         let link = link.each_ref().map(Vec::as_slice);
-        let mut effort = at.motion().with_joint(&at.arm, joint, link).efforts(&at.arm);
-        for (effort, rigid) in effort.iter_mut().zip(&at.rigid) {
+        let (arm, rigid) = at.of_hidden_links();
+        let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
+        for (effort, rigid) in effort.iter_mut().zip(rigid) {
             for (e, r) in effort.iter_mut().zip(rigid) {
                 *e -= r;
             }
@@ -192,7 +193,8 @@ impl Load {
         let (position, velocity) = (&at.position[joint], &at.signals.velocity[joint]);
         let (bias, slope) = bias_and_slope(at, joint, position, velocity);
         let one = vec![1.0; at.signals.len()];
-        let unit = at.motion().with_acceleration(joint, &one).effort_on(&at.arm, joint);
+        let arm = at.of_hidden_links().0;
+        let unit = at.motion().with_acceleration(joint, &one).effort_on(arm, joint);
         let inertia = unit.iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
         Self { inertia, bias, slope, position: position.clone() }
     }
@@ -212,9 +214,10 @@ fn bias_and_slope(
     velocity: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
     const STEP: f64 = 1e-4;
-    let (motion, none) = (at.motion(), vec![0.0; position.len()]);
+    let (motion, arm) = (at.motion(), at.of_hidden_links().0);
+    let none = vec![0.0; position.len()];
     let bias_at = |position: &[f64]| {
-        motion.with_joint(&at.arm, joint, [position, velocity, &none]).effort_on(&at.arm, joint)
+        motion.with_joint(arm, joint, [position, velocity, &none]).effort_on(arm, joint)
     };
     let beside: Vec<f64> = position.iter().map(|q| q + STEP).collect();
     let (bias, beside) = (bias_at(position), bias_at(&beside));
