@@ -31,9 +31,9 @@ const DAMPINGS: [f64; 2] = [0.02, 0.08];
 /// motion of a link in its gap is its own for every size.
 const GAPS: (f64, f64, f64) = (3e-4, 3.2e-2, 1.2);
 /// The flanks of a gear are stiffer than what the recordings resolve: the link bounces on them at this
-/// circular frequency \[rad/s\], with this share of critical damping.
+/// circular frequency \[rad/s\], with this share of critical damping: lubricated flanks hardly rebound.
 const FLANK_RATE: f64 = 350.0;
-const FLANK_DAMPING: f64 = 0.4;
+const FLANK_DAMPING: f64 = 0.8;
 
 /// What lies between motor and link.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
