@@ -206,9 +206,10 @@ pub(crate) fn usable_signals(
     names: &[String],
     recordings: &[Recording],
 ) -> Result<Vec<Signals>, DiagnoseError> {
+    let of_all = recordings.iter().map(Recording::len).sum();
     let signals: Vec<Signals> = recordings
         .iter()
-        .map(|r| Ok(Signals::new(r, names)?.thinned()))
+        .map(|r| Ok(Signals::new(r, names)?.thinned(of_all)))
         .collect::<Result<_, RecordingError>>()?;
     if signals.iter().any(|s| s.band.kept.len() < 2) {
         return Err(DiagnoseError::TooShort);

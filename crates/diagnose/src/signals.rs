@@ -43,8 +43,9 @@ const NO_LAG_S: f64 = 1e-3;
 const NO_LAG_SAMPLES: f64 = 0.05;
 /// Friction fades to nothing in this time \[s\] when a joint stops and goes on the same way.
 const DIP_S: f64 = 0.04;
-/// Rate \[Hz\] that a search needs at least: ten times the cut-off of the kinematics, 25 times that of the
-/// band.
+/// Samples of all recordings together from which on a search takes fewer...
+const SEARCHED_SAMPLES: usize = 12_000;
+/// ... but not fewer than so many a second: ten times the cut-off of the kinematics, 25 times that of the band.
 const SEARCHED_HZ: f64 = 250.0;
 
 /// Channels of the joints of a chain on an even grid, joint-major.
@@ -184,11 +185,13 @@ impl Signals {
         self.time_s.len()
     }
 
-    /// At the rate that a search needs: each law is formed at every sample hundreds of times, and all is
-    /// compared in the band. Efforts and positions as recorded become means around the samples that
-    /// remain, motions are below the rate already; noise stays what it was found to be at every sample.
-    pub(crate) fn thinned(mut self) -> Self {
-        let step = (self.rate_hz / SEARCHED_HZ).floor() as usize;
+    /// With samples left out where there are more than a search needs: each law is formed at every sample
+    /// hundreds of times, and all is compared in the band. Efforts and positions as recorded become means
+    /// around the samples that remain, motions are below the rate already; noise stays what it was found to be
+    /// at every sample.
+    pub(crate) fn thinned(mut self, of_all: usize) -> Self {
+        let most = (self.rate_hz / SEARCHED_HZ).floor() as usize;
+        let step = of_all.div_ceil(SEARCHED_SAMPLES).min(most);
         if step < 2 {
             return self;
         }
