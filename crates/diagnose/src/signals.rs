@@ -186,8 +186,8 @@ impl Signals {
     }
 
     /// With samples left out where there are more than a search needs: each law is formed at every sample
-    /// hundreds of times, and all is compared in the band. Efforts and positions as recorded become means
-    /// around the samples that remain, motions are below the rate already; noise stays what it was found to be
+    /// hundreds of times, and all is compared in the band. Efforts, directions and positions as recorded become
+    /// means around the samples that remain, motions are below the rate already; noise stays what it was found to be
     /// at every sample.
     pub(crate) fn thinned(mut self, of_all: usize) -> Self {
         let most = (self.rate_hz / SEARCHED_HZ).floor() as usize;
@@ -196,10 +196,12 @@ impl Signals {
             return self;
         }
         let motions = [&mut self.position, &mut self.velocity, &mut self.acceleration];
-        for values in motions.into_iter().chain([&mut self.direction]).flatten() {
+        for values in motions.into_iter().flatten() {
             *values = every(step, values);
         }
-        for values in self.recorded_position.iter_mut().chain(&mut self.effort) {
+        // directions jump, as efforts do
+        let jumping = [&mut self.recorded_position, &mut self.direction, &mut self.effort];
+        for values in jumping.into_iter().flatten() {
             *values = means(step, values);
         }
         for stuck in &mut self.stuck {
@@ -466,7 +468,44 @@ pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{means, rests};
+    use super::{SEARCHED_SAMPLES, Signals, means, rests};
+    use armident_recording::{JointChannels, Recording};
+
+    /// What is compared in the band is the same of few samples as of all, friction that reverses among it; noise
+    /// stays that of all.
+    #[test]
+    fn thinned_recordings_say_the_same_in_the_band() {
+        let time: Vec<f64> = (0..13_000).map(|k| f64::from(k) / 1000.0).collect();
+        let mut joint = JointChannels::new("a");
+        let motion = |t: &f64| (2.0 * t).sin() + 0.3 * (11.0 * t).cos();
+        joint.position = Some(time.iter().map(motion).collect());
+        let rate = |t: &f64| 2.0 * (2.0 * t).cos() - 3.3 * (11.0 * t).sin();
+        joint.effort = Some(time.iter().map(|t| rate(t).signum() + 4.0 * motion(t)).collect());
+        let recording = Recording::new("made", time, vec![joint]).unwrap();
+        let joints = ["a".to_owned()];
+        let all = Signals::new(&recording, &joints).unwrap();
+        let few = all.clone().thinned(recording.len());
+        // just beyond the budget: half of them; and what is long enough goes down to 250 Hz
+        assert_eq!(recording.len().div_ceil(SEARCHED_SAMPLES), 2);
+        assert!((few.rate_hz - 500.0).abs() < 1e-9, "{}", few.rate_hz);
+        assert!((all.clone().thinned(1_000_000).rate_hz - 250.0).abs() < 1e-9);
+        assert!((all.clone().thinned(SEARCHED_SAMPLES).rate_hz - 1000.0).abs() < 1e-9);
+        for few in [few, all.clone().thinned(1_000_000)] {
+            let size =
+                |rows: &[f64]| (armident_numeric::dot(rows, rows) / rows.len() as f64).sqrt();
+            let channels = |s: &Signals| -> [Vec<f64>; 5] {
+                [&s.position, &s.velocity, &s.acceleration, &s.direction, &s.effort]
+                    .map(|channel| s.band.rows(&channel[0]))
+            };
+            for (few, all) in channels(&few).iter().zip(channels(&all)) {
+                assert_eq!(few.len(), all.len());
+                let off: Vec<f64> = few.iter().zip(&all).map(|(a, b)| a - b).collect();
+                assert!(size(&off) < 2e-3 * size(&all), "{} of {}", size(&off), size(&all));
+            }
+            assert_eq!(few.effort_noise, all.effort_noise);
+            assert_eq!(few.acceleration_noise, all.acceleration_noise);
+        }
+    }
 
     /// A line stays a line up to its ends; of what alternates with every sample nothing is left.
     #[test]

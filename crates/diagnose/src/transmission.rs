@@ -370,3 +370,50 @@ pub(crate) fn offer(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evidence::{OperatingPoint, changed};
+    use armident_dynamics::RigidArm;
+    use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+    use armident_recording::{JointChannels, Recording};
+
+    /// A link behind a spring that is heavier than believed moves as in an arm that is believed to have it.
+    #[test]
+    fn hidden_links_weigh_what_was_found() {
+        let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();
+        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+        let chain = DrivingAxisChain::from_chain(&chain);
+        let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
+        let time: Vec<f64> = (0..600).map(|k| f64::from(k) / 200.0).collect();
+        let joints = names.iter().enumerate().map(|(j, name)| {
+            let swing = |t: &f64| 0.4 * ((2.0 + j as f64) * t).sin() - 0.2 * j as f64;
+            let position = Some(time.iter().map(swing).collect());
+            JointChannels { position, ..JointChannels::new(name) }
+        });
+        let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
+        let signals = Signals::new(&recording, &names).unwrap();
+        let mut change = vec![0.0; 10 * names.len()];
+        // 0.6 kg more on the forearm, and where it is
+        change[20..24].copy_from_slice(&[0.6, 0.1, 0.02, -0.03]);
+        let mut heavier = chain.clone();
+        for (joint, change) in heavier.joints.iter_mut().zip(change.chunks(10)) {
+            joint.link = changed(&joint.link, change);
+        }
+        let none = OperatingPoint::of(names.len());
+        let found = OperatingPoint { links: Some(change), ..none.clone() };
+        let at = |chain: &DrivingAxisChain, point: &OperatingPoint| {
+            let at = At::new(chain, &RigidArm::from_chain(chain), &signals, point);
+            let spring = Transmission { gap: 0.0, stiffness: 800.0, damping: 4.0 };
+            (spring.difference(&at, 2).unwrap(), at.rigid)
+        };
+        let (believed, rigid) = at(&chain, &none);
+        let (by_found, rigid_by_found) = at(&chain, &found);
+        let (expected, _) = at(&heavier, &none);
+        assert_eq!(by_found, expected);
+        assert_ne!(by_found, believed);
+        // all else is compared with the arm as it was believed
+        assert_eq!(rigid_by_found, rigid);
+    }
+}
