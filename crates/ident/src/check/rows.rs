@@ -1,7 +1,7 @@
 //! What every check asks of the samples: one triangle a joint, with the columns of the model, the
 //! URDF's gravity, the efforts of all joints, and the joint's own effort at other times.
 
-use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_dynamics::{ArmMotion, RigidArm, inverse_dynamics_of_motion};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::{Interpolation, Motion};
 
@@ -79,9 +79,15 @@ fn edge(motion: &Motion) -> usize {
 }
 
 /// Model columns of one joint over one motion, without the ends.
-fn model_columns(problem: &BatchProblem<'_>, joint: usize, motion: &Motion) -> Vec<Vec<f64>> {
+fn model_columns(
+    problem: &BatchProblem<'_>,
+    joint: usize,
+    motion: &Motion,
+    moved: &ArmMotion<'_>,
+) -> Vec<Vec<f64>> {
     let edge = edge(motion);
-    let mut columns = problem.columns(joint, motion);
+    let jumping = problem.jumping_columns(joint, motion);
+    let mut columns = problem.columns_beside(joint, motion, moved, &jumping);
     for column in &mut columns {
         column.truncate(motion.len() - edge);
         column.drain(..edge);
@@ -99,17 +105,13 @@ pub(super) fn accumulate(
     let shifts = shifts_s();
     let mut gravity: Vec<Vec<Vec<f64>>> = Vec::new();
     let mut of_urdf = vec![(0.0, 0.0, 0.0); n];
-    for motion in motions {
+    let moved = problem.arm_motions(&motions.iter().collect::<Vec<_>>());
+    for (motion, moved) in motions.iter().zip(&moved) {
         let still = vec![vec![0.0; motion.len()]; n];
         let mut of_motion = inverse_dynamics_of_motion(arm, &motion.position, &still, &still);
         motion.filter_columns(&mut of_motion);
         gravity.push(of_motion);
-        let rigid = inverse_dynamics_of_motion(
-            arm,
-            &motion.position,
-            &motion.velocity,
-            &motion.acceleration,
-        );
+        let rigid = moved.efforts(arm);
         let edge = edge(motion);
         for (moments, effort) in of_urdf.iter_mut().zip(&rigid) {
             for e in &effort[edge..effort.len() - edge] {
@@ -131,11 +133,11 @@ pub(super) fn accumulate(
             urdf_sd: 0.0,
         };
         let mut effort_moments = (0.0, 0.0);
-        for (motion, gravity) in motions.iter().zip(&gravity) {
+        for ((motion, moved), gravity) in motions.iter().zip(&moved).zip(&gravity) {
             let Some(effort) = &motion.effort_filtered else { continue };
             let edge = edge(motion);
             let kept = edge..motion.len() - edge;
-            let mut columns = model_columns(problem, joint, motion);
+            let mut columns = model_columns(problem, joint, motion, moved);
             columns.push(gravity[joint][kept.clone()].to_vec());
             columns.extend(effort.iter().map(|e| e[kept.clone()].to_vec()));
             for shift in &shifts {
@@ -160,9 +162,9 @@ pub(super) fn accumulate(
         let mut residuals = Vec::new();
         let mut squares = 0.0;
         let mut thinned_count = 0.0;
-        for motion in motions {
+        for (motion, moved) in motions.iter().zip(&moved) {
             let Some(effort) = &motion.effort_filtered else { continue };
-            let columns = model_columns(problem, joint, motion);
+            let columns = model_columns(problem, joint, motion, moved);
             let edge = edge(motion);
             let residual: Vec<f64> = (0..motion.len() - 2 * edge)
                 .map(|t| {
