@@ -1,4 +1,17 @@
 //! Reads a URDF into a checked serial chain and gives its normal driving-axis frames (b, d, β, θ).
+//!
+//! ```
+//! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+//!
+//! let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf")?;
+//! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+//! let frames = DrivingAxisChain::from_chain(&chain);
+//!
+//! // the normal between the parallel axes of shoulder_lift and elbow is as long as the upper arm
+//! assert_eq!(frames.joints[2].name, "elbow_joint");
+//! assert!((frames.joints[2].frame.b_m.abs() - 0.425).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod chain_error;
 mod description;
