@@ -166,9 +166,9 @@ pub struct GroupScore {
     /// Worst bold parameter of each named effect, relative.
     pub parameter_error: Option<Spread>,
     /// Numbers told with a standard error of which the true one lies in the 95 % interval, 1.96 standard errors
-    /// to either side; and all their errors in standard errors.
+    /// to either side.
     pub within_interval: Rate,
-    /// See there.
+    /// Errors of these numbers, in standard errors.
     pub standardized_error: Option<Spread>,
     /// Variables of unlisted laws.
     pub variables: Option<Spread>,

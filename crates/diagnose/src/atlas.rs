@@ -6,13 +6,13 @@
 
 use armident_dynamics::RigidArm;
 use armident_ident::validate::whiteness;
+use armident_numeric::dot;
 use armident_recording::{RecordingError, differentiate};
 use serde::Serialize;
 
 use crate::evidence::{At, Evidence};
 use crate::model::DiagnosedModel;
 use crate::ripple::wave_gain;
-use armident_numeric::dot;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.
 const BINS: usize = 12;

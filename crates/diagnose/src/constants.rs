@@ -6,12 +6,12 @@
 use armident_dynamics::RigidArm;
 use armident_ident::{ArmModel, MinimalSet};
 use armident_kinematics::InertialParameters;
+use armident_numeric::dot;
 use serde::Serialize;
 
 use crate::model::DiagnosedModel;
 use crate::problem::Whitened;
 use crate::search::Answer;
-use armident_numeric::dot;
 
 /// 97.5 % quantile of the normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;

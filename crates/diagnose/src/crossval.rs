@@ -348,8 +348,9 @@ pub(crate) struct Scatter {
     variance: BTreeMap<usize, f64>,
     /// by how much more is left over than the weights say
     left_over: f64,
-    /// column of a lag of the efforts, and what they may be early by: none where the lag is part of the answer
-    pub(crate) late: Option<(usize, f64)>,
+    /// the problem of the answer's groups, in their order, with efforts that are later by what is not known of it;
+    /// none where the lag is part of the answer
+    pub(crate) late: Option<Problem>,
     /// by column: change of the coefficient by that
     by_lag: BTreeMap<usize, f64>,
 }
@@ -383,9 +384,18 @@ impl Scatter {
         }
         let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt();
         // any instant in the step, so its standard deviation
-        let late = lag_beside(problem, of).map(|lag| (lag, -step_s / 12.0_f64.sqrt()));
-        let by_lag = late.and_then(|late| changes_by_lag(metric, of, late)).unwrap_or_default();
-        Self { variance, left_over, late, by_lag }
+        let late = late_efforts(problem, of, -step_s / 12.0_f64.sqrt());
+        let late_fit = late.as_ref().and_then(|late| {
+            let metric = late.whitened(metric.scale, &metric.wide);
+            metric.fit(metric.columns_of(&ids))
+        });
+        let by_lag = late_fit.map(|fit| {
+            let columns = of.set.iter().zip(&ids).flat_map(|(&g, &id)| {
+                problem.groups[g].columns.iter().zip(&small.groups[id].columns)
+            });
+            columns.map(|(&c, &here)| (c, fit.coefficient(here) - of.fit.coefficient(c))).collect()
+        });
+        Self { variance, left_over, late, by_lag: by_lag.unwrap_or_default() }
     }
 
     /// Change of a coefficient by a lag of the efforts.
@@ -404,27 +414,18 @@ impl Scatter {
     }
 }
 
-/// The column of a lag of the efforts that is not part of an answer: none where only a change is sought, before
-/// which they were as late.
-fn lag_beside(problem: &Problem, of: &Answer) -> Option<usize> {
+/// The problem of an answer's groups with so much lag \[s\] added to its efforts: none where a lag is part of
+/// the answer, and where only a change is sought, before which they were as late.
+fn late_efforts(problem: &Problem, of: &Answer, lag_s: f64) -> Option<Problem> {
     let is_lag = |g: &usize| problem.groups[*g].slug() == "time_delay";
     if problem.rows.changed_from > 0 || of.set.iter().any(is_lag) {
         return None;
     }
     let lag = (0..problem.groups.len()).find(is_lag)?;
-    problem.groups[lag].columns.first().copied()
-}
-
-/// By how much the coefficients of an answer change when so much of a column is added to the efforts.
-fn changes_by_lag(
-    metric: &Whitened<'_>,
-    of: &Answer,
-    added: (usize, f64),
-) -> Option<BTreeMap<usize, f64>> {
-    let moved = metric.problem.with_added(&[added]);
-    let moved = moved.whitened(metric.scale, &metric.wide).fit(of.fit.columns.clone())?;
-    let columns = of.fit.columns.iter();
-    Some(columns.map(|&c| (c, moved.coefficient(c) - of.fit.coefficient(c))).collect())
+    // the lag comes last, so that the others have the ids they have without it
+    let (small, ids) = problem.restricted(&[&of.set[..], &[lag]].concat());
+    let column = small.groups[*ids.last()?].columns.first()?;
+    Some(small.with_added(&[(*column, lag_s)]))
 }
 
 /// The groups of a set and the simpler relatives that could take their places.

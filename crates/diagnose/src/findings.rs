@@ -359,7 +359,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
     let smooth = law.law().scope != Scope::ThroughJoint && group.site.window.is_none();
     let deviations = match group.shape.is_empty() || !smooth {
         true => Vec::new(),
-        false => shape_deviations(evidence, view.at(), metric, answer, id, scatter.late),
+        false => shape_deviations(evidence, view.at(), metric, answer, id, scatter.late.as_ref()),
     };
     let by_shape: Vec<Vec<f64>> = deviations
         .iter()

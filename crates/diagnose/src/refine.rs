@@ -73,21 +73,21 @@ pub(crate) struct ShapeDeviation {
     pub(crate) by_lag: f64,
 }
 
-/// Of a group's shape constants; none for a constant in which the misfit has no bottom. `late`: column of a lag
-/// and its amount.
+/// Of a group's shape constants; none for a constant in which the misfit has no bottom. `late`: the
+/// problem of the answer's groups with late efforts.
 pub(crate) fn shape_deviations(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     metric: &Whitened<'_>,
     of: &Answer,
     group: usize,
-    late: Option<(usize, f64)>,
+    late: Option<&Problem>,
 ) -> Vec<Option<ShapeDeviation>> {
     // near enough to the curvature once the first step was a standard deviation
     const ROUNDS: usize = 3;
     let problem = metric.problem;
     let (mut small, set) = problem.restricted(&of.set);
-    let mut lagging = late.map(|late| problem.with_added(&[late]).restricted(&of.set).0);
+    let mut lagging = late.cloned();
     let Some(place) = of.set.iter().position(|g| *g == group) else { return Vec::new() };
     let original = problem.groups[group].clone();
     let Meaning::Law(slug) = original.meaning else { return Vec::new() };

@@ -2,10 +2,10 @@
 
 use armident_effects::{Effect, JointMotion, TorqueRipple};
 use armident_kinematics::JointKind;
+use armident_numeric::dot;
 
 use crate::evidence::{At, Evidence};
 use crate::problem::Problem;
-use armident_numeric::dot;
 
 /// Orders tried on a rotational joint: whole numbers of cycles a turn.
 const HIGHEST_ORDER: usize = 130;

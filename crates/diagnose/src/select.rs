@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use armident_effects::{Scope, effect};
+
 use crate::alternatives::everyday_first;
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
@@ -149,17 +151,18 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             });
         }
         let mut target = moves(&problem, &found, &point);
-        let links = hidden_links(&problem.whitened(scale, &wide), &found);
+        let metric = problem.whitened(scale, &wide);
+        let links = hidden_links(&metric, &found);
         let still = is_still(&target, &point) && (links.is_none() || point.links.is_some());
         target.links = links;
-        let misfit = misfits(&problem.whitened(scale, &wide), &found);
+        let misfit = misfits(&metric, &found);
         let reweighted = !seeks_change
             && misfit
                 .iter()
                 .zip(&problem.rows.misfit)
                 .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
         // of what no term of a plain identification explains: a short answer must not look like few samples
-        let residual = with_everyday_terms(&problem.whitened(scale, &wide), &found);
+        let residual = with_everyday_terms(&metric, &found);
         let share = independent_share(&problem, &residual, false).min(problem.rows.share);
         let reweighted =
             reweighted || (!seeks_change && share < FEWER_SAMPLES * problem.rows.share);
@@ -196,8 +199,10 @@ fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
 /// By what the links are changed, where one of them moves by itself behind its motor.
 fn hidden_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
     let groups = || found.set.iter().map(|g| &metric.problem.groups[*g]);
+    // as in `refine`: what is through a joint and has constants that were tried
     let is_simulated = |group: &Group| {
-        ["joint_elasticity", "backlash"].contains(&group.slug()) && !group.shape.is_empty()
+        !group.shape.is_empty()
+            && effect(group.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint)
     };
     if !groups().any(is_simulated) {
         return None;

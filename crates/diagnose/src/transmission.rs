@@ -9,6 +9,7 @@
 //! the motion of the link.
 
 use armident_effects::{Effect, Place, RotorInertia};
+use armident_numeric::dot;
 use armident_recording::{RecordingError, differentiate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -17,7 +18,6 @@ use crate::evidence::{At, Evidence};
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::Blocks;
 use crate::signals::{Signals, extended, low_pass};
-use armident_numeric::dot;
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
 const MOTOR_HZ: f64 = 80.0;
