@@ -1,13 +1,21 @@
 """Opens pages in headless Chromium and tells what happened, one line a page, as JSON.
 
-page.py FOLDER PAGE...: pages in the folder. Needs chromium and chromedriver on the path, nothing else.
-Pictures of each page go beside it: NAME.png, NAME.dark.png, NAME.phone.png, NAME.pdf.
+page.py [--pictures] FOLDER PAGE...: pages in the folder. Needs chromium and chromedriver on the path, nothing else.
+Each page is printed beside itself, NAME.pdf. For a person to look at, `--pictures` adds NAME.png, NAME.dark.png,
+NAME.phone.png and NAME.arm.png; nothing is judged by them.
+
+A headless browser now and then stops answering (a picture waits for a frame that its compositor never draws),
+whatever page it shows. A page has a browser of its own, an answer a minute, and a page whose browser fell
+silent is looked at again with a new one. A page that silences three is at fault itself.
 """
 
 import base64
+import http.client
 import json
+import os
 import pathlib
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -19,7 +27,18 @@ import urllib.request
 FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--disable-dev-shm-usage", "--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding",
 ]  # fmt: skip
+
+ANSWER_S = 60
+BROWSERS = 3
+# what a driver says of a browser that crashed or hangs
+GONE = {"timeout", "script timeout", "session not created", "invalid session id", "no such window",
+        "disconnected", "tab crashed", "chrome not reachable"}  # fmt: skip
+
+
+class Silent(Exception):
+    """A browser that does not answer."""
 
 
 class Browser:
@@ -30,14 +49,24 @@ class Browser:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         self.driver = subprocess.Popen(
-            ["chromedriver", f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            ["chromedriver", f"--port={port}"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
         )
         self.root = f"http://127.0.0.1:{port}"
+        try:
+            self.start(profile)
+        except BaseException:
+            self.close()
+            raise
+
+    def start(self, profile):
         for _ in range(150):
             try:
                 if self.call("GET", "/status")["ready"]:
                     break
-            except (urllib.error.URLError, ConnectionError):
+            except Silent:
                 time.sleep(0.2)
         options = {"args": [*FLAGS, f"--user-data-dir={profile}", "--window-size=1200,900"]}
         wanted = {
@@ -46,7 +75,8 @@ class Browser:
         }
         session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
         self.root += "/session/" + session["sessionId"]
-        self.call("POST", "/timeouts", {"script": 120000, "pageLoad": 120000})
+        limit = 1000 * (ANSWER_S - 5)
+        self.call("POST", "/timeouts", {"script": limit, "pageLoad": limit})
 
     def call(self, method, path, body=None):
         data = None if body is None else json.dumps(body).encode()
@@ -55,10 +85,14 @@ class Browser:
         )
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
         try:
-            with opener.open(request, timeout=300) as answer:
+            with opener.open(request, timeout=ANSWER_S) as answer:
                 return json.load(answer)["value"]
         except urllib.error.HTTPError as error:
-            raise RuntimeError(error.read().decode()[:500]) from None
+            said = json.load(error)["value"]
+            kind = Silent if said["error"] in GONE else RuntimeError
+            raise kind(f"{method} {path}: {said['error']}: {said['message'][:500]}") from None
+        except (TimeoutError, urllib.error.URLError, ConnectionError, http.client.HTTPException) as fault:
+            raise Silent(f"{method} {path}: {fault!r} (limit {ANSWER_S} s)") from None
 
     def run(self, script, *arguments):
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
@@ -71,11 +105,13 @@ class Browser:
         return self.call("POST", "/se/log", {"type": kind})
 
     def close(self):
+        # the driver and the browser it started, also when neither answers any more
         try:
             self.call("DELETE", "")
-        finally:
-            self.driver.terminate()
-            self.driver.wait()
+        except (Silent, RuntimeError):
+            pass
+        os.killpg(self.driver.pid, signal.SIGKILL)
+        self.driver.wait()
 
 
 def wait(browser, script, seconds=90):
@@ -88,12 +124,16 @@ def wait(browser, script, seconds=90):
     return False
 
 
-def picture(browser, path, width, height, dark=False):
-    media = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
-    browser.devtools("Emulation.setEmulatedMedia", features=media)
+def screen(browser, width, height):
     browser.devtools(
         "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
     )
+
+
+def picture(browser, path, width, height, dark=False):
+    media = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
+    browser.devtools("Emulation.setEmulatedMedia", features=media)
+    screen(browser, width, height)
     time.sleep(0.7)
     data = browser.devtools("Page.captureScreenshot", format="png")["data"]
     path.write_bytes(base64.b64decode(data))
@@ -102,20 +142,22 @@ def picture(browser, path, width, height, dark=False):
 VISIBLE = "[...document.querySelectorAll('.chart')].filter((c) => c.offsetParent)"
 
 
-def look(browser, page):
-    browser.log("browser")
-    browser.log("performance")
+def look(browser, page, pictures):
     start = time.time()
     browser.call("POST", "/url", {"url": page.as_uri()})
     ready = wait(browser, "document.documentElement.dataset.ready === 'true'")
     seconds = time.time() - start
     folder, name = page.parent, page.stem
-    picture(browser, folder / f"{name}.png", 1200, 1600)
-    picture(browser, folder / f"{name}.dark.png", 1200, 1600, dark=True)
-    picture(browser, folder / f"{name}.phone.png", 390, 1600)
+    if pictures:
+        picture(browser, folder / f"{name}.png", 1200, 1600)
+        picture(browser, folder / f"{name}.dark.png", 1200, 1600, dark=True)
     # what is wider than the screen of a phone makes the page scroll sideways
+    screen(browser, 390, 1600)
+    time.sleep(0.7)
+    if pictures:
+        picture(browser, folder / f"{name}.phone.png", 390, 1600)
     overflow = browser.run("return document.documentElement.scrollWidth - innerWidth")
-    browser.devtools("Emulation.setDeviceMetricsOverride", width=1200, height=900, deviceScaleFactor=1, mobile=False)
+    screen(browser, 1200, 900)
     closed = browser.run("return document.querySelectorAll('details:not([open])').length")
     browser.run("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
     for number in range(browser.run(f"return {VISIBLE}.length")):
@@ -124,18 +166,20 @@ def look(browser, page):
     charts = browser.run(f"return {VISIBLE}.length")
     drawn = browser.run(f"return {VISIBLE}.filter((c) => c.querySelector('.main-svg .trace, .main-svg .hm, .main-svg image')).length")
     # every view of every chart is drawn once
-    views = browser.run(
-        "let n = 0; for (const s of document.querySelectorAll('.control select')) {"
-        " for (const o of s.options) { s.value = o.value; s.dispatchEvent(new Event('change')); n += 1; } }"
-        " return n"
-    )
+    views = 0
+    for select in range(browser.run("return document.querySelectorAll('.control select').length")):
+        views += browser.run(
+            f"const s = document.querySelectorAll('.control select')[{select}];"
+            " for (const o of s.options) { s.value = o.value; s.dispatchEvent(new Event('change')); }"
+            " return s.options.length"
+        )
     for slider in range(browser.run("return document.querySelectorAll('.control input').length")):
         browser.run(
             f"const s = document.querySelectorAll('.control input')[{slider}];"
             " s.value = s.max / 2; s.dispatchEvent(new Event('input'))"
         )
     hovered = hover(browser)
-    if browser.run("return !!document.getElementById('skeleton')"):
+    if pictures and browser.run("return !!document.getElementById('skeleton')"):
         browser.run("document.getElementById('skeleton').scrollIntoView({block: 'center', behavior: 'instant'})")
         picture(browser, folder / f"{name}.arm.png", 1200, 900)
     pdf = browser.call("POST", "/print", {"background": True})
@@ -177,16 +221,35 @@ def hover(browser):
     return wait(browser, "!!document.querySelector('[data-hovering] .hoverlayer').childElementCount", 5)
 
 
-def main():
-    folder = pathlib.Path(sys.argv[1]).resolve()
+def look_anew(page, pictures):
+    """What a page does in a browser of its own."""
     profile = tempfile.mkdtemp(prefix="armident-chromium-")
-    browser = Browser(profile)
+    browser = None
     try:
-        for name in sys.argv[2:]:
-            print(json.dumps(look(browser, folder / name)), flush=True)
+        browser = Browser(profile)
+        return look(browser, page, pictures)
     finally:
-        browser.close()
+        if browser is not None:
+            browser.close()
         shutil.rmtree(profile, ignore_errors=True)
+
+
+def main():
+    arguments = sys.argv[1:]
+    pictures = "--pictures" in arguments
+    folder, *names = [a for a in arguments if a != "--pictures"]
+    for name in names:
+        silent = []
+        while True:
+            try:
+                seen = look_anew(pathlib.Path(folder).resolve() / name, pictures)
+                break
+            except Silent as fault:
+                silent.append(str(fault))
+                print(f"{name}: {fault}; browser {len(silent)} of {BROWSERS}", file=sys.stderr, flush=True)
+                if len(silent) == BROWSERS:
+                    raise
+        print(json.dumps({**seen, "silent_browsers": silent}), flush=True)
 
 
 if __name__ == "__main__":
