@@ -1,4 +1,4 @@
-//! Every method, and the diagnosis, on every public recording, judged on motion they have not seen.
+//! Every method, the check, and the diagnosis, on every public recording, judged on motion they have not seen.
 //!
 //! The folder holds one folder a set, with its URDF, recordings and `dataset.toml`
 //! (`joints`, `baseline.filter_hz`).
@@ -11,6 +11,7 @@
 
 mod diagnosis;
 mod estimators;
+mod pieces;
 mod sets;
 
 use std::error::Error;
@@ -25,5 +26,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         env!("CARGO_PKG_VERSION")
     );
     estimators::print(Path::new(&folder))?;
+    pieces::print(Path::new(&folder))?;
     diagnosis::print(Path::new(&folder))
 }

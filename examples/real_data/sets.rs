@@ -110,6 +110,11 @@ impl Data {
         }
     }
 
+    /// Everything that was recorded.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Recording> {
+        self.training.iter().chain(&self.holdout)
+    }
+
     /// Motions and efforts through the low-pass of the plain fit.
     pub(crate) fn motions(&self, recordings: &[Recording]) -> Result<Vec<Motion>, RecordingError> {
         let names = self.model.chain.joint_names();

@@ -58,6 +58,8 @@ fn recordings_that_tell_little() {
         Some(of.map(|(h, (x, y))| if h.ends_with("effort") { y } else { x }.clone()).collect())
     });
     let shuffled = diagnose("shuffled.csv", &[]).fine().json();
+    let said = string(&shuffled["sentence"]);
+    assert!(said.starts_with("the books are wrong"), "{said}");
     let believed = list(&shuffled["findings"]).iter().filter(|f| number(&f["confidence"]) > 0.5);
     assert_eq!(believed.count(), 0, "{}", shuffled["findings"]);
 }

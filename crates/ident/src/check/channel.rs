@@ -19,6 +19,11 @@ const COARSE: f64 = 0.3;
 /// Standard deviation of the logarithm of the gain of a channel that is what it says: published drive
 /// gains of one type of arm lie up to a third apart.
 const USUAL_LOG_GAIN: f64 = 0.3;
+/// The URDF's part of an effort, times the gain, is at most so much larger than what is recorded, by their
+/// standard deviations. Beyond that, friction or much lighter links would have to take most of it away again:
+/// constants without bounds then imitate whatever the friction laws leave over, the better the larger the
+/// gain.
+const LARGEST_PART: f64 = 2.0;
 /// What the numbers of links may be off, relative to their size; each as likely as the others. At 1 a
 /// link may as well not be there, or be twice what is said; the least is what a good CAD model is off
 /// once cables and covers are on.
@@ -113,10 +118,12 @@ pub(super) struct Channels {
 ///
 /// How far the URDF is to be doubted is the same question for all joints: each joint's column is judged
 /// with the beliefs that the columns of the others make likely, as far as these are beyond doubt
-/// themselves.
+/// themselves. Columns that are `alive` and of joints that move are compared with each other; the others stay
+/// where their header puts them.
 pub(super) fn channels(
     problem: &BatchProblem<'_>,
     rows: &[JointRows],
+    alive: &[bool],
 ) -> Result<Channels, NumericError> {
     let n = rows.len();
     let beliefs: Vec<LinkBelief> = LINK_DOUBTS
@@ -133,7 +140,7 @@ pub(super) fn channels(
     let even = vec![-(beliefs.len() as f64).ln(); beliefs.len()];
     let profiles: Vec<Vec<Profile>> = (0..n)
         .map(|j| {
-            let of_model = |m: &JointModel| Profile::of(m, j, rows[j].effective, FINE);
+            let of_model = |m: &JointModel| Profile::of(m, j, &rows[j], rows[j].urdf_sd, FINE);
             models[j].iter().map(of_model).collect()
         })
         .collect();
@@ -144,9 +151,12 @@ pub(super) fn channels(
         .map(|j| {
             (0..n)
                 .map(|k| {
+                    if j != k && !(alive[j] && alive[k]) {
+                        return f64::INFINITY;
+                    }
                     let coarse: Vec<Profile> = FEW_BELIEFS
                         .iter()
-                        .map(|&h| Profile::of(&models[j][h], k, rows[k].effective, COARSE))
+                        .map(|&h| Profile::of(&models[j][h], k, &rows[k], rows[j].urdf_sd, COARSE))
                         .collect();
                     ChannelEvidence::of(&coarse, &[0.0; FEW_BELIEFS.len()], &rows[k]).1
                 })
@@ -159,7 +169,8 @@ pub(super) fn channels(
     let odds = if order == as_said {
         0.0
     } else {
-        OTHER_ORDER / (1.0 - OTHER_ORDER) * (of(&as_said) - of(&order)).exp()
+        let believed = OTHER_ORDER / arrangements(n, &order);
+        believed / (1.0 - OTHER_ORDER) * (of(&as_said) - of(&order)).exp()
     };
 
     let evidence = (0..n)
@@ -323,30 +334,34 @@ impl Profile {
         }
     }
 
-    fn of(model: &JointModel, channel: usize, effective: f64, step: f64) -> Self {
+    /// Rows `own` of a column against a joint whose effort by the URDF has the standard deviation
+    /// `urdf_sd`.
+    fn of(model: &JointModel, channel: usize, own: &JointRows, urdf_sd: f64, step: f64) -> Self {
+        let usual = 4.0 * USUAL_LOG_GAIN;
+        let largest = (LARGEST_PART * own.effort_sd / urdf_sd).ln().max(usual);
         let steps = (LARGEST_LOG_GAIN / step).round() as i32;
         let log_gain: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * step).collect();
-        let along = |sign: f64, without_gravity: bool, range: f64| -> Vec<f64> {
+        let along = |sign: f64, without_gravity: bool, least: f64, most: f64| -> Vec<f64> {
             let relation = |u: f64| Relation { gain: sign * u.exp(), without_gravity };
             let mut profile: Vec<f64> = log_gain
                 .iter()
                 .map(|&u| {
-                    if u.abs() > range {
+                    if !(least..=most).contains(&u) {
                         return f64::NEG_INFINITY;
                     }
-                    -0.5 * model.deviance(channel, relation(u), effective)
+                    -0.5 * model.deviance(channel, relation(u), own)
                 })
                 .collect();
             // the friction's sign hardly depends on the size of the gain
             if let Some(best) = highest(&profile) {
-                let off = model.against_dissipation(channel, relation(log_gain[best]), effective);
+                let off = model.against_dissipation(channel, relation(log_gain[best]), own);
                 profile.iter_mut().for_each(|l| *l -= 0.5 * off);
             }
             profile
         };
         Self {
-            with: [along(1.0, false, f64::INFINITY), along(-1.0, false, f64::INFINITY)],
-            without: along(1.0, true, 4.0 * USUAL_LOG_GAIN),
+            with: [1.0, -1.0].map(|sign| along(sign, false, f64::NEG_INFINITY, largest)),
+            without: along(1.0, true, -usual, usual),
             log_gain,
         }
     }
@@ -409,6 +424,19 @@ fn log_sum(logs: &[f64]) -> f64 {
     top + logs.iter().map(|l| (l - top).exp()).sum::<f64>().ln()
 }
 
+/// Arrangements of `n` columns that are as likely as this one before they are looked at: as many columns in a
+/// wrong place are as likely as any other number, and the arrangements of that number as each other.
+fn arrangements(n: usize, order: &[usize]) -> f64 {
+    let moved = (0..n).filter(|&j| order[j] != j).count();
+    // ways without a column in its place
+    let mut ways = vec![1.0, 0.0];
+    for m in 2..=moved {
+        ways.push((m - 1) as f64 * (ways[m - 1] + ways[m - 2]));
+    }
+    let chosen: f64 = (0..moved).map(|k| (n - k) as f64 / (k + 1) as f64).product();
+    (n.max(2) - 1) as f64 * chosen * ways[moved]
+}
+
 /// Row -> column of the assignment with the least sum; the one of the header where there are more than
 /// sixteen rows.
 fn cheapest_assignment(cost: &[Vec<f64>]) -> Vec<usize> {
@@ -451,6 +479,14 @@ mod tests {
         assert_eq!(cheapest_assignment(&cycle), [1, 2, 0]);
         // equal costs leave the header's order
         assert_eq!(cheapest_assignment(&vec![vec![0.0; 4]; 4]).len(), 4);
+    }
+
+    #[test]
+    fn arrangements_of_four() {
+        // 6 pairs, 8 rings of three, 9 of all four; each number of columns a third
+        for (order, count) in [([1, 0, 2, 3], 6.0), ([1, 2, 0, 3], 8.0), ([1, 2, 3, 0], 9.0)] {
+            assert!((arrangements(4, &order) - 3.0 * count).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -101,13 +101,13 @@ impl JointModel {
 
     /// `-2 ln` of the likelihood that the channel of joint `channel` is this joint's effort in this
     /// relation, but for [`against_dissipation`](Self::against_dissipation); comparable between relations
-    /// and, summed, between assignments of the same channels. `effective` is the number of independent
-    /// samples of the channel.
-    pub(super) fn deviance(&self, channel: usize, relation: Relation, effective: f64) -> f64 {
-        self.fit(channel, relation, effective).deviance
+    /// and, summed, between assignments of the same channels. `own` are the rows of the channel's joint.
+    pub(super) fn deviance(&self, channel: usize, relation: Relation, own: &JointRows) -> f64 {
+        self.fit(channel, relation, own).deviance
     }
 
-    fn fit(&self, channel: usize, relation: Relation, effective: f64) -> NoiseFit {
+    fn fit(&self, channel: usize, relation: Relation, own: &JointRows) -> NoiseFit {
+        let effective = own.of_misfit;
         let (f, z) = self.blocks;
         let b = relation.gain;
         let taken = if relation.without_gravity { b } else { 0.0 };
@@ -128,7 +128,8 @@ impl JointModel {
             freedom * log_variance + weight * left / variance + misfit.sum::<f64>()
         };
         // rows of dependent columns hold part of what is left, so `left` alone is no lower bound
-        let least = (scale * SMALLEST_NOISE.powi(2)).max(f64::MIN_POSITIVE).ln();
+        let least = scale * SMALLEST_NOISE.powi(2);
+        let least = least.max(own.noise * own.noise).max(f64::MIN_POSITIVE).min(scale).ln();
         let (log_variance, deviance) =
             golden(of_noise, least, scale.max(f64::MIN_POSITIVE).ln() + 1.0);
         NoiseFit { variance: log_variance.exp(), deviance, off, y }
@@ -140,9 +141,10 @@ impl JointModel {
         &self,
         channel: usize,
         relation: Relation,
-        effective: f64,
+        own: &JointRows,
     ) -> f64 {
-        let fit = self.fit(channel, relation, effective);
+        let effective = own.of_misfit;
+        let fit = self.fit(channel, relation, own);
         let f = self.blocks.0;
         let b = relation.gain;
         let weight = effective / self.samples;

@@ -25,7 +25,9 @@ use std::collections::BTreeMap;
 
 use armident_numeric::NumericError;
 pub use armident_recording::QualityReport;
-use armident_recording::{Finding, Motion, Quantity, Recording, quality};
+use armident_recording::{
+    ChannelQuality, Finding, Motion, Quantity, RESTING_RANGE, Recording, quality,
+};
 use serde::Serialize;
 
 pub use channel::{ChannelEvidence, ChannelKind};
@@ -52,6 +54,10 @@ pub enum Verdict {
     /// Wrong beyond a thousand to one.
     Wrong,
 }
+
+/// Share of samples that repeat a value while the joint moves beyond which a column is no effort to compare
+/// with others: a drive that is off, or rounds small currents to zero.
+const STUCK: f64 = 0.1;
 
 /// A fault less likely than this is none, one more likely than its complement is one.
 const SURE: f64 = 1e-3;
@@ -211,7 +217,10 @@ pub fn check(
     let mut problem = BatchProblem::new(&arm, &set);
     problem.choose_speed_resolution(&motions.iter().collect::<Vec<_>>())?;
     let names = model.chain.joint_names();
-    let mut rows = rows::accumulate(&problem, &arm, motions)?;
+    let own: Vec<Recording> = recordings.iter().map(|r| of_joints(r, &names)).collect();
+    let quality: Vec<QualityReport> = own.iter().map(quality).collect();
+    let noise = rows::noise_in_band(&names, motions, &quality);
+    let mut rows = rows::accumulate(&problem, &arm, motions, &noise)?;
     let mut delay = delay::delay(&rows);
     // friction bends where the delay puts its reversals: once more with the efforts in their place
     let mut aligned = motions.to_vec();
@@ -219,23 +228,35 @@ pub fn check(
         let Some(so_far) = delay.clone().filter(Delay::excludes_zero) else { break };
         aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
         problem.choose_speed_resolution(&aligned.iter().collect::<Vec<_>>())?;
-        rows = rows::accumulate(&problem, &arm, &aligned)?;
+        rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
         let Some(rest) = delay::delay(&rows) else { break };
         delay = Some(so_far.and_then(&rest));
     }
-    let channels = channel::channels(&problem, &rows)?;
+    let alive: Vec<bool> = (names.iter().enumerate())
+        .map(|(j, name)| {
+            let stuck = |c: &ChannelQuality| {
+                c.joint == *name && c.quantity == Quantity::Effort && c.stuck_share > STUCK
+            };
+            let moves = excitation::activity(motions, j).range >= RESTING_RANGE;
+            moves && !quality.iter().flat_map(|r| &r.channels).any(stuck)
+        })
+        .collect();
+    let channels = channel::channels(&problem, &rows, &alive)?;
     let (constants, rank) = excitation::excitation(&problem, &names, &rows, &aligned)?;
-    let own: Vec<Recording> = recordings.iter().map(|r| of_joints(r, &names)).collect();
-    let quality: Vec<QualityReport> = own.iter().map(quality).collect();
     let differences = armident_recording::differences(&own);
 
+    let is_effort: Vec<bool> = names.iter().map(|name| !signals.contains_key(*name)).collect();
     let mut checks = say::quality(&quality, &differences);
     checks.extend(say::rate(&quality, motions));
     checks.push(say::delay(delay.as_ref(), motions));
     checks.push(say::order(&channels, &names));
+    checks.extend(say::other_motion(&channels, &is_effort));
     checks.push(say::excitation(&constants, rank, problem.terms.len()));
     for (j, name) in names.iter().enumerate() {
         checks.push(say::channel(&channels, j, &names, signals.get(*name).copied()));
+        if is_effort[j] {
+            checks.extend(say::beyond_limit(motions, j, model));
+        }
         checks.extend(say::noise(&quality, motions, j, name));
         checks.extend(say::motion(motions, j, name));
     }

@@ -3,9 +3,9 @@
 
 use armident_dynamics::{ArmMotion, RigidArm, inverse_dynamics_of_motion};
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::{Interpolation, Motion};
+use armident_recording::{Interpolation, Motion, QualityReport, Quantity};
 
-use crate::batch::{BatchProblem, RANK_CUT};
+use crate::batch::{BatchProblem, RANK_CUT, Term};
 use crate::rows::EDGE_PERIODS;
 
 /// Effort shifts tried to either side.
@@ -32,7 +32,12 @@ pub(super) struct JointRows {
     /// samples that are worth as much as independent ones, from the correlation of what the joint's
     /// terms leave of its effort
     pub(super) effective: f64,
-    /// root mean square of that residual \[N m or N\]
+    /// the same for what laws leave over that are not quite those of the robot: noise is as independent as
+    /// above, what is a function of the motion only as much as the effort that friction alone leaves over
+    pub(super) of_misfit: f64,
+    /// standard deviation of the recorded noise after the low-pass \[N m or N\]: no model leaves less
+    pub(super) noise: f64,
+    /// root mean square of the residual \[N m or N\]
     pub(super) residual_rms: f64,
     /// standard deviation of the filtered effort \[N m or N\]
     pub(super) effort_sd: f64,
@@ -51,6 +56,63 @@ impl JointRows {
 
     pub(super) fn shifted(&self, shift: usize) -> usize {
         self.terms + 1 + self.joints + shift
+    }
+
+    /// What fits leave over of the joint's effort: how large, and how many independent samples it has.
+    fn measure_rest(
+        &mut self,
+        problem: &BatchProblem<'_>,
+        joint: usize,
+        motions: &[Motion],
+        moved: &[ArmMotion<'_>],
+    ) -> Result<(), NumericError> {
+        // all terms, and those of friction alone
+        let own: Vec<usize> = (0..self.terms).collect();
+        let is_friction = |place: &usize| {
+            !matches!(problem.terms[problem.terms_of_joint(joint)[*place]], Term::Constant(_))
+        };
+        let friction: Vec<usize> = own.iter().copied().filter(is_friction).collect();
+        let fitted = |places: &[usize]| self.triangle.with_unknowns(places).solve(RANK_CUT);
+        let fits = [(fitted(&own)?, own), (fitted(&friction)?, friction)];
+        let mut thinned = [Vec::new(), Vec::new()];
+        let mut squares = 0.0;
+        for (motion, moved) in motions.iter().zip(moved) {
+            let Some(effort) = &motion.effort_filtered else { continue };
+            let columns = model_columns(problem, joint, motion, moved);
+            let edge = edge(motion);
+            let stride = motion.filter.as_ref().map_or(1.0, |filter| {
+                (motion.rate_hz / (SAMPLES_PER_CUTOFF * filter.cutoff_hz())).floor().max(1.0)
+            });
+            for (k, (fit, places)) in fits.iter().enumerate() {
+                let left: Vec<f64> = (0..motion.len() - 2 * edge)
+                    .map(|t| {
+                        let pairs = places.iter().zip(&fit.solution);
+                        let fitted: f64 = pairs.map(|(&c, x)| columns[c][t] * x).sum();
+                        effort[joint][edge + t] - fitted
+                    })
+                    .collect();
+                if k == 0 {
+                    squares += left.iter().map(|r| r * r).sum::<f64>();
+                }
+                thinned[k]
+                    .push(left.iter().step_by(stride as usize).copied().collect::<Vec<f64>>());
+            }
+        }
+        // the low-pass lets no more through, however the rest of many terms looks
+        let most: f64 = motions.iter().map(|m| m.independent_share() * m.len() as f64).sum();
+        let independent = |of: &[Vec<f64>]| {
+            let count: usize = of.iter().map(Vec::len).sum();
+            (count as f64 / correlation_time(of)).min(most).max(1.0)
+        };
+        self.residual_rms = (squares / self.samples).sqrt();
+        self.effective = independent(&thinned[0]);
+        // what is left is noise to this share, and a function of the motion for the rest
+        let noisy = (self.noise / self.residual_rms).powi(2).min(1.0);
+        let of_motion = independent(&thinned[1]).min(self.effective);
+        // as many terms as independent samples leave nothing over, and that looks like noise
+        let free = (1.0 - self.terms as f64 / most).max(0.0);
+        self.of_misfit = of_motion + noisy.max(free) * (self.effective - of_motion);
+        Ok(())
     }
 }
 
@@ -95,11 +157,37 @@ fn model_columns(
     columns
 }
 
+/// Standard deviation of the recorded noise of each joint's effort after the low-pass \[N m or N\].
+pub(super) fn noise_in_band(
+    names: &[&str],
+    motions: &[Motion],
+    reports: &[QualityReport],
+) -> Vec<f64> {
+    let samples: f64 = motions.iter().map(|m| m.len() as f64).sum();
+    let of_joint = |name: &&str| {
+        let squares: f64 = motions
+            .iter()
+            .zip(reports)
+            .map(|(motion, report)| {
+                let effort = report
+                    .channels
+                    .iter()
+                    .find(|c| c.joint == **name && c.quantity == Quantity::Effort);
+                let sigma = effort.and_then(|c| c.noise).unwrap_or(0.0);
+                sigma * sigma * motion.independent_share() * motion.len() as f64
+            })
+            .sum();
+        (squares / samples).sqrt()
+    };
+    names.iter().map(of_joint).collect()
+}
+
 /// Reduces all motions, joint by joint. Memory: the columns of one joint of one recording.
 pub(super) fn accumulate(
     problem: &BatchProblem<'_>,
     arm: &RigidArm,
     motions: &[Motion],
+    noise: &[f64],
 ) -> Result<Vec<JointRows>, NumericError> {
     let n = arm.dof();
     let shifts = shifts_s();
@@ -128,6 +216,8 @@ pub(super) fn accumulate(
             joints: n,
             samples: 0.0,
             effective: 0.0,
+            of_misfit: 0.0,
+            noise: noise[joint],
             residual_rms: 0.0,
             effort_sd: 0.0,
             urdf_sd: 0.0,
@@ -157,31 +247,7 @@ pub(super) fn accumulate(
         rows.effort_sd = (effort_moments.1 / rows.samples - mean * mean).max(0.0).sqrt();
         let (count, sum, of_squares) = of_urdf[joint];
         rows.urdf_sd = (of_squares / count - (sum / count).powi(2)).max(0.0).sqrt();
-        let own: Vec<usize> = (0..terms).collect();
-        let values = rows.triangle.with_unknowns(&own).solve(RANK_CUT)?.solution;
-        let mut residuals = Vec::new();
-        let mut squares = 0.0;
-        let mut thinned_count = 0.0;
-        for (motion, moved) in motions.iter().zip(&moved) {
-            let Some(effort) = &motion.effort_filtered else { continue };
-            let columns = model_columns(problem, joint, motion, moved);
-            let edge = edge(motion);
-            let residual: Vec<f64> = (0..motion.len() - 2 * edge)
-                .map(|t| {
-                    let fitted: f64 = columns.iter().zip(&values).map(|(c, x)| c[t] * x).sum();
-                    effort[joint][edge + t] - fitted
-                })
-                .collect();
-            squares += residual.iter().map(|r| r * r).sum::<f64>();
-            let stride = motion.filter.as_ref().map_or(1.0, |filter| {
-                (motion.rate_hz / (SAMPLES_PER_CUTOFF * filter.cutoff_hz())).floor().max(1.0)
-            });
-            let thinned: Vec<f64> = residual.iter().step_by(stride as usize).copied().collect();
-            thinned_count += thinned.len() as f64;
-            residuals.push(thinned);
-        }
-        rows.residual_rms = (squares / rows.samples).sqrt();
-        rows.effective = (thinned_count / correlation_time(&residuals)).max(1.0);
+        rows.measure_rest(problem, joint, motions, &moved)?;
         all.push(rows);
     }
     Ok(all)

@@ -5,10 +5,11 @@ use armident_recording::{
     RESTING_RANGE,
 };
 
-use super::channel::{ChannelKind, Channels, LARGEST_LOG_GAIN};
+use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::delay::Delay;
 use super::excitation::{ConstantCheck, activity};
 use super::{Check, Topic, Verdict};
+use crate::model::ArmModel;
 
 /// Evidence (`2 ln` of a likelihood ratio) beyond which a delay is believed: a thousand to one, after
 /// one delay in a hundred recordings is expected.
@@ -17,6 +18,9 @@ const DELAY_EVIDENCE: f64 = 23.0;
 const DELAY_MATTERS: f64 = 0.5;
 /// Noise beyond this share of the signal is worth saying.
 const NOISY: f64 = 0.1;
+/// Recorded effort over the limit of the robot description from which its unit is in doubt: drives do not give
+/// three times what they can.
+const BEYOND_LIMIT: f64 = 3.0;
 /// Reductions of usual gears of arms.
 const GEARS: [f64; 9] = [30.0, 50.0, 80.0, 100.0, 101.0, 120.0, 121.0, 160.0, 161.0];
 /// Rarer of both directions, as a share of the moving time, below which friction cannot be told from an
@@ -187,6 +191,29 @@ pub(super) fn order(channels: &Channels, names: &[&str]) -> Check {
     }
 }
 
+/// A gain at the end of the range is none: nothing of the URDF's effort is seen.
+fn is_absent(found: &ChannelEvidence) -> bool {
+    let [low, high] = found.gain_95;
+    low.abs().min(high.abs()) < 2.0 * (-LARGEST_LOG_GAIN).exp()
+}
+
+/// Efforts none of which is the joint's, and of some the rigid body is surely missing: they belong to another
+/// motion. `is_effort` says of which joints efforts are recorded, not currents.
+pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
+    let surely_missing = |c: &ChannelEvidence| c.as_said() == Verdict::Wrong && is_absent(c);
+    let pairs = channels.evidence.iter().zip(is_effort);
+    let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
+    let none_fits = all.len() > 1 && all.iter().all(|c| c.as_said() != Verdict::Ok);
+    (none_fits && all.into_iter().any(surely_missing)).then(|| Check {
+        advice: Some("are efforts and positions of the same run, with the same clock?".to_owned()),
+        ..robot_wide(
+            Topic::Order,
+            Verdict::Wrong,
+            "no effort column shows the rigid body of its joint: the efforts belong to another motion".to_owned(),
+        )
+    })
+}
+
 pub(super) fn channel(
     channels: &Channels,
     joint: usize,
@@ -230,8 +257,7 @@ pub(super) fn channel(
     if matches!(verdict, Verdict::Ok) {
         return base(verdict, format!("the joint's effort, {gain}"), None);
     }
-    // a gain at the end of the range is none: nothing of the URDF's effort is seen
-    let absent = low.abs().min(high.abs()) < 2.0 * (-LARGEST_LOG_GAIN).exp();
+    let absent = is_absent(found);
     let backwards = flipped + other_flipped > 1.0 - super::SURE;
     if absent && backwards && verdict == Verdict::Wrong {
         let message = format!(
@@ -300,6 +326,35 @@ pub(super) fn channel(
         }
     };
     base(verdict, message, Some(advice))
+}
+
+/// An effort that the joint cannot give.
+pub(super) fn beyond_limit(motions: &[Motion], joint: usize, model: &ArmModel) -> Option<Check> {
+    let of = &model.chain.joints[joint];
+    let limit = of.limits.effort.filter(|limit| *limit > 0.0)?;
+    let efforts = motions.iter().filter_map(|m| m.effort_filtered.as_ref());
+    let largest =
+        efforts.flat_map(|effort| &effort[joint]).fold(0.0_f64, |so_far, e| so_far.max(e.abs()));
+    let ratio = largest / limit;
+    (ratio > BEYOND_LIMIT).then(|| Check {
+        joint: Some(of.name.clone()),
+        value: Some(ratio),
+        unit: "recorded over largest effort",
+        advice: Some(
+            "is it another unit, a current, or a count of the drive? say so in a mapping file"
+                .to_owned(),
+        ),
+        ..robot_wide(
+            Topic::Channel,
+            Verdict::Doubtful,
+            format!(
+                "reaches {}, {} times the effort limit of the robot description ({} N m or N)",
+                short(largest),
+                short((10.0 * ratio).round() / 10.0),
+                short(limit)
+            ),
+        )
+    })
 }
 
 pub(super) fn noise(
