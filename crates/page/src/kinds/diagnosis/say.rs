@@ -134,7 +134,7 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((times, joint)) = left {
             all.push(format!(
-                "What is left is at most {} times the noise of one recorded sample ({joint}).",
+                "Sample by sample the model errs there by at most {} times the noise of a sample ({joint}).",
                 number(times, 2)
             ));
         }
