@@ -4,12 +4,13 @@
 //! | --- | --- |
 //! | rate | cut-off that the motion asks for against the highest the rate allows |
 //! | noise | spectrum above a quarter of the rate, brought through the low-pass and two derivatives |
-//! | channel | likelihood of the joint's effort, its negative, a multiple, the effort less gravity |
-//! | order | the same for every column on every joint, best assignment |
+//! | channel | likelihood of the joint's effort, its negative, a multiple, the effort less gravity; the limit of the drive |
+//! | order | the same for every column on every joint, best assignment; efforts that fit no joint |
 //! | delay | likelihood over shifts of the effort |
 //! | excitation | standard errors of the constants from the recordings alone |
 //!
-//! Every verdict comes from a probability or a standard error, counting independent samples. A joint
+//! Every verdict comes from a probability or a standard error, counting independent samples: of what is left
+//! over, no more than the low-pass lets through, and no more than the motion has where it is not noise. A joint
 //! whose efforts say little (friction and noise above the rigid body's) gets [`Verdict::CannotTell`].
 //! Nothing is decided by how well the URDF fits: its numbers may be off by their size, and the arm may
 //! carry a load it does not know.
