@@ -128,13 +128,14 @@ def screen(browser, width, height):
     browser.devtools(
         "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
     )
+    # charts follow the width of their page
+    time.sleep(0.7)
 
 
 def picture(browser, path, width, height, dark=False):
     media = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
     browser.devtools("Emulation.setEmulatedMedia", features=media)
     screen(browser, width, height)
-    time.sleep(0.7)
     data = browser.devtools("Page.captureScreenshot", format="png")["data"]
     path.write_bytes(base64.b64decode(data))
 
@@ -153,7 +154,6 @@ def look(browser, page, pictures):
         picture(browser, folder / f"{name}.dark.png", 1200, 1600, dark=True)
     # what is wider than the screen of a phone makes the page scroll sideways
     screen(browser, 390, 1600)
-    time.sleep(0.7)
     if pictures:
         picture(browser, folder / f"{name}.phone.png", 390, 1600)
     overflow = browser.run("return document.documentElement.scrollWidth - innerWidth")
@@ -239,17 +239,15 @@ def main():
     pictures = "--pictures" in arguments
     folder, *names = [a for a in arguments if a != "--pictures"]
     for name in names:
-        silent = []
-        while True:
+        page = pathlib.Path(folder).resolve() / name
+        for tried in range(1, BROWSERS + 1):
             try:
-                seen = look_anew(pathlib.Path(folder).resolve() / name, pictures)
+                print(json.dumps(look_anew(page, pictures)), flush=True)
                 break
             except Silent as fault:
-                silent.append(str(fault))
-                print(f"{name}: {fault}; browser {len(silent)} of {BROWSERS}", file=sys.stderr, flush=True)
-                if len(silent) == BROWSERS:
+                print(f"{name}: {fault}; browser {tried} of {BROWSERS}", file=sys.stderr, flush=True)
+                if tried == BROWSERS:
                     raise
-        print(json.dumps({**seen, "silent_browsers": silent}), flush=True)
 
 
 if __name__ == "__main__":

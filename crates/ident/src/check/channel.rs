@@ -118,8 +118,8 @@ pub(super) struct Channels {
 ///
 /// How far the URDF is to be doubted is the same question for all joints: each joint's column is judged
 /// with the beliefs that the columns of the others make likely, as far as these are beyond doubt
-/// themselves. Columns that are `alive` and of joints that move are compared with each other; the others stay
-/// where their header puts them.
+/// themselves. Only columns that are `alive` are compared with each other; the others stay where their header
+/// puts them.
 pub(super) fn channels(
     problem: &BatchProblem<'_>,
     rows: &[JointRows],
