@@ -54,6 +54,8 @@ pub(crate) struct At<'a> {
     pub(crate) arm: RigidArm,
     pub(crate) position: Vec<Vec<f64>>,
     pub(crate) rigid: Vec<Vec<f64>>,
+    /// of joints that rest somewhere: with their held acceleration
+    answered: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
     angles: ArmAngles,
@@ -86,8 +88,11 @@ impl<'a> At<'a> {
             (others, OnceLock::new())
         });
         let delay_s = point.delay_s;
-        let mut at = Self { signals, arm, position, rigid, delay_s, angles, others, loads };
+        let answered = Vec::new();
+        let mut at =
+            Self { signals, arm, position, rigid, answered, delay_s, angles, others, loads };
         at.rigid = at.motion().efforts(&at.arm);
+        at.answered = at.answered_where_held();
         at
     }
 
@@ -95,6 +100,21 @@ impl<'a> At<'a> {
     pub(crate) fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
         let (v, a) = (&self.signals.velocity, &self.signals.acceleration);
         armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
+    }
+
+    /// Rigid efforts on the joints that rest somewhere, with what their drives still give there.
+    fn answered_where_held(&self) -> Vec<Option<Vec<f64>>> {
+        let of = |(j, rests): (usize, &Vec<(usize, usize)>)| {
+            let held = &self.signals.held_acceleration[j];
+            let any = rests.iter().any(|(start, _)| *start > 0);
+            any.then(|| self.motion().with_acceleration(j, held).effort_on(&self.arm, j))
+        };
+        self.signals.rests.iter().enumerate().map(of).collect()
+    }
+
+    /// The rigid effort that the drive of a joint answers.
+    pub(crate) fn answered(&self, j: usize) -> &[f64] {
+        self.answered[j].as_ref().unwrap_or(&self.rigid[j])
     }
 
     /// The arm whose links move by themselves behind their motors, and its efforts where they do not.
@@ -116,9 +136,9 @@ impl<'a> At<'a> {
             time_s: &self.signals.time_s,
             position: &self.position[j],
             velocity: &self.signals.velocity[j],
-            acceleration: &self.signals.acceleration[j],
+            acceleration: &self.signals.held_acceleration[j],
             direction: &self.signals.direction[j],
-            rigid_effort: &self.rigid[j],
+            rigid_effort: self.answered(j),
         }
     }
 
@@ -224,7 +244,7 @@ impl<'a> Evidence<'a> {
                             // without a record the rows weigh nothing
                             return vec![0.0; at.rigid[j].len()];
                         }
-                        at.rigid[j].iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
+                        at.answered(j).iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
                     })
                     .collect();
                 self.rows.form(&self.signals, j, difference.iter().map(Vec::as_slice))
@@ -296,7 +316,12 @@ impl<'a> Evidence<'a> {
             let wanted: Vec<usize> = (10 * row..10 * n).collect();
             let by_recording: Vec<Vec<Vec<f64>>> = at
                 .iter()
-                .map(|at| standard.of_arm_motion(&at.arm, row, &at.motion(), &wanted))
+                .map(|at| {
+                    let motion = at.motion();
+                    let answered =
+                        motion.with_acceleration(row, &at.signals.held_acceleration[row]);
+                    standard.of_arm_motion(&at.arm, row, &answered, &wanted)
+                })
                 .collect();
             let formed = wanted.iter().enumerate().filter_map(|(k, &parameter)| {
                 let pieces = by_recording.iter().map(|c| c[k].as_slice());

@@ -60,6 +60,7 @@ mod rows;
 mod search;
 mod select;
 mod signals;
+mod stops;
 mod transmission;
 mod without;
 

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::evidence::{At, OperatingPoint};
 use crate::flexible::FlexibleTerm;
 use crate::signals::{Signals, later, low_pass};
+use crate::stops::{filter_between, held};
 use crate::transmission::{Transmission, TransmissionTerm};
 
 /// Cut-off for the rigid part of a prediction \[Hz\], unless training recordings ask for a lower one:
@@ -105,8 +106,11 @@ impl DiagnosedModel {
         let chain = &self.arm.chain;
         let at = At::new(chain, &RigidArm::from_chain(chain), signals, &self.point());
         let rigid_filter = low_pass(self.learned.rigid_cutoff_hz, signals.rate_hz)?;
-        let mut effort: Vec<Vec<f64>> =
-            at.rigid.iter().map(|rigid| rigid_filter.filter(rigid)).collect();
+        let mut effort: Vec<Vec<f64>> = (at.rigid.iter().enumerate())
+            .map(|(j, rigid)| {
+                filter_between(rigid, &signals.rests[j], &rigid_filter, signals.rate_hz)
+            })
+            .collect();
         let index = |name: &str| chain.joints.iter().position(|j| j.name == name);
         for on_joint in &self.arm.effects {
             let (Some(law), Some(j)) = (effect(&on_joint.effect), index(&on_joint.joint)) else {
@@ -124,7 +128,7 @@ impl DiagnosedModel {
                 add(effort, &part);
             }
             let inertia: Vec<f64> =
-                signals.acceleration[j].iter().map(|a| a * term.motor_inertia).collect();
+                signals.held_acceleration[j].iter().map(|a| a * term.motor_inertia).collect();
             add(&mut effort[j], &inertia);
         }
         for coupling in &self.learned.couplings {
@@ -146,6 +150,7 @@ impl DiagnosedModel {
             }
         }
         for (j, effort) in effort.iter_mut().enumerate() {
+            *effort = held(effort, &signals.rests[j], signals.rate_hz);
             effort.iter_mut().for_each(|e| *e *= self.learned.gain[j]);
             *effort = later(effort, -self.learned.delay_s * signals.rate_hz);
         }

@@ -10,28 +10,12 @@ use armident_recording::{
 
 use crate::band::Band;
 use crate::noise::{Noise, noise_of};
+use crate::stops::{Channels, SmoothMotion, directions_and_stops, held, least_step};
 
 /// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
 /// columns with signs and products are formed from it and only then filtered.
 const KINEMATICS_HZ: f64 = 25.0;
 const KINEMATICS_ORDER: usize = 4;
-/// A speed below this many standard deviations of its noise has no sign...
-const SIGN_DEVIATIONS: f64 = 5.0;
-/// ... nor one below this share of the root mean square speed.
-const SIGN_SHARE: f64 = 0.002;
-/// A joint sticks below this share of the root mean square speed...
-const STICK_SHARE: f64 = 0.006;
-/// ... if it stays there this long \[s\].
-const STICK_S: f64 = 0.03;
-/// A joint rests while its recorded position stays within this many standard deviations of its noise...
-const SAME_PLACE_DEVIATIONS: f64 = 6.0;
-/// ... or of this many steps of its encoder...
-const SAME_PLACE_STEPS: f64 = 1.5;
-/// ... this long \[s\], where at its accelerations so far around \[s\] it would have gone this many times as
-/// far.
-const REST_S: f64 = 0.015;
-const AROUND_S: f64 = 0.05;
-const FAR: f64 = 5.0;
 /// Share of the acceleration noise from the position that is clearly better.
 const CLEARLY_BETTER: f64 = 0.5;
 /// Share of the acceleration's noise in it from which on it matters.
@@ -41,8 +25,6 @@ const MATTERS: f64 = 0.02;
 const SAME_SCALE: f64 = 0.05;
 const NO_LAG_S: f64 = 1e-3;
 const NO_LAG_SAMPLES: f64 = 0.05;
-/// Friction fades to nothing in this time \[s\] when a joint stops and goes on the same way.
-const DIP_S: f64 = 0.04;
 /// Samples of all recordings together from which on a search takes fewer...
 const SEARCHED_SAMPLES: usize = 12_000;
 /// ... but not fewer than so many a second: ten times the cut-off of the kinematics, 25 times that of the band.
@@ -61,8 +43,12 @@ pub(crate) struct Signals {
     pub(crate) position: Vec<Vec<f64>>,
     pub(crate) velocity: Vec<Vec<f64>>,
     pub(crate) acceleration: Vec<Vec<f64>>,
+    /// the same, as far as the effort on the joint itself is concerned: [`held`]
+    pub(crate) held_acceleration: Vec<Vec<f64>>,
     pub(crate) direction: Vec<Vec<f64>>,
     pub(crate) stuck: Vec<Vec<bool>>,
+    /// stretches in which a joint stays where it is, `[start, end)`
+    pub(crate) rests: Vec<Vec<(usize, usize)>>,
     /// empty for a joint whose effort is not recorded
     pub(crate) effort: Vec<Vec<f64>>,
     /// noise of the effort of one recorded sample, and in the band \[N m or N\]
@@ -112,6 +98,11 @@ impl Signals {
             .map(|j| on_grid(j, Quantity::Position))
             .map(|q| if q.is_empty() { vec![0.0; time_s.len()] } else { q })
             .collect();
+        let steps: Vec<f64> = joints
+            .iter()
+            .map(|j| recording.joint(j).and_then(|j| j.channel(Quantity::Position)))
+            .map(|position| position.map_or(0.0, least_step))
+            .collect();
         let effort: Vec<Vec<f64>> = joints.iter().map(|j| on_grid(j, Quantity::Effort)).collect();
         let recorded_velocity: Vec<Vec<f64>> =
             joints.iter().map(|j| on_grid(j, Quantity::Velocity)).collect();
@@ -131,6 +122,8 @@ impl Signals {
             acceleration: Vec::new(),
             direction: Vec::new(),
             stuck: Vec::new(),
+            rests: Vec::new(),
+            held_acceleration: Vec::new(),
             effort,
         };
         for effort in &signals.effort {
@@ -140,40 +133,38 @@ impl Signals {
             signals.effort_noise_in_band.push(noise.deviation * gain.sqrt());
         }
         for (j, recorded) in recorded_velocity.iter().enumerate() {
-            let inner = |values: &[f64], margin: usize| {
-                values[margin..margin + signals.time_s.len()].to_vec()
-            };
-            let (position, margin) = extended(&signals.recorded_position[j], rate_hz);
-            let position = low_pass.filter(&position);
-            let mut velocity = differentiate(&position, rate_hz);
-            let mut acceleration = inner(&differentiate(&velocity, rate_hz), margin);
-            velocity = inner(&velocity, margin);
             let of_position = noise_of(&signals.recorded_position[j], rate_hz);
             let mut noise = of_position.deviation * signals.kinematics_gain(1);
             let mut acceleration_noise = signals.in_band(&of_position, 2);
+            let mut channels = Channels {
+                position: &signals.recorded_position[j],
+                velocity: None,
+                step: steps[j],
+                rate_hz,
+                stands: [false; 2],
+            };
+            channels.stands = channels.stands_at_ends(&low_pass, of_position.deviation);
+            let mut motion = channels.smooth(&low_pass);
             if !recorded.is_empty()
-                && let Some(of_recorded) = signals.better_velocity(recorded, &velocity)
+                && let Some(of_recorded) = signals.better_velocity(recorded, &motion.velocity)
             {
-                let (extended, margin) = extended(recorded, rate_hz);
-                let smooth = low_pass.filter(&extended);
-                acceleration = inner(&differentiate(&smooth, rate_hz), margin);
-                velocity = inner(&smooth, margin);
+                channels.velocity = Some(recorded);
+                motion = channels.smooth(&low_pass);
                 noise = of_recorded.deviation * signals.kinematics_gain(0);
                 acceleration_noise = of_recorded.acceleration_in_band;
             }
             signals.acceleration_noise.push(acceleration_noise);
-            signals.position.push(inner(&position, margin));
-            signals.acceleration.push(acceleration);
-            let (direction, mut stuck) = directions_and_stops(&velocity, noise, rate_hz);
-            let acceleration = &signals.acceleration[j];
-            // a joint that mostly stands still has no noise to tell its encoder's step by
-            let resolution = (SAME_PLACE_DEVIATIONS * of_position.deviation)
-                .max(SAME_PLACE_STEPS * least_step(&signals.recorded_position[j]));
-            for (start, end) in
-                rests(&signals.recorded_position[j], acceleration, resolution, rate_hz)
-            {
-                stuck[start..end].fill(true);
+            let rests = channels.rests(&motion.acceleration, of_position.deviation);
+            if !rests.is_empty() {
+                motion = channels.smooth_between(&rests, &low_pass);
             }
+            let SmoothMotion { position, velocity, acceleration } = motion;
+            let (direction, stuck) =
+                directions_and_stops(&velocity, &acceleration, &rests, noise, rate_hz);
+            signals.position.push(position);
+            signals.held_acceleration.push(held(&acceleration, &rests, rate_hz));
+            signals.acceleration.push(acceleration);
+            signals.rests.push(rests);
             signals.velocity.push(velocity);
             signals.direction.push(direction);
             signals.stuck.push(stuck);
@@ -195,7 +186,12 @@ impl Signals {
         if step < 2 {
             return self;
         }
-        let motions = [&mut self.position, &mut self.velocity, &mut self.acceleration];
+        let motions = [
+            &mut self.position,
+            &mut self.velocity,
+            &mut self.acceleration,
+            &mut self.held_acceleration,
+        ];
         for values in motions.into_iter().flatten() {
             *values = every(step, values);
         }
@@ -206,6 +202,12 @@ impl Signals {
         }
         for stuck in &mut self.stuck {
             *stuck = every(step, stuck);
+        }
+        for rests in &mut self.rests {
+            for (start, end) in rests.iter_mut() {
+                (*start, *end) = (start.div_ceil(step), end.div_ceil(step));
+            }
+            rests.retain(|(start, end)| start < end);
         }
         self.time_s = every(step, &self.time_s);
         self.rate_hz /= step as f64;
@@ -301,94 +303,35 @@ pub(crate) fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
 /// The next values of a series by its least-squares quartic; its last value where the last tenth does
 /// not move.
 fn continued(values: &[f64], count: usize) -> Vec<f64> {
-    const TERMS: usize = 5;
     let n = values.len();
     let last = values[n - 1];
-    if n < 2 * TERMS || values[n - (n / 10).max(3)..].iter().all(|x| *x == last) {
+    if n < 2 * QUARTIC_TERMS || values[n - (n / 10).max(3)..].iter().all(|x| *x == last) {
         return vec![last; count];
     }
-    // time from the last sample, in lengths of the series
-    let powers =
-        |k: f64| -> [f64; TERMS] { std::array::from_fn(|p| (k / n as f64).powi(p as i32)) };
-    let rows: Vec<[f64; TERMS]> = (0..n).map(|k| powers(k as f64 - (n - 1) as f64)).collect();
+    match quartic_through(values) {
+        Some(quartic) => (n..n + count).map(|k| quartic(k as f64)).collect(),
+        None => vec![last; count],
+    }
+}
+
+pub(crate) const QUARTIC_TERMS: usize = 5;
+
+/// The least-squares quartic of the index; none through so few values that it is not determined.
+pub(crate) fn quartic_through(values: &[f64]) -> Option<impl Fn(f64) -> f64> {
+    let n = values.len();
+    if n <= QUARTIC_TERMS {
+        return None;
+    }
+    // index from the last value, in lengths of the series
+    let powers = move |k: f64| -> [f64; QUARTIC_TERMS] {
+        std::array::from_fn(|p| ((k - (n - 1) as f64) / n as f64).powi(p as i32))
+    };
+    let rows: Vec<[f64; QUARTIC_TERMS]> = (0..n).map(|k| powers(k as f64)).collect();
     let product = |a: usize, b: usize| rows.iter().map(|r| r[a] * r[b]).sum::<f64>();
     let rhs: Vec<f64> =
-        (0..TERMS).map(|a| rows.iter().zip(values).map(|(r, x)| r[a] * x).sum()).collect();
-    let Some(cholesky) = Cholesky::of(TERMS, product) else { return vec![last; count] };
-    let c = cholesky.solve(&rhs);
-    (1..=count).map(|k| c.iter().zip(powers(k as f64)).map(|(c, p)| c * p).sum()).collect()
-}
-
-/// Direction of motion, bridged where the speed has no sure sign, and where the joint sticks.
-///
-/// Between two directions the friction of a stopped joint goes from one level to the other, and a line
-/// is the best guess; between two equal ones it gives way in between.
-fn directions_and_stops(velocity: &[f64], noise: f64, rate_hz: f64) -> (Vec<f64>, Vec<bool>) {
-    let n = velocity.len();
-    let rms = (velocity.iter().map(|v| v * v).sum::<f64>() / n.max(1) as f64).sqrt();
-    let threshold = (SIGN_DEVIATIONS * noise).max(SIGN_SHARE * rms);
-    let mut direction: Vec<f64> =
-        velocity.iter().map(|v| if v.abs() >= threshold { v.signum() } else { 0.0 }).collect();
-    let dip = (DIP_S * rate_hz).max(1.0);
-    for (start, end) in spells(velocity, threshold) {
-        let before = if start == 0 { 0.0 } else { direction[start - 1] };
-        let after = if end == n { 0.0 } else { direction[end] };
-        let length = (end - start + 1) as f64;
-        for t in start..end {
-            let (from_start, to_end) = ((t - start + 1) as f64, (end - t) as f64);
-            let by_line = before + (after - before) * from_start / length;
-            let fading =
-                before * (1.0 - from_start / dip).max(0.0) + after * (1.0 - to_end / dip).max(0.0);
-            direction[t] = if before * after < 0.0 { by_line } else { fading.clamp(-1.0, 1.0) };
-        }
-    }
-    let mut stuck = vec![false; n];
-    for (start, end) in spells(velocity, threshold.max(STICK_SHARE * rms)) {
-        if (end - start) as f64 >= STICK_S * rate_hz {
-            stuck[start..end].fill(true);
-        }
-    }
-    (direction, stuck)
-}
-
-/// Stretches in which a joint stays at one place though at its accelerations around it would have left: the
-/// rests of stick and slip, too short to be seen in a filtered velocity.
-fn rests(
-    position: &[f64],
-    acceleration: &[f64],
-    resolution: f64,
-    rate_hz: f64,
-) -> Vec<(usize, usize)> {
-    let least = (REST_S * rate_hz).ceil().max(4.0) as usize;
-    let around = (AROUND_S * rate_hz).round() as usize;
-    let n = position.len();
-    let mut found = Vec::new();
-    let mut start = 0;
-    while start + least <= n {
-        let (mut low, mut high) = (position[start], position[start]);
-        let mut end = start;
-        while end < n {
-            low = low.min(position[end]);
-            high = high.max(position[end]);
-            if high - low > resolution {
-                break;
-            }
-            end += 1;
-        }
-        if end - start < least {
-            start += 1;
-            continue;
-        }
-        let near = &acceleration[start.saturating_sub(around)..(end + around).min(n)];
-        let square = near.iter().map(|a| a * a).sum::<f64>() / near.len() as f64;
-        // turning back at that acceleration in the middle of the stretch
-        let turned = square.sqrt() * ((end - start) as f64 / rate_hz).powi(2) / 8.0;
-        if turned > FAR * resolution {
-            found.push((start, end));
-        }
-        start = end;
-    }
-    found
+        (0..QUARTIC_TERMS).map(|a| rows.iter().zip(values).map(|(r, x)| r[a] * x).sum()).collect();
+    let c = Cholesky::of(QUARTIC_TERMS, product)?.solve(&rhs);
+    Some(move |k: f64| c.iter().zip(powers(k)).map(|(c, p)| c * p).sum())
 }
 
 fn every<T: Copy>(step: usize, values: &[T]) -> Vec<T> {
@@ -410,30 +353,6 @@ fn means(step: usize, values: &[f64]) -> Vec<f64> {
         (inner + outer * (values[t - half] + values[t + half])) / weight
     };
     (0..values.len()).step_by(step).map(mean).collect()
-}
-
-/// The least that successive samples differ by, if they do.
-fn least_step(position: &[f64]) -> f64 {
-    let steps = position.windows(2).map(|p| (p[1] - p[0]).abs()).filter(|step| *step > 0.0);
-    steps.reduce(f64::min).unwrap_or(0.0)
-}
-
-/// Stretches of samples with a speed below a threshold.
-fn spells(velocity: &[f64], threshold: f64) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    let mut start = None;
-    for (t, v) in velocity.iter().enumerate() {
-        match (v.abs() < threshold || threshold == 0.0, start) {
-            (true, None) => start = Some(t),
-            (false, Some(from)) => {
-                found.push((from, t));
-                start = None;
-            }
-            _ => {}
-        }
-    }
-    found.extend(start.map(|from| (from, velocity.len())));
-    found
 }
 
 impl Signals {
@@ -468,7 +387,7 @@ pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{SEARCHED_SAMPLES, Signals, means, rests};
+    use super::{SEARCHED_SAMPLES, Signals, means};
     use armident_recording::{JointChannels, Recording};
 
     /// What is compared in the band is the same of few samples as of all, friction that reverses among it; noise
@@ -523,33 +442,5 @@ mod tests {
         }
         assert_eq!(means(4, &[]), Vec::<f64>::new());
         assert_eq!(means(4, &[3.0]), [3.0]);
-    }
-
-    /// Holds of 25 ms between slides of 60 ms are found; the smooth reversals of a sine are not rests.
-    #[test]
-    fn holds_between_slides_are_rests() {
-        const RATE_HZ: f64 = 400.0;
-        let slides = |t: f64| {
-            let (cycle, phase) = ((t / 0.085).floor(), t % 0.085);
-            let x = ((phase - 0.025) / 0.06).max(0.0);
-            0.02 * (cycle + x * x * (3.0 - 2.0 * x))
-        };
-        let twice = |values: &[f64]| -> Vec<f64> {
-            let second = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]) * RATE_HZ * RATE_HZ;
-            let inner = values.windows(3).map(second);
-            std::iter::once(0.0).chain(inner).chain([0.0]).collect()
-        };
-        let sampled = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            (0..800).map(|k| of(f64::from(k) / RATE_HZ)).collect()
-        };
-        let position = sampled(&slides);
-        let found = rests(&position, &twice(&position), 2e-5, RATE_HZ);
-        // 2 s hold 23 of them; the first samples of a slide are still at the place
-        assert!((20..=24).contains(&found.len()), "{found:?}");
-        assert!(found.iter().all(|(start, end)| (8..=14).contains(&(end - start))), "{found:?}");
-        let sine = sampled(&|t: f64| (3.0 * t).sin());
-        assert_eq!(rests(&sine, &twice(&sine), 2e-5, RATE_HZ), []);
-        // a joint at rest is none of stick and slip either
-        assert_eq!(rests(&[0.5; 800], &[0.0; 800], 2e-5, RATE_HZ), []);
     }
 }
