@@ -92,7 +92,8 @@ impl<'a> At<'a> {
         let mut at =
             Self { signals, arm, position, rigid, answered, delay_s, angles, others, loads };
         at.rigid = at.motion().efforts(&at.arm);
-        at.answered = at.answered_where_held();
+        let held = &signals.held_acceleration;
+        at.answered = (0..held.len()).map(|j| at.of_own(j, held)).collect();
         at
     }
 
@@ -102,14 +103,11 @@ impl<'a> At<'a> {
         armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
     }
 
-    /// Rigid efforts on the joints that rest somewhere, with what their drives still give there.
-    fn answered_where_held(&self) -> Vec<Option<Vec<f64>>> {
-        let of = |(j, rests): (usize, &Vec<(usize, usize)>)| {
-            let held = &self.signals.held_acceleration[j];
-            let any = rests.iter().any(|(start, _)| *start > 0);
-            any.then(|| self.motion().with_acceleration(j, held).effort_on(&self.arm, j))
-        };
-        self.signals.rests.iter().enumerate().map(of).collect()
+    /// Rigid effort on a joint that rests somewhere, with another acceleration of its own; none on others.
+    pub(crate) fn of_own(&self, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let rests = self.signals.rests[j].iter().any(|(start, _)| *start > 0);
+        let own = || self.motion().with_acceleration(j, &acceleration[j]).effort_on(&self.arm, j);
+        rests.then(own)
     }
 
     /// The rigid effort that the drive of a joint answers.

@@ -43,7 +43,8 @@ pub(crate) struct Signals {
     pub(crate) position: Vec<Vec<f64>>,
     pub(crate) velocity: Vec<Vec<f64>>,
     pub(crate) acceleration: Vec<Vec<f64>>,
-    /// the same, as far as the effort on the joint itself is concerned: [`held`]
+    /// the same with the jumps where the joint stops, and as its drive answers it: [`held`]
+    pub(crate) own_acceleration: Vec<Vec<f64>>,
     pub(crate) held_acceleration: Vec<Vec<f64>>,
     pub(crate) direction: Vec<Vec<f64>>,
     pub(crate) stuck: Vec<Vec<bool>>,
@@ -123,6 +124,7 @@ impl Signals {
             direction: Vec::new(),
             stuck: Vec::new(),
             rests: Vec::new(),
+            own_acceleration: Vec::new(),
             held_acceleration: Vec::new(),
             effort,
         };
@@ -155,6 +157,8 @@ impl Signals {
             }
             signals.acceleration_noise.push(acceleration_noise);
             let rests = channels.rests(&motion.acceleration, of_position.deviation);
+            // where a joint stops its neighbours' accelerations jump as well, and are smeared: to them it is as smeared
+            signals.acceleration.push(motion.acceleration.clone());
             if !rests.is_empty() {
                 motion = channels.smooth_between(&rests, &low_pass);
             }
@@ -163,7 +167,7 @@ impl Signals {
                 directions_and_stops(&velocity, &acceleration, &rests, noise, rate_hz);
             signals.position.push(position);
             signals.held_acceleration.push(held(&acceleration, &rests, rate_hz));
-            signals.acceleration.push(acceleration);
+            signals.own_acceleration.push(acceleration);
             signals.rests.push(rests);
             signals.velocity.push(velocity);
             signals.direction.push(direction);
@@ -190,6 +194,7 @@ impl Signals {
             &mut self.position,
             &mut self.velocity,
             &mut self.acceleration,
+            &mut self.own_acceleration,
             &mut self.held_acceleration,
         ];
         for values in motions.into_iter().flatten() {

@@ -177,8 +177,7 @@ impl<'a> Series<'a> {
             series.before = series.image_before(0);
         }
         if stands[1] {
-            let last = values.len() - 1;
-            series.after = series.image_after(0, last, last);
+            series.after = series.image_after(0, values.len() - 1);
         }
         series
     }
@@ -189,10 +188,10 @@ impl<'a> Series<'a> {
         (1..=self.margin).rev().map(|k| self.image * self.values[(first + k).min(last)]).collect()
     }
 
-    /// What would be behind a mirror, back to a first sample.
-    fn image_after(&self, first: usize, mirror: usize, from: usize) -> Vec<f64> {
-        let behind = (from + 1 - mirror..).take(self.margin);
-        behind.map(|k| self.image * self.values[mirror.saturating_sub(k).max(first)]).collect()
+    /// What would be behind a mirror, of the samples from a first one on.
+    fn image_after(&self, first: usize, mirror: usize) -> Vec<f64> {
+        let before = |k: usize| self.values[mirror.saturating_sub(k).max(first)];
+        (1..=self.margin).map(|k| self.image * before(k)).collect()
     }
 
     /// Samples `[start, end)` continued past their ends; a stop is a mirror. Gives the number of samples in front.
@@ -205,7 +204,7 @@ impl<'a> Series<'a> {
         } else {
             // the first sample of the rest is the mirror
             all.push(if self.image > 0.0 { self.values[end] } else { 0.0 });
-            all.extend(self.image_after(start, end, end));
+            all.extend(self.image_after(start, end));
         }
         (all, front)
     }
