@@ -107,11 +107,10 @@ impl DiagnosedModel {
         let at = At::new(chain, &RigidArm::from_chain(chain), signals, &self.point());
         let rigid_filter = low_pass(self.learned.rigid_cutoff_hz, signals.rate_hz)?;
         let mut effort: Vec<Vec<f64>> = (at.rigid.iter().enumerate())
-            .map(|(j, rigid)| match at.of_own(j, &signals.own_acceleration) {
-                Some(own) => {
-                    filter_between(&own, &signals.rests[j], &rigid_filter, signals.rate_hz)
-                }
-                None => rigid_filter.filter(rigid),
+            .map(|(j, rigid)| {
+                let own = at.of_own(j, &signals.own_acceleration);
+                let rigid = own.as_ref().unwrap_or(rigid);
+                filter_between(rigid, &signals.rests[j], &rigid_filter, signals.rate_hz)
             })
             .collect();
         let index = |name: &str| chain.joints.iter().position(|j| j.name == name);

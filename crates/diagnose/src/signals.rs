@@ -159,10 +159,8 @@ impl Signals {
             let rests = channels.rests(&motion.acceleration, of_position.deviation);
             // where a joint stops its neighbours' accelerations jump as well, and are smeared: to them it is as smeared
             signals.acceleration.push(motion.acceleration.clone());
-            if !rests.is_empty() {
-                motion = channels.smooth_between(&rests, &low_pass);
-            }
-            let SmoothMotion { position, velocity, acceleration } = motion;
+            let SmoothMotion { position, velocity, acceleration } =
+                channels.smooth_between(&rests, &low_pass, motion);
             let (direction, stuck) =
                 directions_and_stops(&velocity, &acceleration, &rests, noise, rate_hz);
             signals.position.push(position);

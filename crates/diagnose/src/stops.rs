@@ -76,17 +76,21 @@ impl Channels<'_> {
         smooth_piece(&position, velocity.as_ref(), whole, low_pass, self.rate_hz)
     }
 
-    /// The same with what lies between two stops smoothed for itself. A joint that comes to rest is continued as if it
+    /// What was smoothed as a whole, with what lies between two stops smoothed for itself. A joint that comes to rest is continued as if it
     /// turned back the way it came, which keeps its acceleration up to where it stops; one that breaks away starts
     /// with none, and is smoothed together with the rest before.
     pub(crate) fn smooth_between(
         &self,
         rests: &[(usize, usize)],
         low_pass: &ZeroPhaseLowPass,
+        mut motion: SmoothMotion,
     ) -> SmoothMotion {
+        let pieces = pieces(rests, self.position.len(), self.rate_hz);
+        if pieces.is_empty() {
+            return motion;
+        }
         let (position, velocity) = self.series();
-        let mut motion = self.smooth(low_pass);
-        for (start, end) in pieces(rests, self.position.len(), self.rate_hz) {
+        for (start, end) in pieces {
             let piece =
                 smooth_piece(&position, velocity.as_ref(), (start, end), low_pass, self.rate_hz);
             motion.position[start..end].copy_from_slice(&piece.position);
@@ -145,12 +149,11 @@ impl Channels<'_> {
 /// A recording cut where its joint stops, without what is too short to be smoothed for itself; nothing if it never
 /// does.
 fn pieces(rests: &[(usize, usize)], samples: usize, rate_hz: f64) -> Vec<(usize, usize)> {
-    if rests.is_empty() {
+    let stops = rests.iter().map(|(start, _)| *start).filter(|start| *start > 0);
+    let cuts: Vec<usize> = [0].into_iter().chain(stops).chain([samples]).collect();
+    if cuts.len() == 2 {
         return Vec::new();
     }
-    let mut cuts = vec![0];
-    cuts.extend(rests.iter().map(|(start, _)| *start).filter(|start| *start > 0));
-    cuts.push(samples);
     let least = (LEAST_PIECE_S * rate_hz).max(2.0) as usize;
     cuts.windows(2).map(|c| (c[0], c[1])).filter(|(start, end)| end - start >= least).collect()
 }
@@ -490,7 +493,8 @@ mod tests {
         let rests = channels(&position).rests(&blurred.acceleration, 1e-6);
         let &[(start, end)] = rests.as_slice() else { panic!("{rests:?}") };
         assert!((199..=201).contains(&start) && (240..=247).contains(&end), "{rests:?}");
-        let sharp = channels(&position).smooth_between(&rests, &low_pass);
+        let whole = channels(&position).smooth(&low_pass);
+        let sharp = channels(&position).smooth_between(&rests, &low_pass, whole);
         let before = start - 1;
         assert!((sharp.acceleration[before] + 3.0).abs() < 0.15, "{}", sharp.acceleration[before]);
         assert!(
@@ -522,7 +526,7 @@ mod tests {
             let motion = channels(&position).smooth(&low_pass);
             let rests = channels(&position).rests(&motion.acceleration, 1e-6);
             assert_eq!(rests.len(), 2, "{rests:?}");
-            let motion = channels(&position).smooth_between(&rests, &low_pass);
+            let motion = channels(&position).smooth_between(&rests, &low_pass, motion);
             let SmoothMotion { velocity, acceleration, .. } = &motion;
             let (direction, stuck) =
                 directions_and_stops(velocity, acceleration, &rests, 1e-6, RATE_HZ);
