@@ -2,15 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use armident_numeric::{Cholesky, dot};
+use armident_numeric::dot;
 use armident_recording::{
-    CUTOFF_SHARE_BOUND, EvenGrid, Quantity, Recording, RecordingError, ZeroPhaseLowPass,
-    differentiate,
+    CUTOFF_SHARE_BOUND, Continuation, EvenGrid, Quantity, Recording, RecordingError,
+    ZeroPhaseLowPass, differentiate,
 };
 
 use crate::band::Band;
 use crate::noise::{Noise, noise_of};
-use crate::stops::{Channels, SmoothMotion, directions_and_stops, held, least_step};
+use crate::stops::{
+    Channels, SmoothMotion, directions_and_stops, held, least_step, stands_at_ends,
+};
 
 /// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
 /// columns with signs and products are formed from it and only then filtered.
@@ -40,6 +42,10 @@ pub(crate) struct Signals {
     /// since the first sample
     pub(crate) time_s: Vec<f64>,
     pub(crate) recorded_position: Vec<Vec<f64>>,
+    /// how these go on past the ends of the recording
+    pub(crate) goes_on: Vec<Continuation>,
+    /// whether the arm stands there
+    pub(crate) stands: [bool; 2],
     pub(crate) position: Vec<Vec<f64>>,
     pub(crate) velocity: Vec<Vec<f64>>,
     pub(crate) acceleration: Vec<Vec<f64>>,
@@ -119,6 +125,8 @@ impl Signals {
             position: Vec::new(),
             time_s,
             recorded_position,
+            goes_on: Vec::new(),
+            stands: [false; 2],
             velocity: Vec::new(),
             acceleration: Vec::new(),
             direction: Vec::new(),
@@ -134,28 +142,38 @@ impl Signals {
             signals.effort_noise.push(noise.deviation);
             signals.effort_noise_in_band.push(noise.deviation * gain.sqrt());
         }
-        for (j, recorded) in recorded_velocity.iter().enumerate() {
-            let of_position = noise_of(&signals.recorded_position[j], rate_hz);
-            let mut noise = of_position.deviation * signals.kinematics_gain(1);
-            let mut acceleration_noise = signals.in_band(&of_position, 2);
-            let mut channels = Channels {
-                position: &signals.recorded_position[j],
+        let positions = signals.recorded_position.clone();
+        let of_positions: Vec<Noise> = positions.iter().map(|q| noise_of(q, rate_hz)).collect();
+        let mut joints: Vec<Channels<'_>> = (positions.iter().zip(&steps))
+            .map(|(position, &step)| Channels {
+                position,
                 velocity: None,
-                step: steps[j],
+                step,
                 rate_hz,
+                goes_on: [Continuation::of(position, 2, &low_pass); 2],
                 stands: [false; 2],
-            };
-            channels.stands = channels.stands_at_ends(&low_pass, of_position.deviation);
+            })
+            .collect();
+        let noises: Vec<f64> = of_positions.iter().map(|noise| noise.deviation).collect();
+        let stands = stands_at_ends(&joints, &noises, &low_pass);
+        signals.stands = stands;
+        for (j, channels) in joints.iter_mut().enumerate() {
+            let (recorded, of_position) = (&recorded_velocity[j], &of_positions[j]);
+            let mut noise = of_position.deviation * signals.kinematics_gain(1);
+            let mut acceleration_noise = signals.in_band(of_position, 2);
+            channels.stands = stands;
             let mut motion = channels.smooth(&low_pass);
             if !recorded.is_empty()
                 && let Some(of_recorded) = signals.better_velocity(recorded, &motion.velocity)
             {
                 channels.velocity = Some(recorded);
+                channels.goes_on[1] = Continuation::of(recorded, 1, &low_pass);
                 motion = channels.smooth(&low_pass);
                 noise = of_recorded.deviation * signals.kinematics_gain(0);
                 acceleration_noise = of_recorded.acceleration_in_band;
             }
             signals.acceleration_noise.push(acceleration_noise);
+            signals.goes_on.push(channels.goes_on[0]);
             let rests = channels.rests(&motion.acceleration, of_position.deviation);
             // where a joint stops its neighbours' accelerations jump as well, and are smeared: to them it is as smeared
             signals.acceleration.push(motion.acceleration.clone());
@@ -284,57 +302,6 @@ pub(crate) fn kinematics_filter(rate_hz: f64) -> Result<ZeroPhaseLowPass, Record
 pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
     let highest_hz = 0.9 * CUTOFF_SHARE_BOUND * rate_hz;
     ZeroPhaseLowPass::new(KINEMATICS_ORDER, cutoff_hz.min(highest_hz), rate_hz)
-}
-
-/// Values continued at both ends along a polynomial through the samples there, or held where the joint
-/// rests: a recording that ends in motion then has speed and acceleration up to its end. Gives the
-/// number of samples added at an end.
-pub(crate) fn extended(values: &[f64], rate_hz: f64) -> (Vec<f64>, usize) {
-    // some periods of the low-pass of the kinematics, and what a polynomial follows of a motion
-    const MARGIN_S: f64 = 0.12;
-    const FITTED_S: f64 = 0.25;
-    const FEWEST: usize = 20;
-    let margin = (MARGIN_S * rate_hz).round() as usize;
-    let fitted = ((FITTED_S * rate_hz).round() as usize).max(FEWEST).min(values.len());
-    let start: Vec<f64> = values[..fitted].iter().rev().copied().collect();
-    let before = continued(&start, margin);
-    let after = continued(&values[values.len() - fitted..], margin);
-    let all = before.iter().rev().chain(values).chain(&after).copied().collect();
-    (all, margin)
-}
-
-/// The next values of a series by its least-squares quartic; its last value where the last tenth does
-/// not move.
-fn continued(values: &[f64], count: usize) -> Vec<f64> {
-    let n = values.len();
-    let last = values[n - 1];
-    if n < 2 * QUARTIC_TERMS || values[n - (n / 10).max(3)..].iter().all(|x| *x == last) {
-        return vec![last; count];
-    }
-    match quartic_through(values) {
-        Some(quartic) => (n..n + count).map(|k| quartic(k as f64)).collect(),
-        None => vec![last; count],
-    }
-}
-
-pub(crate) const QUARTIC_TERMS: usize = 5;
-
-/// The least-squares quartic of the index; none through so few values that it is not determined.
-pub(crate) fn quartic_through(values: &[f64]) -> Option<impl Fn(f64) -> f64> {
-    let n = values.len();
-    if n <= QUARTIC_TERMS {
-        return None;
-    }
-    // index from the last value, in lengths of the series
-    let powers = move |k: f64| -> [f64; QUARTIC_TERMS] {
-        std::array::from_fn(|p| ((k - (n - 1) as f64) / n as f64).powi(p as i32))
-    };
-    let rows: Vec<[f64; QUARTIC_TERMS]> = (0..n).map(|k| powers(k as f64)).collect();
-    let product = |a: usize, b: usize| rows.iter().map(|r| r[a] * r[b]).sum::<f64>();
-    let rhs: Vec<f64> =
-        (0..QUARTIC_TERMS).map(|a| rows.iter().zip(values).map(|(r, x)| r[a] * x).sum()).collect();
-    let c = Cholesky::of(QUARTIC_TERMS, product)?.solve(&rhs);
-    Some(move |k: f64| c.iter().zip(powers(k)).map(|(c, p)| c * p).sum())
 }
 
 fn every<T: Copy>(step: usize, values: &[T]) -> Vec<T> {

@@ -5,9 +5,9 @@
 //! from what it needed before to what it needs after. And what the drive follows goes on meanwhile: how far it runs while
 //! friction reverses is told by the rests in which the joint turns back.
 
-use armident_recording::{ZeroPhaseLowPass, differentiate};
-
-use crate::signals::{QUARTIC_TERMS, extended, quartic_through};
+use armident_recording::{
+    Continuation, QUARTIC_TERMS, ZeroPhaseLowPass, differentiate, quartic_through,
+};
 
 /// A speed below this many standard deviations of its noise has no sign...
 const SIGN_DEVIATIONS: f64 = 5.0;
@@ -35,7 +35,7 @@ const AT_REST_DEVIATIONS: f64 = 2.5;
 const MIRRORED_S: f64 = 0.12;
 /// What moves less long than this between two stops is not smoothed for itself \[s\].
 const LEAST_PIECE_S: f64 = 0.1;
-/// A joint stands at an end of its recording where so much of its motion there \[s\], smoothed with so much around \[s\],
+/// An arm stands at an end of a recording where so much of its motion there \[s\], smoothed with so much around \[s\],
 /// says so by twice this logarithm of the likelihood.
 const END_S: f64 = 0.03;
 const ROUND_END_S: f64 = 1.0;
@@ -64,6 +64,8 @@ pub(crate) struct Channels<'a> {
     /// least difference of positions
     pub(crate) step: f64,
     pub(crate) rate_hz: f64,
+    /// how position and velocity go on past the ends of the recording
+    pub(crate) goes_on: [Continuation; 2],
     /// whether the joint stands at the first sample, and at the last
     pub(crate) stands: [bool; 2],
 }
@@ -71,7 +73,7 @@ pub(crate) struct Channels<'a> {
 impl Channels<'_> {
     /// Through a low-pass, from one end of the recording to the other.
     pub(crate) fn smooth(&self, low_pass: &ZeroPhaseLowPass) -> SmoothMotion {
-        let (position, velocity) = self.series();
+        let (position, velocity) = self.series(low_pass);
         let whole = (0, self.position.len());
         smooth_piece(&position, velocity.as_ref(), whole, low_pass, self.rate_hz)
     }
@@ -89,7 +91,7 @@ impl Channels<'_> {
         if pieces.is_empty() {
             return motion;
         }
-        let (position, velocity) = self.series();
+        let (position, velocity) = self.series(low_pass);
         for (start, end) in pieces {
             let piece =
                 smooth_piece(&position, velocity.as_ref(), (start, end), low_pass, self.rate_hz);
@@ -100,15 +102,19 @@ impl Channels<'_> {
         motion
     }
 
-    fn series(&self) -> (Series<'_>, Option<Series<'_>>) {
-        let of = |values, image| Series::of(values, image, self.stands, self.rate_hz);
-        (of(self.position, 1.0), self.velocity.map(|velocity| of(velocity, -1.0)))
+    fn series(&self, low_pass: &ZeroPhaseLowPass) -> (Series<'_>, Option<Series<'_>>) {
+        let of = |values, k: usize, image| {
+            Series::of(values, image, self.goes_on[k], self.stands, low_pass)
+        };
+        (of(self.position, 0, 1.0), self.velocity.map(|velocity| of(velocity, 1, -1.0)))
     }
 
-    /// Whether the joint stands at the ends of the recording, as drives that are switched on there do: its smooth motion
-    /// then follows the recorded one clearly better if it is continued by its mirror image than by a polynomial. `noise`
-    /// is that of the position.
-    pub(crate) fn stands_at_ends(&self, low_pass: &ZeroPhaseLowPass, noise: f64) -> [bool; 2] {
+    /// Twice the logarithm of how much likelier the motion at the ends of the recording is of a joint that stands there,
+    /// which goes on as its mirror image, than of one that is in motion. `noise` is that of the position.
+    fn stands_by(&self, low_pass: &ZeroPhaseLowPass, noise: f64) -> [f64; 2] {
+        if noise <= 0.0 {
+            return [0.0; 2];
+        }
         let n = self.position.len();
         let near = ((END_S * self.rate_hz).ceil() as usize).min(n);
         let part = (ROUND_END_S * self.rate_hz).ceil() as usize;
@@ -122,7 +128,7 @@ impl Channels<'_> {
                 let off = |t: usize| (smooth.position[t] - position[t]) / noise;
                 (first..first + near).map(|t| off(t).powi(2)).sum()
             };
-            noise > 0.0 && misfit(false) - misfit(true) > CLEAR
+            misfit(false) - misfit(true)
         })
     }
 
@@ -146,6 +152,22 @@ impl Channels<'_> {
     }
 }
 
+/// Whether the arm stands at the ends of a recording, as it does where its drives are switched on: all its joints
+/// together say so clearly. `noises` are those of the positions.
+pub(crate) fn stands_at_ends(
+    joints: &[Channels<'_>],
+    noises: &[f64],
+    low_pass: &ZeroPhaseLowPass,
+) -> [bool; 2] {
+    let mut sums = [0.0; 2];
+    for (joint, noise) in joints.iter().zip(noises) {
+        for (sum, x) in sums.iter_mut().zip(joint.stands_by(low_pass, *noise)) {
+            *sum += x;
+        }
+    }
+    sums.map(|sum| sum > CLEAR)
+}
+
 /// A recording cut where its joint stops, without what is too short to be smoothed for itself; nothing if it never
 /// does.
 fn pieces(rests: &[(usize, usize)], samples: usize, rate_hz: f64) -> Vec<(usize, usize)> {
@@ -159,7 +181,7 @@ fn pieces(rests: &[(usize, usize)], samples: usize, rate_hz: f64) -> Vec<(usize,
 }
 
 /// A channel, and how it goes on past the ends of its recording.
-struct Series<'a> {
+pub(crate) struct Series<'a> {
     values: &'a [f64],
     /// sign of its mirror image about a stop: positions keep theirs, speeds change it
     image: f64,
@@ -170,9 +192,15 @@ struct Series<'a> {
 }
 
 impl<'a> Series<'a> {
-    /// Continued as [`extended`] does; by its mirror image where the joint stands.
-    fn of(values: &'a [f64], image: f64, stands: [bool; 2], rate_hz: f64) -> Self {
-        let (mut before, margin) = extended(values, rate_hz);
+    /// Continued as is said; by its mirror image where the joint stands.
+    pub(crate) fn of(
+        values: &'a [f64],
+        image: f64,
+        goes_on: Continuation,
+        stands: [bool; 2],
+        low_pass: &ZeroPhaseLowPass,
+    ) -> Self {
+        let (mut before, margin) = goes_on.past_ends(values, low_pass);
         let after = before.split_off(margin + values.len());
         before.truncate(margin);
         let mut series = Self { values, image, before, after, margin };
@@ -195,6 +223,11 @@ impl<'a> Series<'a> {
     fn image_after(&self, first: usize, mirror: usize) -> Vec<f64> {
         let before = |k: usize| self.values[mirror.saturating_sub(k).max(first)];
         (1..=self.margin).map(|k| self.image * before(k)).collect()
+    }
+
+    /// All of it continued, and the number of samples in front.
+    pub(crate) fn whole(&self) -> (Vec<f64>, usize) {
+        self.piece((0, self.values.len()))
     }
 
     /// Samples `[start, end)` continued past their ends; a stop is a mirror. Gives the number of samples in front.
@@ -399,7 +432,7 @@ fn rests(
 
 /// Whether a quartic leaves no more than that.
 fn is_smooth(position: &[f64], noise: f64) -> bool {
-    let Some(quartic) = quartic_through(position) else { return true };
+    let Some(quartic) = quartic_through(position, 0.0) else { return true };
     let n = position.len();
     let squares = position.iter().enumerate().map(|(k, q)| (q - quartic(k as f64)).powi(2));
     squares.sum::<f64>() <= (n - QUARTIC_TERMS) as f64 * noise * noise
@@ -480,7 +513,9 @@ mod tests {
     }
 
     fn channels(position: &[f64]) -> Channels<'_> {
-        Channels { position, velocity: None, step: 0.0, rate_hz: RATE_HZ, stands: [false; 2] }
+        let goes_on = Continuation::of(position, 2, &kinematics_filter(RATE_HZ).unwrap());
+        let (goes_on, stands) = ([goes_on; 2], [false; 2]);
+        Channels { position, velocity: None, step: 0.0, rate_hz: RATE_HZ, goes_on, stands }
     }
 
     /// Up to the last sample before a stop the acceleration is what it was, at the rest there is none; a filter over

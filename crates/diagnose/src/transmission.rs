@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use crate::evidence::{At, Evidence};
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::Blocks;
-use crate::signals::{Signals, extended, low_pass};
+use crate::signals::{Signals, kinematics_filter, low_pass};
+use crate::stops::Series;
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
 const MOTOR_HZ: f64 = 80.0;
@@ -94,11 +95,12 @@ impl Transmission {
         let motor =
             Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
         let (followed, rate_hz) = (at.load(joint), at.signals.rate_hz);
-        let mut link = self.link(&motor, followed, rate_hz);
+        let start = followed.at_start(at, joint);
+        let mut link = self.link(&motor, followed, start, rate_hz);
         // the loads on the link are those of its own motion: found in turns
         for _ in 1..turns {
             let own = followed.moved(at, joint, &link[0], &link[1]);
-            link = self.link(&motor, &own, rate_hz);
+            link = self.link(&motor, &own, start, rate_hz);
         }
         let link = link.each_ref().map(Vec::as_slice);
         let (arm, rigid) = at.of_hidden_links();
@@ -111,13 +113,13 @@ impl Transmission {
         Ok(effort)
     }
 
-    /// Position, velocity and acceleration of the link at every sample.
-    fn link(&self, motor: &Motor, load: &Load, rate_hz: f64) -> [Vec<f64>; 3] {
+    /// Position, velocity and acceleration of the link at every sample, from where the transmission bears this effort.
+    fn link(&self, motor: &Motor, load: &Load, start: f64, rate_hz: f64) -> [Vec<f64>; 3] {
         let n = motor.position.len();
         let steps = (1.0 / (rate_hz * STEP_S)).ceil().max(1.0) as usize;
         let h = 1.0 / (rate_hz * steps as f64);
-        let rest = load.bias[0] / self.stiffness + 0.5 * self.gap * load.bias[0].signum();
-        let (mut q, mut v) = (motor.position[0] - rest, motor.velocity[0]);
+        let deflection = start / self.stiffness + 0.5 * self.gap * start.signum();
+        let (mut q, mut v) = (motor.position[0] - deflection, motor.velocity[0]);
         let (mut position, mut velocity, mut acceleration) = (vec![q; n], vec![v; n], vec![0.0; n]);
         for t in 0..n - 1 {
             let before = v;
@@ -156,7 +158,11 @@ struct Motor {
 
 impl Motor {
     fn of(signals: &Signals, joint: usize, offset: f64) -> Result<Self, RecordingError> {
-        let (long, margin) = extended(&signals.recorded_position[joint], signals.rate_hz);
+        let low_passed = kinematics_filter(signals.rate_hz)?;
+        let recorded = &signals.recorded_position[joint];
+        let goes_on = signals.goes_on[joint];
+        let (long, margin) =
+            Series::of(recorded, 1.0, goes_on, signals.stands, &low_passed).whole();
         let smooth = low_pass(MOTOR_HZ, signals.rate_hz)?.filter(&long);
         let rate = differentiate(&smooth, signals.rate_hz);
         let inner = margin..margin + signals.len();
@@ -197,6 +203,15 @@ impl Load {
         let unit = at.motion().with_acceleration(joint, &one).effort_on(arm, joint);
         let inertia = unit.iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
         Self { inertia, bias, slope, position: position.clone() }
+    }
+
+    /// What the transmission bears at the first sample: of an arm that stands there what its links weigh; in motion, of a
+    /// link that does not ring, what accelerates it too.
+    fn at_start(&self, at: &At<'_>, joint: usize) -> f64 {
+        match at.signals.stands[0] {
+            true => self.bias[0],
+            false => self.bias[0] + self.inertia[0] * at.signals.acceleration[joint][0],
+        }
     }
 
     /// About another motion of the link; the inertia about a joint does not depend on its own position.

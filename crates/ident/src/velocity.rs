@@ -1,6 +1,6 @@
 //! Recorded velocities in the place of differentiated positions.
 
-use armident_recording::{Motion, Quantity, Recording, differentiate};
+use armident_recording::{Motion, Quantity, Recording};
 
 /// A motion whose velocity is the recorded one through the motion's low-pass, and whose acceleration is
 /// the derivative of that.
@@ -14,8 +14,8 @@ use armident_recording::{Motion, Quantity, Recording, differentiate};
 pub fn with_recorded_velocity(motion: &Motion, recording: &Recording) -> Option<Motion> {
     let thinned = !std::ptr::eq(motion.fine(), motion);
     let motion = motion.fine();
-    motion.filter.as_ref()?;
-    let mut velocity: Vec<Vec<f64>> = motion
+    let filter = motion.filter.as_ref()?;
+    let recorded: Vec<Vec<f64>> = motion
         .joints
         .iter()
         .map(|name| {
@@ -23,11 +23,8 @@ pub fn with_recorded_velocity(motion: &Motion, recording: &Recording) -> Option<
             Some(motion.on_grid(recorded))
         })
         .collect::<Option<_>>()?;
-    if let Some(filter) = &motion.filter {
-        filter.filter_columns_in_parallel(&mut velocity);
-    }
     let mut moved = motion.clone();
-    moved.acceleration = velocity.iter().map(|v| differentiate(v, motion.rate_hz)).collect();
-    moved.velocity = velocity;
+    (moved.velocity, moved.acceleration) =
+        filter.with_derivatives(&recorded).into_iter().map(|[dq, ddq]| (dq, ddq)).unzip();
     Some(if thinned { moved.thinned() } else { moved })
 }

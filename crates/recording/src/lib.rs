@@ -63,8 +63,9 @@
 //! # Not handled
 //!
 //! Other formats (ROS 1 bags, SQLite bags, MATLAB, NumPy: it is said what converts them); stamps that differ between channels; delays
-//! between position and effort; the end effects of the filter, which reach two to three periods of
-//! the cutoff into the motion: drop these samples.
+//! between position and effort; the end effects of the filter on efforts and regressor columns, which reach two to
+//! three periods of the cutoff into the motion: drop these samples. Positions and speeds are
+//! continued ([`Continuation`]) before they are filtered.
 //!
 //! # Example
 //!
@@ -94,6 +95,7 @@ mod csv_write;
 mod cutoff;
 mod differentiate;
 mod draft;
+mod ends;
 mod error;
 mod finding;
 mod header;
@@ -127,6 +129,7 @@ pub use cutoff::{
 };
 pub use differentiate::differentiate;
 pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
+pub use ends::{Continuation, QUARTIC_TERMS, quartic_through};
 pub use error::{Fault, RecordingError};
 pub use finding::{Action, Finding, FindingKind, Span};
 pub use mapping::Mapping;

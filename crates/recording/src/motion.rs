@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::butterworth::{DEFAULT_ORDER, ZeroPhaseLowPass};
 use crate::cutoff::default_cutoff_hz;
-use crate::differentiate::differentiate;
 use crate::error::{Fault, RecordingError};
 use crate::recording::{JointChannels, Quantity, Recording};
 use crate::resample::EvenGrid;
@@ -145,16 +142,22 @@ impl Motion {
             columns
         };
 
-        let position = filtered(raw_position);
-        let (velocity, acceleration) = if use_recorded {
-            (filtered(on_grid(Quantity::Velocity)?), filtered(on_grid(Quantity::Acceleration)?))
-        } else {
-            let derived = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
-                columns.par_iter().map(|column| differentiate(column, rate_hz)).collect()
-            };
-            let velocity = derived(&position);
-            let acceleration = derived(&velocity);
-            (velocity, acceleration)
+        let (position, velocity, acceleration) = match &filter {
+            Some(filter) if !use_recorded => {
+                let smooth = filter.with_derivatives(&raw_position);
+                let [mut position, mut velocity, mut acceleration] = [const { Vec::new() }; 3];
+                for [q, dq, ddq] in smooth {
+                    position.push(q);
+                    velocity.push(dq);
+                    acceleration.push(ddq);
+                }
+                (position, velocity, acceleration)
+            }
+            _ => (
+                filtered(raw_position),
+                filtered(on_grid(Quantity::Velocity)?),
+                filtered(on_grid(Quantity::Acceleration)?),
+            ),
         };
         let effort = recorded(Quantity::Effort).then(|| on_grid(Quantity::Effort)).transpose()?;
         if effort.is_none() {
