@@ -55,7 +55,7 @@ pub(crate) struct Sheet {
 impl Sheet {
     fn new(joints: &[&str], compared: &Compared<'_>) -> Result<Self, RecordingError> {
         let recording = compared.recording;
-        let grid = armident_recording::EvenGrid::new(&recording.time_s, &recording.source)?;
+        let grid = armident_recording::EvenGrid::of(recording)?;
         let positions: Vec<Vec<f64>> = joints
             .iter()
             .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))

@@ -56,7 +56,7 @@ pub fn common_cutoff_hz(
     }
     let mut largest = 0.0_f64;
     for recording in recordings {
-        let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        let grid = EvenGrid::of(recording)?;
         let positions: Vec<Vec<f64>> = joints
             .iter()
             .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))

@@ -18,8 +18,10 @@ pub const QUARTIC_TERMS: usize = 5;
 const E_FOLDS: [f64; 6] = [0.0, 3.0, 6.0, 12.0, 24.0, 48.0];
 /// The same where a signal is too short to try.
 const USUAL: f64 = 6.0;
-/// Places at which a signal is cut to see which of them is right.
-const CUTS: usize = 16;
+/// Places at which a signal is cut to see which of them is right: as many as so many samples allow, so that what is
+/// seldom (a sample that came late) is met, but not fewer than this.
+const TRIED_SAMPLES: usize = 60_000;
+const FEWEST_CUTS: usize = 16;
 /// What is looked at before such a cut, after it, and where errors count, in periods of the cut-off.
 const BEFORE_PERIODS: f64 = 8.0;
 const AFTER_PERIODS: f64 = 4.0;
@@ -55,9 +57,10 @@ impl Continuation {
             let smooth = low_pass.filter(values);
             (0..order).fold(smooth, |values, _| differentiate(&values, rate_hz))
         };
+        let cuts = (TRIED_SAMPLES / (before + after)).max(FEWEST_CUTS).min(room);
         let mut squares = [0.0; E_FOLDS.len()];
-        for cut in 0..CUTS {
-            let start = cut * room / CUTS;
+        for cut in 0..cuts {
+            let start = cut * room / cuts;
             let mut piece = values[start..start + before + after].to_vec();
             // every other one is the start of a motion
             if cut % 2 == 1 {

@@ -17,6 +17,8 @@ pub enum FindingKind {
     RepeatedStamps,
     /// Rows were out of the order of time.
     UnsortedRows,
+    /// Whole frames repeat the one before although the arm moves.
+    RepeatedFrames,
     /// Samples are lost.
     Gap,
     /// Values are NaN.

@@ -55,6 +55,7 @@
 //! | NaN | interpolated, up to 3 in a row and 1 % of a channel | above, at the ends, infinite |
 //! | empty or unreadable fields | | always |
 //! | angles that wrap at a full turn | made continuous | |
+//! | frames that repeat the one before while the arm moves | not used, or the clock stood there | |
 //! | positions in degrees or mm | | if their velocities show it |
 //! | recorded derivatives that contradict the position | | if they would be used |
 //!
@@ -109,6 +110,7 @@ mod quality;
 mod raw;
 mod read;
 mod recording;
+mod repeated_frames;
 mod resample;
 mod runs;
 mod timing;

@@ -6,6 +6,7 @@ use crate::butterworth::{DEFAULT_ORDER, ZeroPhaseLowPass};
 use crate::cutoff::default_cutoff_hz;
 use crate::error::{Fault, RecordingError};
 use crate::recording::{JointChannels, Quantity, Recording};
+use crate::repeated_frames::RepeatedFrames;
 use crate::resample::EvenGrid;
 
 /// Where velocity and acceleration come from.
@@ -108,8 +109,10 @@ impl Motion {
         };
 
         let mut notes = recording.notes.clone();
-        let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        let grid = EvenGrid::of(recording)?;
         notes.extend(timing_note(&grid));
+        let repeated = RepeatedFrames::of(recording);
+        notes.extend(repeated.map(|repeated| repeated.finding(&recording.time_s).message));
         let on_grid = |quantity: Quantity| -> Result<Vec<Vec<f64>>, RecordingError> {
             channels
                 .iter()

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::cutoff::{band_edge_hz, noise_sigma};
 use crate::finding::{Action, Finding, FindingKind, Span, percent, places};
 use crate::recording::{JointChannels, Quantity, Recording};
+use crate::repeated_frames::RepeatedFrames;
 use crate::resample::EvenGrid;
 use crate::runs::{quantisation_step, saturated, stuck};
 use crate::timing::Timing;
@@ -64,6 +65,7 @@ pub struct ChannelQuality {
 /// | finding | from | because |
 /// |---|---|---|
 /// | uneven stamps | 0.1 % of the step beyond the rounding of the stamps | below it resampling changes nothing |
+/// | repeated frames | all channels of all joints equal the frame before, a joint moves steadily before and after | coarse encoders and rest repeat some channels |
 /// | gap | 2.5 median steps | one lost sample with jitter is less |
 /// | stuck | 20 samples and 0.1 s, the joint moves 20 steps of its encoder | shorter repetitions are rounding |
 /// | saturated | 3 flat tops of 5 samples, or one of 10, one of them entered with 4 steps | a smooth peak of 5 samples is entered with 3 at most |
@@ -74,7 +76,7 @@ pub struct ChannelQuality {
 pub fn quality(recording: &Recording) -> QualityReport {
     let timing = Timing::of(&recording.time_s);
     // a recording that is mostly gaps has no grid, so no spectrum
-    let grid = EvenGrid::new(&recording.time_s, &recording.source).ok();
+    let grid = EvenGrid::of(recording).ok();
     let findings = findings_at(recording, &timing);
     let all: Vec<(&JointChannels, Quantity, &[f64])> = recording
         .joints
@@ -99,6 +101,8 @@ pub fn findings(recording: &Recording) -> Vec<Finding> {
 fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     let mut findings = recording.findings.clone();
     findings.extend(of_stamps(timing, recording.len()));
+    let repeated = RepeatedFrames::of(recording);
+    findings.extend(repeated.map(|repeated| repeated.finding(&recording.time_s)));
     findings.extend(recording.joints.iter().filter_map(far_position));
     findings.extend(velocity_check::findings(recording, timing));
     let of_joint = |joint: &JointChannels| {

@@ -1,6 +1,8 @@
 //! From uneven stamps to an even grid and back.
 
 use crate::error::{Fault, RecordingError};
+use crate::recording::Recording;
+use crate::repeated_frames::RepeatedFrames;
 use crate::timing::Timing;
 
 /// Gaps up to this many median steps are bridged by the cubic through the two samples on either
@@ -86,6 +88,8 @@ pub struct EvenGrid {
     time_s: Vec<f64>,
     /// Absent where the stamps are even already.
     ways: Option<(Interpolation, Interpolation)>,
+    /// samples that are used, where some are not
+    used: Option<Vec<usize>>,
 }
 
 impl EvenGrid {
@@ -99,7 +103,7 @@ impl EvenGrid {
         let stamps_s = stamps_s.to_vec();
         if timing.is_even {
             let (rate_hz, time_s) = (timing.rate_hz, stamps_s.clone());
-            return Ok(Self { timing, rate_hz, stamps_s, time_s, ways: None });
+            return Ok(Self { timing, rate_hz, stamps_s, time_s, ways: None, used: None });
         }
         let steps = (timing.duration_s / timing.median_step_s).round().max(1.0);
         let samples = stamps_s.len();
@@ -114,11 +118,36 @@ impl EvenGrid {
             .collect();
         let there = Interpolation::new(&stamps_s, &time_s, BRIDGED_STEPS * timing.median_step_s);
         let back = Interpolation::new(&time_s, &stamps_s, f64::INFINITY);
-        Ok(Self { timing, rate_hz, stamps_s, time_s, ways: Some((there, back)) })
+        Ok(Self { timing, rate_hz, stamps_s, time_s, ways: Some((there, back)), used: None })
+    }
+
+    /// That of a recording: where frames repeat while the arm moves, by the clock of the motion. The way back still leads
+    /// to every frame and the stamps stay as recorded.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(recording: &Recording) -> Result<Self, RecordingError> {
+        let stamps_s = &recording.time_s;
+        let repeated = RepeatedFrames::of(recording);
+        let Some((clock_s, used)) = repeated.and_then(|repeated| repeated.clock(stamps_s)) else {
+            return Self::new(stamps_s, &recording.source);
+        };
+        let used_s: Vec<f64> = used.iter().map(|k| clock_s[*k]).collect();
+        let grid = Self::new(&used_s, &recording.source)?;
+        let there = match grid.ways {
+            Some((there, _)) => there,
+            None => Interpolation::new(&used_s, &grid.time_s, f64::INFINITY),
+        };
+        let back = Interpolation::new(&grid.time_s, &clock_s, f64::INFINITY);
+        let (stamps_s, ways) = (stamps_s.clone(), Some((there, back)));
+        Ok(Self { stamps_s, ways, used: Some(used), ..grid })
     }
 
     /// Values at the stamps brought to the grid; unchanged where the stamps are even.
     pub fn resample(&self, at_stamps: &[f64]) -> Vec<f64> {
+        let used: Option<Vec<f64>> =
+            self.used.as_ref().map(|used| used.iter().map(|k| at_stamps[*k]).collect());
+        let at_stamps = used.as_deref().unwrap_or(at_stamps);
         match &self.ways {
             Some((there, _)) => there.apply(at_stamps),
             None => at_stamps.to_vec(),

@@ -1,8 +1,8 @@
 //! From numbers to verdicts and sentences.
 
 use armident_recording::{
-    CUTOFF_OVER_EDGE, Finding, FindingKind, HIGHEST_CUTOFF_SHARE, Motion, QualityReport, Quantity,
-    RESTING_RANGE,
+    Action, CUTOFF_OVER_EDGE, Finding, FindingKind, HIGHEST_CUTOFF_SHARE, Motion, QualityReport,
+    Quantity, RESTING_RANGE,
 };
 
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
@@ -60,6 +60,7 @@ pub(super) fn quality(reports: &[QualityReport], differences: &[Finding]) -> Vec
             | FindingKind::RatesDiffer
             | FindingKind::VelocityDelay
             | FindingKind::WrappedAngle => Verdict::Ok,
+            FindingKind::RepeatedFrames if finding.action == Action::Repaired => Verdict::Ok,
             _ => Verdict::Doubtful,
         };
         let message = match source {
