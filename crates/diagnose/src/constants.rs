@@ -115,7 +115,11 @@ pub(crate) fn constants(
 impl Whitened<'_> {
     /// Rows whose outer products add up to the posterior covariance of all links' parameters, laws fitted
     /// along. None without inertial errors.
-    fn link_factors(&self, set: &[usize], fit: &crate::problem::Fit) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn link_factors(
+        &self,
+        set: &[usize],
+        fit: &crate::problem::Fit,
+    ) -> Option<Vec<Vec<f64>>> {
         let [mut rows, sensitivity] = self.inertial_posterior(fit)?;
         // what the coefficients of laws do to the links: through the errors, and of themselves
         let mut by_column = sensitivity;

@@ -217,20 +217,23 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
         let of_short = errors(&short, &metrics);
         let mut found = (short, of_short);
         if let Some(long) = of(extended.clone()) {
-            // terms of those joints only that are the better for it
+            // terms of those joints only that are the better for it, the most first, and all joints with them
             let of_long = errors(&long, &metrics);
-            let helped: Vec<bool> = (0..problem.rows.joints())
-                .map(|j| gains(&found.1, &of_long, Some(j)).iter().sum::<f64>() > 0.0)
+            let total = |gains: Vec<f64>| gains.iter().sum::<f64>();
+            let mut joints: Vec<(f64, usize)> = (0..problem.rows.joints())
+                .map(|j| (total(gains(&found.1, &of_long, Some(j))), j))
+                .filter(|(gain, _)| *gain > 0.0)
                 .collect();
-            let set = long
-                .set
-                .iter()
-                .copied()
-                .filter(|g| named.set.contains(g) || helped[problem.groups[*g].site.joints[0]])
-                .collect();
-            if let Some(chosen) = of(set) {
+            joints.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for (_, joint) in joints {
+                let beside = long.set.iter().copied().filter(|g| {
+                    !found.0.set.contains(g) && problem.groups[*g].site.joints[0] == joint
+                });
+                let Some(chosen) = of(found.0.set.iter().copied().chain(beside).collect()) else {
+                    continue;
+                };
                 let of_chosen = errors(&chosen, &metrics);
-                if gains(&found.1, &of_chosen, None).iter().sum::<f64>() > 0.0 {
+                if total(gains(&found.1, &of_chosen, None)) > 0.0 {
                     found = (chosen, of_chosen);
                 }
             }
@@ -271,8 +274,20 @@ pub(crate) fn usefulness(metric: &Whitened<'_>, of: &Answer, group: usize) -> Op
     (gains.len() > 1).then(|| in_standard_errors(&gains))
 }
 
+/// Errors of stretches that were not fitted, `[stretch][joint]`, of a set of groups.
+pub(crate) fn errors_left_out(
+    problem: &Problem,
+    set: &[usize],
+    scale: f64,
+    wide: &[usize],
+) -> Vec<Vec<f64>> {
+    let (small, ids) = problem.restricted(set);
+    let folds = folds(&small);
+    all_errors(&folds, &metrics(&folds, scale, wide), &ids)
+}
+
 /// Mean of some numbers over its standard error.
-fn in_standard_errors(gains: &[f64]) -> f64 {
+pub(crate) fn in_standard_errors(gains: &[f64]) -> f64 {
     let count = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / count;
     let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
@@ -284,6 +299,12 @@ pub(crate) fn with_everyday_terms(metric: &Whitened<'_>, named: &Answer) -> Bloc
     let extended = with_everyday(metric.problem, &named.set);
     let found = admissible_part(metric, extended, &named.set);
     metric.residual(&found.as_ref().unwrap_or(named).fit)
+}
+
+/// The groups of an answer and the terms of a plain identification beside it.
+pub(crate) fn with_everyday_terms_of(metric: &Whitened<'_>, named: &Answer) -> Vec<usize> {
+    let extended = with_everyday(metric.problem, &named.set);
+    admissible_part(metric, extended, &named.set).map_or_else(|| named.set.clone(), |a| a.set)
 }
 
 /// A set with the terms of a plain identification on every joint, where nothing named takes their place.

@@ -57,6 +57,9 @@ pub struct Diagnosis {
     pub constants: Option<ConstantEstimates>,
     /// Relative error of the believed inertias that the recordings ask for.
     pub inertial_error: f64,
+    /// By how many standard errors the links of the model are off what was found, where no real bodies have that;
+    /// none where they are what was found.
+    pub links_off: Option<f64>,
     /// Joints on which these errors of all links together matter, whether or not a single link is named.
     pub inertias_matter_on: Vec<String>,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
@@ -135,7 +138,7 @@ fn told(
     let best = predictor(&metric, &selection.answer);
     let best_metric = selection.problem.whitened(best.scale, &selection.wide);
     let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
-    let mut learned_model = learned(model, &best_view);
+    let (mut learned_model, links_off) = learned(model, &best_view);
     choose_outputs(&mut learned_model, evidence)?;
     let constants = constants(model, &learned_model, &best_metric, &best.answer);
     let claims = claims(evidence, selection, &best_view);
@@ -144,7 +147,7 @@ fn told(
         let metric = selection.problem.whitened(best.scale, wide);
         let answer = best.beside(&metric, &selection.answer, answer)?;
         let view = View::new(evidence, &metric, &answer, &selection.point);
-        let mut model = learned(model, &view);
+        let (mut model, _) = learned(model, &view);
         model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
         model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
         Some(model)
@@ -194,6 +197,7 @@ fn told(
         effort_noise: names.iter().cloned().zip(evidence.rows.sample_deviation.clone()).collect(),
         joints: names.to_vec(),
         inertial_error: selection.scale,
+        links_off,
         inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
             .into_iter()
             .map(|j| names[j].clone())

@@ -13,6 +13,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::background::inertial_error_directions;
+use crate::fading::faded;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::{Blocks, Rows};
 use crate::signals::Signals;
@@ -30,11 +31,14 @@ pub(crate) struct OperatingPoint {
     /// changes of the links' standard parameters, for links that move by themselves behind their motors: how
     /// they ring depends on what they really weigh
     pub(crate) links: Option<Vec<f64>>,
+    /// speeds below which dry friction fades \[rad/s or m/s\]; 0 where it is sharp
+    pub(crate) fading: Vec<f64>,
 }
 
 impl OperatingPoint {
     pub(crate) fn of(joints: usize) -> Self {
-        Self { tilt: [0.0; 2], offset: vec![0.0; joints], delay_s: 0.0, links: None }
+        let (offset, fading) = (vec![0.0; joints], vec![0.0; joints]);
+        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, fading }
     }
 }
 
@@ -56,6 +60,8 @@ pub(crate) struct At<'a> {
     pub(crate) rigid: Vec<Vec<f64>>,
     /// of joints that rest somewhere: with their held acceleration
     answered: Vec<Option<Vec<f64>>>,
+    /// directions of joints whose friction fades
+    faded: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
     angles: ArmAngles,
@@ -89,8 +95,13 @@ impl<'a> At<'a> {
         });
         let delay_s = point.delay_s;
         let answered = Vec::new();
+        let fades = |(j, speed): (usize, &f64)| {
+            (*speed > 0.0 && signals.rests[j].is_empty())
+                .then(|| faded(&signals.direction[j], &signals.velocity[j], *speed))
+        };
+        let faded = point.fading.iter().enumerate().map(fades).collect();
         let mut at =
-            Self { signals, arm, position, rigid, answered, delay_s, angles, others, loads };
+            Self { signals, arm, position, rigid, answered, faded, delay_s, angles, others, loads };
         at.rigid = at.motion().efforts(&at.arm);
         let held = &signals.held_acceleration;
         at.answered = (0..held.len()).map(|j| at.of_own(j, held)).collect();
@@ -135,7 +146,7 @@ impl<'a> At<'a> {
             position: &self.position[j],
             velocity: &self.signals.velocity[j],
             acceleration: &self.signals.held_acceleration[j],
-            direction: &self.signals.direction[j],
+            direction: self.faded[j].as_ref().unwrap_or(&self.signals.direction[j]),
             rigid_effort: self.answered(j),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use armident_effects::{EVERYDAY, EffectOnJoint, Scope, effect};
+use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, effect};
 use armident_ident::ArmModel;
 use armident_recording::RecordingError;
 
@@ -10,6 +10,7 @@ use crate::evidence::{At, Evidence, OperatingPoint, changed};
 use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
 use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::real_links::{Settled, settled};
 use crate::search::{Answer, answer};
 use crate::select::moves;
 use crate::signals::low_pass;
@@ -19,7 +20,7 @@ use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape
 const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
 
 /// Cut-offs tried for the rigid part \[Hz\].
-const RIGID_HZ: [f64; 5] = [14.0, 10.0, 7.0, 5.0, 3.5];
+const RIGID_HZ: [f64; 7] = [40.0, 20.0, 14.0, 10.0, 7.0, 5.0, 3.5];
 
 /// An answer with all that gives it a meaning.
 pub(crate) struct View<'a, 'e> {
@@ -75,18 +76,18 @@ pub(crate) fn law_parameters(group: &Group, coefficients: &[f64], gain: &[f64]) 
     law.parameters(&group.shape, &coefficients)
 }
 
-/// The model that an answer stands for.
-pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
+/// The model that an answer stands for; and by how many standard errors its links are off the answer's, where these
+/// are of no real bodies.
+pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel, Option<f64>) {
     let View { evidence, metric, answer, point: formed_at, ref gain, .. } = *view;
     let problem = metric.problem;
     let mut found = DiagnosedModel::believed(model);
-    let mut change = metric.inertial_errors(&answer.fit);
+    let Settled { change, coefficients, distance_in_standard_errors } =
+        settled(evidence.chain, metric, answer);
     let point = moves(problem, answer, formed_at);
-    for &g in &answer.set {
+    for (&g, coefficients) in answer.set.iter().zip(coefficients) {
         let group = &problem.groups[g];
-        let coefficients = answer.fit.of_group(group);
         if group.transform.is_some() {
-            group.add_to_links(&coefficients, &mut change);
             continue;
         }
         if let Meaning::Flexible(flexible) = &group.meaning {
@@ -155,10 +156,22 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> DiagnosedModel {
     found.learned.tilt_rad = point.tilt;
     found.learned.encoder_offset = point.offset;
     found.learned.delay_s = point.delay_s;
+    found.learned.fading_speed = point.fading;
+    let has_dry_friction = |name: &String| {
+        found.arm.effects.iter().any(|on| {
+            let law = effect(&on.effect).map(|law| law.law());
+            on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
+        })
+    };
+    for (name, speed) in evidence.names.iter().zip(&mut found.learned.fading_speed) {
+        if !has_dry_friction(name) {
+            *speed = 0.0;
+        }
+    }
     found.learned.gain.clone_from(gain);
     found.arm.prior_links = Some(evidence.chain.joints.iter().map(|j| j.link).collect());
     found.arm.effort_noise = Some(evidence.rows.sample_deviation.clone());
-    found
+    (found, distance_in_standard_errors)
 }
 
 /// The believed arm with its rigid body identified again and nothing else.

@@ -40,6 +40,10 @@ pub struct Learned {
     /// Low-pass on the whole prediction of each joint \[Hz\]: where differentiated encoders or the
     /// timing of impacts spoil more than they tell.
     pub output_cutoff_hz: Vec<Option<f64>>,
+    /// Speed of each joint below which its dry friction fades \[rad/s or m/s\]; 0 where it is sharp. Older files
+    /// have none.
+    #[serde(default)]
+    pub fading_speed: Vec<f64>,
 }
 
 /// A model with what a diagnosis learned.
@@ -67,6 +71,7 @@ impl DiagnosedModel {
             flexible: Vec::new(),
             rigid_cutoff_hz: RIGID_HZ,
             output_cutoff_hz: vec![None; n],
+            fading_speed: vec![0.0; n],
         };
         Self { arm, learned }
     }
@@ -78,6 +83,10 @@ impl DiagnosedModel {
             delay_s: self.learned.delay_s,
             // those of the chain already
             links: None,
+            fading: match self.learned.fading_speed.is_empty() {
+                true => vec![0.0; self.arm.chain.dof()],
+                false => self.learned.fading_speed.clone(),
+            },
         }
     }
 
@@ -87,7 +96,7 @@ impl DiagnosedModel {
     /// A motion without the positions of the joints, or mostly gaps.
     pub fn predict(&self, motion: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
         let names: Vec<String> = self.arm.chain.joints.iter().map(|j| j.name.clone()).collect();
-        let grid = EvenGrid::new(&motion.time_s, &motion.source)?;
+        let grid = EvenGrid::of(motion)?;
         let signals = Signals::on(&grid, motion, &names)?;
         let on_grid = self.on_grid(&signals)?;
         let mut efforts = Vec::new();
@@ -194,6 +203,11 @@ impl DiagnosedModel {
         }
         if self.learned.delay_s != 0.0 {
             lost.push(format!("the lag of the efforts, {:.4} s", self.learned.delay_s));
+        }
+        for (name, speed) in names.iter().zip(&self.learned.fading_speed) {
+            if *speed > 0.0 {
+                lost.push(format!("dry friction of {name} fading below {speed:.3} /s"));
+            }
         }
         for term in &self.learned.flexible {
             lost.push(format!("structure without a name on {}", term.joint));

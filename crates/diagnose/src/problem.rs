@@ -247,16 +247,23 @@ impl Problem {
 
     /// What integrates inertial errors of that size out, no column reduced by it yet.
     pub(crate) fn integral(&self, scale: f64, wide: &[usize]) -> Integral {
+        let of_link = |link| if wide.contains(&link) { WIDE * scale } else { scale };
+        let sizes: Vec<f64> = (0..self.background.links).map(of_link).collect();
+        Integral { scale, wide: wide.to_vec(), ..self.integral_of(&sizes) }
+    }
+
+    /// The same with a size for every link.
+    pub(crate) fn integral_of(&self, sizes: &[f64]) -> Integral {
         let mut integral = Integral {
-            scale,
-            wide: wide.to_vec(),
+            scale: sizes.iter().copied().fold(0.0, f64::max),
+            wide: Vec::new(),
             log_determinant: 0.0,
             prior: None,
             reduced: Vec::new(),
             gram: Vec::new(),
             rhs: Vec::new(),
         };
-        if scale == 0.0 && self.background.free == 0 {
+        if integral.scale == 0.0 && self.background.free == 0 {
             return integral;
         }
         let weight = self.rows.share;
@@ -268,13 +275,8 @@ impl Problem {
             .iter()
             .enumerate()
             .map(|(k, d)| {
-                let is_wide = wide.contains(&(k / per_link));
-                let scale = match (k < inertial, is_wide) {
-                    (true, true) => WIDE * scale,
-                    (true, false) => scale,
-                    (false, _) => 1.0,
-                };
-                d.iter().map(|x| scale * x).collect()
+                let size = if k < inertial { sizes[k / per_link] } else { 1.0 };
+                d.iter().map(|x| size * x).collect()
             })
             .collect();
         // W'Y, then W'W
@@ -489,6 +491,11 @@ impl Whitened<'_> {
             return 0.0;
         }
         set.iter().map(|g| self.problem.groups[*g].price_of_onset()).sum()
+    }
+
+    /// Relative size of the errors of a link.
+    pub(crate) fn size_of(&self, link: usize) -> f64 {
+        if self.wide.contains(&link) { WIDE * self.scale } else { self.scale }
     }
 
     /// Posterior mean of the relative inertial errors, and with it the change of all standard

@@ -8,6 +8,7 @@ use crate::alternatives::everyday_first;
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::fading::with_fading;
 use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
@@ -183,7 +184,11 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             owner.rows.share = share;
         }
     }
-    last
+    if seeks_change {
+        return last;
+    }
+    let sharp = last?;
+    Some(with_fading(owner, &sharp).unwrap_or(sharp))
 }
 
 /// The answer with what the operating point holds: at the right one nothing is left to add.
@@ -225,6 +230,7 @@ fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
 pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) -> OperatingPoint {
     let mut point = OperatingPoint::of(from.offset.len());
     point.links.clone_from(&from.links);
+    point.fading.clone_from(&from.fading);
     for &g in &found.set {
         let group = &problem.groups[g];
         let coefficients = found.fit.of_group(group);

@@ -79,7 +79,7 @@ impl Signals {
     /// # Errors
     /// A joint without position, or a recording that is mostly gaps.
     pub(crate) fn new(recording: &Recording, joints: &[String]) -> Result<Self, RecordingError> {
-        let grid = EvenGrid::new(&recording.time_s, &recording.source)?;
+        let grid = EvenGrid::of(recording)?;
         Self::on(&grid, recording, joints)
     }
 

@@ -53,6 +53,12 @@ pub struct DiagnoseReport {
     fit: Fits,
     effort_noise: BTreeMap<String, f64>,
     inertial_error: f64,
+    /// standard errors between the links of the model and what was found, where no real bodies have that
+    #[serde(skip_serializing_if = "Option::is_none")]
+    links_off_standard_errors: Option<f64>,
+    /// speeds below which dry friction fades \[rad/s or m/s\]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    friction_fades_below: BTreeMap<String, f64>,
     /// joints on which the inertial errors of all links together matter
     inertias_matter_on: Vec<String>,
     atlas: Vec<JointAtlas>,
@@ -134,6 +140,11 @@ impl DiagnoseReport {
             fit,
             effort_noise: diagnosis.effort_noise.clone(),
             inertial_error: diagnosis.inertial_error,
+            links_off_standard_errors: diagnosis.links_off,
+            friction_fades_below: (diagnosis.joints.iter().cloned())
+                .zip(diagnosis.model.learned.fading_speed.iter().copied())
+                .filter(|(_, speed)| *speed > 0.0)
+                .collect(),
             inertias_matter_on: diagnosis.inertias_matter_on.clone(),
             atlas: diagnosis.atlas.clone(),
             constants: diagnosis.constants.as_ref().map_or_else(Vec::new, |c| c.constants.clone()),
@@ -163,6 +174,8 @@ impl DiagnoseReport {
             fit: Fits::default(),
             effort_noise: BTreeMap::new(),
             inertial_error: 0.0,
+            links_off_standard_errors: None,
+            friction_fades_below: BTreeMap::new(),
             inertias_matter_on: Vec::new(),
             atlas: Vec::new(),
             constants: Vec::new(),
@@ -251,6 +264,7 @@ impl DiagnoseReport {
             page.push_str(&paragraph(finding));
         }
         page.push_str(&self.atlas_text());
+        page.push_str(&self.model_text());
         page.push_str(&self.proof_text(bars));
         if let Some(Placebo { terms, improve, named, largest }) = &self.placebo {
             page.push_str(&format!(
@@ -261,6 +275,28 @@ impl DiagnoseReport {
         }
         page.push_str(&self.next_motion_text());
         page
+    }
+
+    /// What the model has beside what is named.
+    fn model_text(&self) -> String {
+        let mut text = String::new();
+        if let Some(off) = self.links_off_standard_errors {
+            text.push_str(&format!(
+                "\nlinks: no real bodies have what was found; the model has the nearest ones, {} standard errors off\n",
+                significant(off, 3, 0.0)
+            ));
+        }
+        if !self.friction_fades_below.is_empty() {
+            let of_joint = |(joint, speed): (&String, &f64)| {
+                format!("{joint} {}", significant(*speed, 2, 0.0))
+            };
+            let list: Vec<String> = self.friction_fades_below.iter().map(of_joint).collect();
+            text.push_str(&format!(
+                "\ndry friction does not turn at once, it fades below (rad/s or m/s): {}\n",
+                list.join(", ")
+            ));
+        }
+        text
     }
 
     fn first_sentence(&self) -> String {

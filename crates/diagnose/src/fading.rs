@@ -1,0 +1,184 @@
+//! How sharply dry friction turns: a drive train that winds up first reverses its friction over some hundredths of
+//! the working speed, a stiff one at once.
+//!
+//! Names are found with sharp friction. What fades is tried afterwards, by stretches that were not fitted: it seldom
+//! decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
+
+use std::collections::HashSet;
+
+use armident_effects::{LIBRARY, Place, Scope, direction};
+
+use crate::contact::ContactColumns;
+use crate::crossval::{confirm, errors_left_out, in_standard_errors, with_everyday_terms_of};
+use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::material::prune;
+use crate::problem::{Group, Problem};
+use crate::refine::recreate;
+use crate::search::answer;
+use crate::select::Selection;
+
+/// Speeds below which the direction fades that are tried, as shares of the root mean square speed.
+const SHARES: [f64; 3] = [0.02, 0.05, 0.1];
+/// Stretches that were not fitted must say so by this many standard errors.
+const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
+
+/// The direction of motion, fading to zero below a speed.
+pub(crate) fn faded(sharp: &[f64], velocity: &[f64], speed: f64) -> Vec<f64> {
+    let fades =
+        |(sharp, v): (&f64, &f64)| if v.abs() < speed { direction(*v, speed) } else { *sharp };
+    sharp.iter().zip(velocity).map(fades).collect()
+}
+
+/// The selection with friction that fades where that explains more; none where it does nowhere.
+pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Selection> {
+    let speeds = fading_speeds(evidence, of)?;
+    let point = OperatingPoint { fading: speeds, ..of.point.clone() };
+    let at = evidence.at(&point);
+    let contact = ContactColumns::new(evidence, &at);
+    let mut problem = evidence.problem(&point);
+    let groups = of.answer.set.iter().map(|g| &of.problem.groups[*g]);
+    let set = groups
+        .map(|g| recreate(evidence, &at, &contact, &mut problem, g))
+        .collect::<Option<_>>()?;
+    let metric = problem.whitened(of.scale, &of.wide);
+    let found = prune(&metric, answer(&metric, set)?, &point);
+    let found = confirm(&metric, found, &point);
+    drop(metric);
+    Some(Selection { problem, answer: found, scale: of.scale, wide: of.wide.clone(), point })
+}
+
+/// By joint, 0 where friction is sharp; none where it is on all of them.
+fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
+    // where a joint rests, its friction is what holds it: no function of a speed
+    let rests = |j: usize| evidence.signals.iter().any(|s| !s.rests[j].is_empty());
+    let turns: HashSet<usize> = (0..evidence.joints()).filter(|j| !rests(*j)).collect();
+    let set = with_everyday_terms_of(&of.metric(), &of.answer);
+    let (small, set) = of.problem.restricted(&set);
+    let dry: Vec<usize> =
+        set.iter().copied().filter(|g| is_dry(&small.groups[*g], &turns)).collect();
+    if dry.is_empty() {
+        return None;
+    }
+    let errors =
+        |problem: &Problem, set: &[usize]| errors_left_out(problem, set, of.scale, &of.wide);
+    let sharp = errors(&small, &set);
+    let mut best = vec![(0.0, 0.0); evidence.joints()];
+    for share in SHARES {
+        let speeds: Vec<f64> = evidence.scale.iter().map(|s| share * s.speed_rms).collect();
+        let at = evidence.at(&OperatingPoint { fading: speeds.clone(), ..of.point.clone() });
+        let mut problem = small.clone();
+        let set: Vec<usize> = set
+            .iter()
+            .map(
+                |&g| if dry.contains(&g) { fades(evidence, &at, &mut problem, g) } else { Some(g) },
+            )
+            .collect::<Option<_>>()?;
+        let faded = errors(&problem, &set);
+        for &j in &turns {
+            let gains: Vec<f64> =
+                sharp.iter().zip(&faded).map(|(s, f)| (s[j] / f[j]).ln()).collect();
+            if gains.iter().any(|gain| !gain.is_finite()) {
+                continue;
+            }
+            let mean = gains.iter().sum::<f64>() / gains.len() as f64;
+            if mean > best[j].0 && in_standard_errors(&gains) > LEAST_GAIN_IN_ERRORS {
+                best[j] = (mean, speeds[j]);
+            }
+        }
+    }
+    best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, speed)| *speed).collect())
+}
+
+/// Whether a group is dry friction of one of these joints.
+fn is_dry(group: &Group, joints: &HashSet<usize>) -> bool {
+    group.places.contains(&Place::Dry)
+        && group.site.joints.len() == 1
+        && joints.contains(&group.site.joints[0])
+        && law_of(group).is_some()
+}
+
+fn law_of(group: &Group) -> Option<&'static dyn armident_effects::Effect> {
+    let law = LIBRARY.iter().find(|law| law.law().slug == group.slug())?;
+    (law.law().scope == Scope::Joint).then_some(*law)
+}
+
+/// The group with friction as it is at these recordings, added to a problem.
+fn fades(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    group: usize,
+) -> Option<usize> {
+    let of = problem.groups[group].clone();
+    evidence.push_joint_law(problem, at, law_of(&of)?, of.site.joints[0], &of.shape)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signals::Signals;
+    use armident_dynamics::RigidArm;
+    use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+    use armident_recording::{JointChannels, Recording};
+
+    /// Of two joints with Coulomb friction, one turns it within 0.04 rad/s (a tenth of its speed), the other at once.
+    #[test]
+    fn a_joint_that_winds_up_is_told_from_a_stiff_one() {
+        let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();
+        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+        let chain = DrivingAxisChain::from_chain(&chain);
+        let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
+        let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 200.0).collect();
+        let made = |efforts: Option<&Vec<Vec<f64>>>| {
+            let joints = names.iter().enumerate().map(|(j, name)| {
+                let swing = |t: &f64| 0.6 * ((1.0 + 0.4 * j as f64) * t).sin() - 0.2 * j as f64;
+                JointChannels {
+                    position: Some(time.iter().map(swing).collect()),
+                    effort: efforts.map(|efforts| efforts[j].clone()),
+                    ..JointChannels::new(name)
+                }
+            });
+            Recording::new("made", time.clone(), joints.collect()).unwrap()
+        };
+        let still = Signals::new(&made(None), &names).unwrap();
+        let point = OperatingPoint::of(names.len());
+        let mut efforts = At::new(&chain, &RigidArm::from_chain(&chain), &still, &point).rigid;
+        for (j, effort) in efforts.iter_mut().enumerate() {
+            for (t, e) in effort.iter_mut().enumerate() {
+                *e += 0.1 * (((t * 7919 + j * 104_729) % 1009) as f64 / 1009.0 - 0.5);
+                let v = still.velocity[j][t];
+                *e += match j {
+                    0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
+                    1 => 4.0 * v.signum(),
+                    _ => 0.0,
+                };
+            }
+        }
+        let signals = vec![Signals::new(&made(Some(&efforts)), &names).unwrap()];
+        let evidence = Evidence::new(&chain, signals);
+        let problem = evidence.problem(&point);
+        let coulomb = |joint: usize| {
+            let is = |g: &Group| g.slug() == "coulomb_friction" && g.site.joints == [joint];
+            problem.groups.iter().position(is).unwrap()
+        };
+        let set = vec![coulomb(0), coulomb(1)];
+        let found = answer(&problem.whitened(0.0, &[]), set).unwrap();
+        let sharp = Selection { problem, answer: found, scale: 0.0, wide: Vec::new(), point };
+        let faded = with_fading(&evidence, &sharp).unwrap();
+        let speeds = &faded.point.fading;
+        assert!((0.02..0.05).contains(&speeds[0]) && speeds[1] < 0.02, "{speeds:?}");
+        let level =
+            |of: &Selection| of.answer.fit.of_group(&of.problem.groups[of.answer.set[0]])[0];
+        assert!((level(&faded) - 4.0).abs() < 0.02, "{}", level(&faded));
+        assert!((level(&sharp) - 4.0).abs() > (level(&faded) - 4.0).abs());
+    }
+
+    #[test]
+    fn fading_twice_is_fading_once() {
+        let velocity = [-1.0, -0.0625, 0.0, 0.03125, 0.3];
+        let sharp = [-1.0, -1.0, 0.0, 1.0, 1.0];
+        let once = faded(&sharp, &velocity, 0.125);
+        assert_eq!(once, [-1.0, -0.5, 0.0, 0.25, 1.0]);
+        assert_eq!(faded(&once, &velocity, 0.125), once);
+    }
+}
