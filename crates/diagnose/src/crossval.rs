@@ -217,24 +217,37 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
         let of_short = errors(&short, &metrics);
         let mut found = (short, of_short);
         if let Some(long) = of(extended.clone()) {
-            // terms of those joints only that are the better for it, the most first, and all joints with them
+            // terms of those joints only that are the better for it: all of them at once; where that does not pay, one
+            // after the other, the most first
             let of_long = errors(&long, &metrics);
             let total = |gains: Vec<f64>| gains.iter().sum::<f64>();
-            let mut joints: Vec<(f64, usize)> = (0..problem.rows.joints())
+            let mut helped: Vec<(f64, usize)> = (0..problem.rows.joints())
                 .map(|j| (total(gains(&found.1, &of_long, Some(j))), j))
                 .filter(|(gain, _)| *gain > 0.0)
                 .collect();
-            joints.sort_by(|a, b| b.0.total_cmp(&a.0));
-            for (_, joint) in joints {
-                let beside = long.set.iter().copied().filter(|g| {
-                    !found.0.set.contains(g) && problem.groups[*g].site.joints[0] == joint
-                });
-                let Some(chosen) = of(found.0.set.iter().copied().chain(beside).collect()) else {
-                    continue;
+            helped.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let with = |set: &[usize], joints: &[(f64, usize)]| {
+                let on_joints = |g: &usize| {
+                    let joint = problem.groups[*g].site.joints[0];
+                    !set.contains(g) && joints.iter().any(|(_, j)| *j == joint)
                 };
-                let of_chosen = errors(&chosen, &metrics);
-                if total(gains(&found.1, &of_chosen, None)) > 0.0 {
-                    found = (chosen, of_chosen);
+                let beside = long.set.iter().copied().filter(|g| on_joints(g));
+                let chosen = of(set.iter().copied().chain(beside).collect())?;
+                let errors = errors(&chosen, &metrics);
+                Some((chosen, errors))
+            };
+            let pays =
+                |before: &[Vec<f64>], after: &[Vec<f64>]| total(gains(before, after, None)) > 0.0;
+            match with(&found.0.set, &helped) {
+                Some(all) if pays(&found.1, &all.1) => found = all,
+                _ => {
+                    for joint in &helped {
+                        if let Some(more) = with(&found.0.set, std::slice::from_ref(joint))
+                            && pays(&found.1, &more.1)
+                        {
+                            found = more;
+                        }
+                    }
                 }
             }
         }
