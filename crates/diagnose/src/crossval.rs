@@ -228,8 +228,8 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
             helped.sort_by(|a, b| b.0.total_cmp(&a.0));
             let with = |set: &[usize], joints: &[(f64, usize)]| {
                 let on_joints = |g: &usize| {
-                    let joint = problem.groups[*g].site.joints[0];
-                    !set.contains(g) && joints.iter().any(|(_, j)| *j == joint)
+                    let of_group = problem.groups[*g].site.joints.first();
+                    !set.contains(g) && joints.iter().any(|(_, j)| Some(j) == of_group)
                 };
                 let beside = long.set.iter().copied().filter(|g| on_joints(g));
                 let chosen = of(set.iter().copied().chain(beside).collect())?;
