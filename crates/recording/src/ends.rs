@@ -32,7 +32,7 @@ const COUNTED_PERIODS: f64 = 1.0;
 /// these samples does not move at all.
 ///
 /// Continued by odd extension, as SciPy does, a motion turns its acceleration over at each end, and the few
-/// samples of that are fewer than a low-pass remembers: at the ends of pieces cut out of recordings of six real
+/// samples of that are fewer than a low-pass remembers: at the ends of pieces cut out of recordings of five real
 /// arms, accelerations were off by twice their root mean square, along a quartic by a tenth of it. Efforts jump and have no
 /// polynomial: this is for positions and speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
