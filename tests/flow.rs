@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
-    ("recording", &[]),
+    ("recording", &["numeric"]),
     ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
     ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
     ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),

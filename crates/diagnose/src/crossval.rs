@@ -532,3 +532,29 @@ impl Fold {
         residual.iter().map(|r| r.iter().map(|x| x * x).sum()).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made::{evidence, ur5};
+
+    /// Friction that nobody named helps a prediction, also beside a law that is no joint's own.
+    #[test]
+    fn a_prediction_takes_what_helps_beside_a_law_without_a_joint() {
+        let chain = ur5();
+        let friction = |j: usize, v: f64| if j == 2 { 0.3 * v } else { 0.0 };
+        let evidence = evidence(&chain, &chain, friction);
+        let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
+        let of = |slug: &str, joints: &[usize]| {
+            let is = |g: &Group| g.slug() == slug && g.site.joints == joints;
+            problem.groups.iter().position(is).unwrap()
+        };
+        let metric = problem.whitened(0.0, &[]);
+        let named = answer(&metric, vec![of("gravity_direction", &[])]).unwrap();
+        let found = predictor(&metric, &named).answer;
+        let viscous = of("viscous_friction", &[2]);
+        assert!(found.set.contains(&viscous) && found.set.contains(&named.set[0]));
+        let coefficient = found.fit.of_group(&problem.groups[viscous])[0];
+        assert!((coefficient - 0.3).abs() < 0.01, "{coefficient}");
+    }
+}

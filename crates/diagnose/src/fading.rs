@@ -116,46 +116,18 @@ fn fades(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signals::Signals;
-    use armident_dynamics::RigidArm;
-    use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
-    use armident_recording::{JointChannels, Recording};
+    use crate::made::{evidence, ur5};
 
     /// Of two joints with Coulomb friction, one turns it within 0.04 rad/s (a tenth of its speed), the other at once.
     #[test]
     fn a_joint_that_winds_up_is_told_from_a_stiff_one() {
-        let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();
-        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
-        let chain = DrivingAxisChain::from_chain(&chain);
-        let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
-        let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 200.0).collect();
-        let made = |efforts: Option<&Vec<Vec<f64>>>| {
-            let joints = names.iter().enumerate().map(|(j, name)| {
-                let swing = |t: &f64| 0.6 * ((1.0 + 0.4 * j as f64) * t).sin() - 0.2 * j as f64;
-                JointChannels {
-                    position: Some(time.iter().map(swing).collect()),
-                    effort: efforts.map(|efforts| efforts[j].clone()),
-                    ..JointChannels::new(name)
-                }
-            });
-            Recording::new("made", time.clone(), joints.collect()).unwrap()
-        };
-        let still = Signals::new(&made(None), &names).unwrap();
-        let point = OperatingPoint::of(names.len());
-        let mut efforts = At::new(&chain, &RigidArm::from_chain(&chain), &still, &point).rigid;
-        for (j, effort) in efforts.iter_mut().enumerate() {
-            for (t, e) in effort.iter_mut().enumerate() {
-                *e += 0.1 * (((t * 7919 + j * 104_729) % 1009) as f64 / 1009.0 - 0.5);
-                let v = still.velocity[j][t];
-                *e += match j {
-                    0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
-                    1 => 4.0 * v.signum(),
-                    _ => 0.0,
-                };
-            }
-        }
-        let signals = vec![Signals::new(&made(Some(&efforts)), &names).unwrap()];
-        let evidence = Evidence::new(&chain, signals);
+        let chain = ur5();
+        let evidence = evidence(&chain, &chain, |j, v| match j {
+            0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
+            1 => 4.0 * v.signum(),
+            _ => 0.0,
+        });
+        let point = OperatingPoint::of(evidence.joints());
         let problem = evidence.problem(&point);
         let coulomb = |joint: usize| {
             let is = |g: &Group| g.slug() == "coulomb_friction" && g.site.joints == [joint];

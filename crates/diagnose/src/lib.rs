@@ -48,6 +48,8 @@ mod findings;
 mod flexible;
 mod hidden;
 mod learn;
+#[cfg(test)]
+mod made;
 mod material;
 mod misfit;
 mod model;

@@ -1,0 +1,46 @@
+//! A UR5 that swings, for tests.
+
+use armident_dynamics::RigidArm;
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+use armident_recording::{JointChannels, Recording};
+
+use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::signals::Signals;
+
+pub(crate) fn ur5() -> DrivingAxisChain {
+    let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();
+    let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+    DrivingAxisChain::from_chain(&chain)
+}
+
+/// What a believed arm has to say of another one that swings for 30 s at 200 Hz: its rigid efforts, noise of 0.05 N m,
+/// and what is added on each joint as a function of its velocity.
+pub(crate) fn evidence<'a>(
+    believed: &'a DrivingAxisChain,
+    other: &DrivingAxisChain,
+    added: impl Fn(usize, f64) -> f64,
+) -> Evidence<'a> {
+    let names: Vec<String> = other.joints.iter().map(|j| j.name.clone()).collect();
+    let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 200.0).collect();
+    let recording = |efforts: Option<&Vec<Vec<f64>>>| {
+        let joints = names.iter().enumerate().map(|(j, name)| {
+            let swing = |t: &f64| 0.6 * ((1.0 + 0.4 * j as f64) * t).sin() - 0.2 * j as f64;
+            JointChannels {
+                position: Some(time.iter().map(swing).collect()),
+                effort: efforts.map(|efforts| efforts[j].clone()),
+                ..JointChannels::new(name)
+            }
+        });
+        Recording::new("made", time.clone(), joints.collect()).unwrap()
+    };
+    let moved = Signals::new(&recording(None), &names).unwrap();
+    let point = OperatingPoint::of(names.len());
+    let mut efforts = At::new(other, &RigidArm::from_chain(other), &moved, &point).rigid;
+    for (j, effort) in efforts.iter_mut().enumerate() {
+        for (t, e) in effort.iter_mut().enumerate() {
+            let noise = ((t * 7919 + j * 104_729) % 1009) as f64 / 1009.0 - 0.5;
+            *e += 0.1 * noise + added(j, moved.velocity[j][t]);
+        }
+    }
+    Evidence::new(believed, vec![Signals::new(&recording(Some(&efforts)), &names).unwrap()])
+}
