@@ -63,7 +63,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ),
         Arms::Drawn => (
             "UR5 with every link off its URDF at random, another arm for each recording (pseudo-inertia \
-             S J S' with S normal about the unit matrix: masses, moments and inertias off by 30 %)",
+             L S S' L' for L L' with S normal about the unit matrix: second moments of mass, along every line, \
+             off by 30 %)",
             " drawn",
             "true value, mean",
             "the URDF is as wrong as is said of it or less, and the intervals must hold the truth as often as \
@@ -235,22 +236,16 @@ fn true_arm(believed: &ArmModel, arms: Arms, seed: u64) -> ArmModel {
     truth
 }
 
-/// A link that is real and differs from a given one: its pseudo-inertia is stretched, sheared and moved.
+/// A link that is real and differs from a given one: its mass is stretched, sheared and moved by shares of
+/// its own extent, whatever the direction.
 fn drawn_link(link: &InertialParameters, random: &mut Pcg64) -> InertialParameters {
-    let half_trace = 0.5 * link.inertia_origin_kgm2.trace();
-    let length = if link.mass_kg > 0.0 { (half_trace / link.mass_kg).sqrt() } else { 1.0 };
-    let stretch = Matrix4::from_fn(|i, j| {
-        let normal: f64 = StandardNormal.sample(random);
-        let unit = match (i, j) {
-            (3, 0..3) => 0.0, // a move is enough: masses must not grow with the distance
-            (0..3, 3) => length,
-            _ => 1.0,
-        };
-        // half, for what is on both sides counts twice
-        f64::from(u8::from(i == j)) + 0.5 * DRAWN_ERROR * unit * normal
-    });
+    let normal = Matrix4::from_fn(|_, _| StandardNormal.sample(random));
+    // half, for what is on both sides counts twice
+    let stretch = Matrix4::identity() + normal * (0.5 * DRAWN_ERROR);
+    let Some(root) = link.pseudo_inertia().cholesky() else { return *link };
+    let root = root.l();
     InertialParameters::from_pseudo_inertia(
-        &(stretch * link.pseudo_inertia() * stretch.transpose()),
+        &(root * stretch * stretch.transpose() * root.transpose()),
     )
 }
 

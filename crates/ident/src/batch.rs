@@ -41,9 +41,9 @@ const NUMBERS: [&str; 10] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy
 pub struct BatchSettings {
     /// Parameters whose law admits no negative value are held at zero or above.
     pub admissible_signs: bool,
-    /// Standard deviation of every number of every link of the robot description, relative to its
-    /// size; none: the description is not used. At 1 a link may as well not be there, or be twice
-    /// what is said.
+    /// Standard deviation of the mass of every link of the robot description and of its second moments,
+    /// along every line, relative to their size; none: the description is not used. At 1 a link may as
+    /// well not be there, or be twice what is said.
     pub link_prior: Option<f64>,
 }
 

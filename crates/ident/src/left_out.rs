@@ -1,9 +1,10 @@
 //! Choices made by the training recordings: what explains stretches of time that were not fitted.
 //!
 //! The recordings are cut into five stretches; each is predicted by a fit to the other four. That decides
-//! how fast the direction of motion of each joint is resolved, which neighbours share a transmission, and
-//! how far the robot description is believed. Errors of a model on motions it was fitted to would decide
-//! for whatever has more to fit with.
+//! how fast the direction of motion of each joint is resolved, and which neighbours share a transmission.
+//! Errors of a model on motions it was fitted to would decide for whatever has more to fit with. How far the
+//! robot description is believed is asked of all stretches together
+//! (`BatchProblem::doubt_of_links`).
 
 use armident_effects::{EVERYDAY, Place};
 use armident_numeric::{AccumulatedQr, NumericError};
@@ -15,8 +16,6 @@ use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;
-/// Doubts of the description that are tried, relative to the size of its numbers, the least first.
-const LINK_PRIORS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Another choice must be better by this many standard errors, from the stretches.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 
@@ -25,7 +24,7 @@ const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 pub struct Chosen {
     /// Transmissions that neighbours share, the clearest first.
     pub couplings: Vec<CouplingFound>,
-    /// The settings, with the doubt of the description that predicts best.
+    /// The settings, with the doubt of the description that the recordings ask for.
     pub settings: BatchSettings,
 }
 
@@ -64,28 +63,10 @@ impl BatchProblem<'_> {
             with = self.with_couplings(&found);
             resolved = all.resolved(&rows, &with, &resolutions, settings)?;
         }
-        if let Some(usual) = settings.link_prior {
+        if settings.link_prior.is_some() {
             let rows = rows_of(&resolved.rows, &all, &with);
-            let joints: Vec<usize> = (0..with.by_joint.len()).collect();
-            let (less, more): (Vec<f64>, Vec<f64>) =
-                LINK_PRIORS.into_iter().filter(|r| *r != usual).partition(|r| *r < usual);
-            let mut errors = errors_left_out(&with, &rows, settings)?;
-            // step by step from the usual doubt: a description is believed no further than it must be, for
-            // what is believed too far is claimed too surely
-            let steps: [Vec<f64>; 2] = [less.into_iter().rev().collect(), more];
-            for steps in steps {
-                for relative in steps {
-                    let other = BatchSettings { link_prior: Some(relative), ..*settings };
-                    let after = errors_left_out(&with, &rows, &other)?;
-                    if clear_gain(&errors, &after, &joints, LEAST_GAIN_IN_ERRORS).is_none() {
-                        break;
-                    }
-                    (chosen.settings, errors) = (other, after);
-                }
-                if chosen.settings != *settings {
-                    break;
-                }
-            }
+            let link_prior = with.doubt_of_links(&rows, settings)?;
+            chosen.settings = BatchSettings { link_prior, ..*settings };
         }
         with.speed_resolution = resolved.resolution;
         *self = with;

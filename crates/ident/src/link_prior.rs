@@ -1,19 +1,44 @@
 //! What the robot description says of the constants, and how far it is believed.
 //!
-//! Links `π ~ N(π₀, D)` with a diagonal `D` give constants `x = T π ~ N(T π₀, T D Tᵀ)`: the belief in a
-//! constant follows from that in the links it is made of, with all its correlations.
+//! A link of pseudo-inertia `J = L Lᵀ` is off by `L X Lᵀ` with `X` symmetric, its diagonal normal with the
+//! standard deviation `r`, the rest with `r / √2`: every second moment of mass, along every line, is known
+//! to `r` of its size, and the mass too. It depends on neither units nor frames: `tr((J⁻¹ dJ)²)` is the
+//! metric of Lee, Park (2018) that the physical consistency uses too. Errors of each number apart, relative to
+//! mass times length squared, would doubt a slender link's thickness as much as its length.
+//!
+//! Links `π ~ N(π₀, D)` give constants `x = T π ~ N(T π₀, T D Tᵀ)`: the belief in a constant follows from
+//! that in the links it is made of, with all its correlations.
+//!
+//! How large `r` is, the recordings say: where the description and they speak of the same constants, they are
+//! as far apart as the links are off ([`BatchProblem::doubt_of_links`]).
+//!
+//! References: T. Lee, F. C. Park, A geometric algorithm for robust multibody inertial parameter
+//! identification, IEEE RA-L 3(3), 2018.
+
+use std::f64::consts::FRAC_1_SQRT_2;
 
 use armident_dynamics::RigidArm;
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, NumericError, PseudoInverse};
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
+use crate::batch::{self, BatchProblem, BatchSettings, Term};
 use crate::minimal_set::MinimalSet;
+use crate::rows::JointRows;
 
 /// A link the description gives next to nothing for may still have this share of the mean link's
-/// mass and length.
+/// mass, and be as thick as this share of its length.
 const FLOOR: f64 = 0.1;
 /// Widening of the constants that rotor inertia is part of, about which a description says nothing.
 pub(crate) const UNKNOWN: f64 = 1e3;
+/// Doubts `r` that are tried: from the best that vendors' numbers are, to links that say nothing.
+const LEAST_DOUBT: f64 = 0.1;
+const MOST_DOUBT: f64 = 3.0;
+/// Steps between them, each of 12 %: an arm's constants hardly tell them apart.
+const DOUBTS: usize = 30;
+/// Twice the logarithm of the evidence that a larger doubt may be behind the likeliest: one standard error of
+/// a parameter. What is believed too far is claimed too surely.
+const ONE_STANDARD_ERROR: f64 = 1.0;
 /// Cut of the decomposition of `T D Tᵀ`; constants of a minimal set are independent.
 const RANK_CUT: f64 = 1e-12;
 
@@ -27,11 +52,8 @@ pub(crate) struct LinkPrior {
 }
 
 impl LinkPrior {
-    /// Every number of every link known to `relative` of its size; `with_rotor` lists the constants
+    /// Second moments of mass of every link known to `relative`; `with_rotor` lists the constants
     /// that also hold a rotor's inertia. None when no link has mass: there is nothing to believe.
-    ///
-    /// The size of a mass is the mass, of a first moment mass times length, of an inertia mass times
-    /// length squared, with the radius of gyration about the frame origin for a length.
     ///
     /// # Errors
     /// [`NumericError`] when a number is not finite.
@@ -60,8 +82,50 @@ impl LinkPrior {
     }
 }
 
-/// Columns of `T D^(1/2)`, one per number of a link: what each of them, off by its standard deviation,
-/// does to the constants. None when no link has mass.
+impl BatchProblem<'_> {
+    /// How far the links are off the description, as accumulated recordings have it: the largest `r` that is
+    /// within a standard error of the likeliest. None where the description gives no link a mass: there is
+    /// nothing to believe.
+    ///
+    /// With the effects projected out, the constants `x` and the prior's `N(x₀, r² C)` give efforts the
+    /// density `|r² C|^(-1/2) |A' A + C⁻¹/r²|^(-1/2) exp(-S/2)`, `S` the squares left by both together
+    /// (MacKay 1992, Bayesian interpolation, eq. 2.9); each joint's noise is that of the fit with the given
+    /// settings, and dependent samples count for less.
+    ///
+    /// # Errors
+    /// [`NumericError`] when a number is not finite.
+    pub(crate) fn doubt_of_links(
+        &self,
+        rows: &JointRows,
+        settings: &BatchSettings,
+    ) -> Result<Option<f64>, NumericError> {
+        if LinkPrior::of(self.arm(), self.set(), &[], LEAST_DOUBT)?.is_none() {
+            return Ok(None);
+        }
+        let noise = self.estimate_with(rows, settings)?.effort_noise;
+        let constants = self.terms.iter().filter(|t| matches!(t, Term::Constant(_))).count() as f64;
+        let step = (MOST_DOUBT / LEAST_DOUBT).powf((DOUBTS as f64).recip());
+        let doubts: Vec<f64> = (0..=DOUBTS).map(|k| LEAST_DOUBT * step.powi(k as i32)).collect();
+        let evidence = doubts
+            .iter()
+            .map(|&doubt| {
+                let settings = BatchSettings { link_prior: Some(doubt), ..*settings };
+                let (all, _) = self.information(rows, &noise, &self.beliefs(&settings)?);
+                let root = all.root(1.0);
+                let diagonal = (0..root.nrows()).map(|k| root[(k, k)].abs());
+                let determinant: f64 = diagonal.map(|d| d.max(f64::MIN_POSITIVE).ln()).sum();
+                let left = rows.share * all.solve(batch::RANK_CUT)?.residual_sum_of_squares;
+                Ok(-2.0 * (constants * doubt.ln() + determinant) - left)
+            })
+            .collect::<Result<Vec<f64>, NumericError>>()?;
+        let most = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let near = |k: &usize| evidence[*k] >= most - ONE_STANDARD_ERROR;
+        Ok((0..=DOUBTS).rev().find(near).map(|k| doubts[k]))
+    }
+}
+
+/// Columns `T dπ`: what each independent error of a link, of one standard deviation, does to the
+/// constants. None when no link has mass.
 ///
 /// With a `load`, the last link may carry a body of this many times the mean link's mass, of its length,
 /// that the description does not know.
@@ -81,26 +145,56 @@ pub(crate) fn spread_of_links(
     if mean_mass == 0.0 || mean_length == 0.0 || set.is_empty() {
         return None;
     }
-    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
-    let last = arm.links.len() - 1;
-    let load = (load > 0.0).then_some((last, load * mean_mass, mean_length));
-    let own = arm.links.iter().enumerate().map(|(i, link)| {
-        let mass = relative * link.mass_kg.abs().max(FLOOR * mean_mass);
-        (i, mass, gyration(link).max(FLOOR * mean_length))
+    let least = Least { mass_kg: FLOOR * mean_mass, radius_m: FLOOR * mean_length };
+    let load = (load > 0.0).then(|| {
+        let sizes = Vector4::new(mean_length, mean_length, mean_length, 1.0);
+        let root = Matrix4::from_diagonal(&(sizes * mean_mass.sqrt()));
+        (arm.links.len() - 1, root, load)
     });
-    for (i, mass, length) in own.chain(load) {
-        for number in 0..InertialParameters::COUNT {
-            let mut unit = [0.0; InertialParameters::COUNT];
-            unit[number] = match number {
-                0 => mass,
-                1..4 => mass * length,
-                _ => mass * length * length,
-            };
+    let own = arm.links.iter().enumerate().map(|(i, link)| (i, least.root_of(link), relative));
+    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
+    for (i, root, relative) in own.chain(load) {
+        for error in directions() {
             let mut alone = arm.clone();
             alone.links.fill(InertialParameters::zero());
-            alone.links[i] = InertialParameters::from_array(&unit);
+            let of_link = root * error * root.transpose() * relative;
+            alone.links[i] = InertialParameters::from_pseudo_inertia(&of_link);
             spread.push(set.values(&alone.constants()));
         }
     }
     Some(spread)
+}
+
+/// An orthonormal basis of the symmetric matrices.
+fn directions() -> impl Iterator<Item = Matrix4<f64>> {
+    (0..4).flat_map(|i| (i..4).map(move |j| (i, j))).map(|(i, j)| {
+        let mut error = Matrix4::zeros();
+        let size = if i == j { 1.0 } else { FRAC_1_SQRT_2 };
+        (error[(i, j)], error[(j, i)]) = (size, size);
+        error
+    })
+}
+
+/// What a description may be wrong by even where it gives next to nothing.
+struct Least {
+    mass_kg: f64,
+    radius_m: f64,
+}
+
+impl Least {
+    /// A root `L` of the pseudo-inertia `J = L L'` of the nearest real body that is heavy and thick enough.
+    fn root_of(&self, link: &InertialParameters) -> Matrix4<f64> {
+        let body = link.nearest_physical();
+        let com = if body.mass_kg > 0.0 { body.com_m() } else { Vector3::zeros() };
+        let mass = body.mass_kg.max(self.mass_kg);
+        let about_com = InertialParameters::from_com(0.0, Vector3::zeros(), body.inertia_com_kgm2());
+        let moments = about_com.pseudo_inertia().fixed_view::<3, 3>(0, 0).symmetric_eigen();
+        let thick = moments.eigenvalues.map(|x| x.max(mass * self.radius_m.powi(2)).sqrt());
+        let mut root = Matrix4::zeros();
+        let shape = moments.eigenvectors * Matrix3::from_diagonal(&thick);
+        root.fixed_view_mut::<3, 3>(0, 0).copy_from(&shape);
+        root.fixed_view_mut::<3, 1>(0, 3).copy_from(&(com * mass.sqrt()));
+        root[(3, 3)] = mass.sqrt();
+        root
+    }
 }

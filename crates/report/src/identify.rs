@@ -258,8 +258,8 @@ impl IdentifyReport {
         );
         if let Some(relative) = self.link_prior {
             text += &format!(
-                "prior: every number of a link known to {} % of its size (--prior none: nothing)\n",
-                significant(100.0 * relative, 3, 0.0)
+                "prior: every link's mass and its second moments known to {} % (--prior none: nothing)\n",
+                significant(100.0 * relative, 2, 0.0)
             );
         }
         if let Some(consistency) = &self.consistency {
