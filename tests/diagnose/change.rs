@@ -30,7 +30,7 @@ fn only_the_change_is_diagnosed() {
 
 /// A pendulum whose efforts follow a curve that no law of the library has, before and after: what is left
 /// unexplained is said, and a heavier bob is found all the same. Its mass by itself is not: a pendulum shows
-/// its moment.
+/// its moment. Its friction bends at speeds that the reference does not reach: no change either.
 #[test]
 fn a_load_on_an_imperfect_pendulum() {
     let folder = scratch("diagnose_pendulum");
@@ -63,13 +63,17 @@ fn a_load_on_an_imperfect_pendulum() {
                 row[place].parse().unwrap()
             };
             let (q, effort) = (value("servo/position"), value("servo/effort"));
-            let bent = effort + 0.06 * effort * (4.0 * q).sin() * effort.abs().sqrt();
+            let v = value("servo/velocity");
+            let bent = effort
+                + 0.06 * effort * (4.0 * q).sin() * effort.abs().sqrt()
+                + 3.0 * (v.abs() - 3.0).max(0.0) * v.signum();
             Some(set(h, row, "servo/effort", &bent.to_string()))
         });
     };
     make("before", 2.0, [(0.5, 0.9), (0.4, 2.3), (0.2, 4.1)], "1");
     make("same", 2.0, [(0.6, 0.7), (0.3, 2.9), (0.2, 3.7)], "2");
     make("loaded", 2.8, [(0.6, 0.7), (0.3, 2.9), (0.2, 3.7)], "3");
+    make("faster", 2.0, [(0.6, 1.4), (0.5, 4.3), (0.3, 6.1)], "4");
     std::fs::write(folder.join("arm.urdf"), urdf(2.0)).unwrap();
     let change = |after: &str| -> Value {
         let args =
@@ -80,12 +84,20 @@ fn a_load_on_an_imperfect_pendulum() {
     assert_eq!(named(&same), BTreeSet::new());
     let sentence = string(&same["sentence"]);
     assert!(sentence.contains("no change"), "{sentence}");
+    assert!(same["beyond_reference"].is_null());
+    let faster = change("faster.csv");
+    assert_eq!(named(&faster), BTreeSet::new());
+    // the sines before, at their fastest, all in step
+    let fastest = number(&faster["beyond_reference"]["servo"]);
+    assert!((1.5..2.2).contains(&fastest), "{fastest}");
     let loaded = change("loaded.csv");
     let findings = list(&loaded["findings"]);
     assert_eq!(findings.len(), 1, "{findings:?}");
     assert_eq!(findings[0]["link"], "arm");
     let parameters = &findings[0]["parameters"];
     assert!(parameters["delta_mass"].is_null(), "{parameters}");
+    // a load that cannot be weighed
+    assert_eq!(list(&findings[0]["alternatives"])[0]["effect"], "payload");
     let moment = number(&parameters["delta_mcz"]["value"]);
     assert!((moment + 0.4).abs() < 0.1, "{moment}");
 }

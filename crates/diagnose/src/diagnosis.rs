@@ -60,6 +60,9 @@ pub struct Diagnosis {
     /// By how many standard errors the links of the model are off what was found, where no real bodies have that;
     /// none where they are what was found.
     pub links_off: Option<f64>,
+    /// With a reference: joints that now move faster than there, and their speed there \[rad/s or m/s\]. What is
+    /// clearly faster is not compared: the friction there, the reference does not say.
+    pub beyond_reference: BTreeMap<String, f64>,
     /// Joints on which these errors of all links together matter, whether or not a single link is named.
     pub inertias_matter_on: Vec<String>,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
@@ -122,9 +125,11 @@ pub(crate) fn diagnose_from(
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let signals = usable_signals(&names, train)?;
     let mut evidence = Evidence::new(&model.chain, signals);
-    evidence.seek_change(changed_from);
+    let beyond = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    told(model, &names, &evidence, &selection)
+    let beyond_reference =
+        names.iter().cloned().zip(beyond).filter_map(|(name, speed)| Some((name, speed?))).collect();
+    Ok(Diagnosis { beyond_reference, ..told(model, &names, &evidence, &selection)? })
 }
 
 /// What is said of a selection.
@@ -198,6 +203,7 @@ fn told(
         joints: names.to_vec(),
         inertial_error: selection.scale,
         links_off,
+        beyond_reference: BTreeMap::new(),
         inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
             .into_iter()
             .map(|j| names[j].clone())

@@ -42,6 +42,11 @@ impl OperatingPoint {
     }
 }
 
+/// Share of the time of the reference in which a joint is no faster than its usual speed,
+const USUAL: f64 = 0.99;
+/// and how many times that it may be for its friction to be known: laws bend over more than a fifth.
+const FASTER: f64 = 1.2;
+
 /// Training recordings and the arm they are compared with.
 pub(crate) struct Evidence<'a> {
     pub(crate) chain: &'a DrivingAxisChain,
@@ -213,8 +218,30 @@ impl<'a> Evidence<'a> {
 
     /// Only what changed from this recording on is sought; the recordings before it show the arm as it was,
     /// and hold its links and everyday friction.
-    pub(crate) fn seek_change(&mut self, first: usize) {
+    ///
+    /// Gives back, for each joint that moves faster now than then, how fast it was before: what its friction
+    /// is beyond, the reference does not say, so that these rows are left out.
+    pub(crate) fn seek_change(&mut self, first: usize) -> Vec<Option<f64>> {
         self.rows.changed_from = first;
+        (0..self.joints())
+            .map(|joint| {
+                let fastest = self.usual_speed(joint, first)?;
+                let faster = |v: &f64| v.abs() > FASTER * fastest;
+                let left_out = self.rows.leave_out(&self.signals, joint, |s| {
+                    s.velocity[joint].iter().map(faster).collect()
+                });
+                (left_out > 0).then_some(fastest)
+            })
+            .collect()
+    }
+
+    /// Speed that a joint hardly exceeds in the first recordings; none where it has no effort in them.
+    fn usual_speed(&self, joint: usize, first: usize) -> Option<f64> {
+        let recorded = self.signals[..first].iter().filter(|s| !s.effort[joint].is_empty());
+        let mut speeds: Vec<f64> =
+            recorded.flat_map(|s| s.velocity[joint].iter().map(|v| v.abs())).collect();
+        speeds.sort_unstable_by(f64::total_cmp);
+        speeds.get((USUAL * speeds.len() as f64) as usize).copied()
     }
 
     /// Blocks of an arm column given for each recording as `[joint][sample]`.

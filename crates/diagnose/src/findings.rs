@@ -123,6 +123,7 @@ pub(crate) fn claims(
             let mut finding = finding_of_group(&view, g, &size, numbers);
             let rivals = rivals(&metric, &selection.answer, g, &selection.point);
             finding.alternatives = rivals.iter().map(|r| alternative(&view, g, r)).collect();
+            finding.alternatives.extend(load_unweighed(&view, g));
             Claim {
                 finding,
                 without: without.map(|answer| (answer, selection.wide.clone())),
@@ -162,6 +163,22 @@ fn alternative(view: &View<'_, '_>, group: usize, rival: &Rival) -> Alternative 
         left_more: rival.left,
         separated_by: separated_by(groups[group].slug(), other.slug()),
     }
+}
+
+/// A load is also what a change of the last link may be where no effort holds its mass (one joint, or joints
+/// that stand upright): a load that cannot be weighed is not named.
+fn load_unweighed(view: &View<'_, '_>, group: usize) -> Option<Alternative> {
+    let View { evidence, metric, .. } = *view;
+    let groups = &metric.problem.groups;
+    let last = evidence.joints() - 1;
+    let of_last = groups[group].slug() == "link_inertia_error" && groups[group].site.joints == [last];
+    (of_last && groups.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
+        effect: "payload".to_owned(),
+        joints: vec![evidence.names[last].clone()],
+        link: link_of(evidence, &groups[group]),
+        left_more: 0.0,
+        separated_by: Some("no motion of this arm, whose efforts do not hold the mass: weigh it"),
+    })
 }
 
 /// The link of an inertial effect.

@@ -84,6 +84,28 @@ impl Rows {
         self.weight.len()
     }
 
+    /// Takes the weight from the rows of what is judged that a joint spends at samples for which `unfit` holds;
+    /// gives back how many these are.
+    pub(crate) fn leave_out(
+        &mut self,
+        signals: &[Signals],
+        joint: usize,
+        unfit: impl Fn(&Signals) -> Vec<bool>,
+    ) -> usize {
+        let mut left_out = 0;
+        for (r, s) in signals.iter().enumerate().skip(self.changed_from) {
+            let unfit: Vec<f64> = unfit(s).into_iter().map(|b| f64::from(u8::from(b))).collect();
+            let weights = &mut self.weight[joint][self.starts[r]..self.starts[r + 1]];
+            for (weight, share) in weights.iter_mut().zip(s.band.rows(&unfit)) {
+                if share > STUCK_SHARE && *weight > 0.0 {
+                    *weight = 0.0;
+                    left_out += 1;
+                }
+            }
+        }
+        left_out
+    }
+
     /// Number of rows of one joint.
     pub(crate) fn len(&self) -> usize {
         self.starts[self.starts.len() - 1]

@@ -59,6 +59,9 @@ pub struct DiagnoseReport {
     /// speeds below which dry friction fades \[rad/s or m/s\]
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     friction_fades_below: BTreeMap<String, f64>,
+    /// speeds of the reference that joints now exceed \[rad/s or m/s\]: what is faster is not compared
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    beyond_reference: BTreeMap<String, f64>,
     /// joints on which the inertial errors of all links together matter
     inertias_matter_on: Vec<String>,
     atlas: Vec<JointAtlas>,
@@ -145,6 +148,7 @@ impl DiagnoseReport {
                 .zip(diagnosis.model.learned.fading_speed.iter().copied())
                 .filter(|(_, speed)| *speed > 0.0)
                 .collect(),
+            beyond_reference: diagnosis.beyond_reference.clone(),
             inertias_matter_on: diagnosis.inertias_matter_on.clone(),
             atlas: diagnosis.atlas.clone(),
             constants: diagnosis.constants.as_ref().map_or_else(Vec::new, |c| c.constants.clone()),
@@ -176,6 +180,7 @@ impl DiagnoseReport {
             inertial_error: 0.0,
             links_off_standard_errors: None,
             friction_fades_below: BTreeMap::new(),
+            beyond_reference: BTreeMap::new(),
             inertias_matter_on: Vec::new(),
             atlas: Vec::new(),
             constants: Vec::new(),
@@ -286,14 +291,16 @@ impl DiagnoseReport {
                 significant(off, 3, 0.0)
             ));
         }
+        if !self.beyond_reference.is_empty() {
+            text.push_str(&format!(
+                "\nnot compared: motion much faster than the reference's, which says nothing of friction there (rad/s or m/s): {}\n",
+                speeds_text(&self.beyond_reference)
+            ));
+        }
         if !self.friction_fades_below.is_empty() {
-            let of_joint = |(joint, speed): (&String, &f64)| {
-                format!("{joint} {}", significant(*speed, 2, 0.0))
-            };
-            let list: Vec<String> = self.friction_fades_below.iter().map(of_joint).collect();
             text.push_str(&format!(
                 "\ndry friction does not turn at once, it fades below (rad/s or m/s): {}\n",
-                list.join(", ")
+                speeds_text(&self.friction_fades_below)
             ));
         }
         text
@@ -585,4 +592,11 @@ fn titled(slug: &str, joints: &[String], link: Option<&String>) -> String {
     let title = effect(slug).map_or("structure without a name", |e| e.law().title);
     let place = link.cloned().unwrap_or_else(|| joints.join(", "));
     if place.is_empty() { title.to_owned() } else { format!("{title} on {place}") }
+}
+
+/// Joints with their speeds.
+fn speeds_text(speeds: &BTreeMap<String, f64>) -> String {
+    let of_joint =
+        |(joint, speed): (&String, &f64)| format!("{joint} {}", significant(*speed, 2, 0.0));
+    speeds.iter().map(of_joint).collect::<Vec<_>>().join(", ")
 }
