@@ -13,11 +13,11 @@ use armident_recording::{
 /// A set and its files.
 pub(crate) struct Set {
     pub(crate) folder: &'static str,
-    training: &'static [&'static str],
+    pub(crate) training: &'static [&'static str],
     /// none: a part of the training recording is kept out
-    holdout: &'static [&'static str],
+    pub(crate) holdout: &'static [&'static str],
     /// makes efforts of what is recorded
-    mapping: &'static str,
+    pub(crate) mapping: &'static str,
 }
 
 const TIAGO: &str = r#"
@@ -51,6 +51,11 @@ pub(crate) const SETS: [Set; 7] = [
         mapping: "",
     },
 ];
+
+/// The set of a folder.
+pub(crate) fn named(folder: &str) -> Option<&'static Set> {
+    SETS.iter().find(|set| set.folder == folder)
+}
 
 /// What a set's folder holds.
 pub(crate) struct Data {

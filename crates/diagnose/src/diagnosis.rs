@@ -127,8 +127,12 @@ pub(crate) fn diagnose_from(
     let mut evidence = Evidence::new(&model.chain, signals);
     let beyond = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    let beyond_reference =
-        names.iter().cloned().zip(beyond).filter_map(|(name, speed)| Some((name, speed?))).collect();
+    let beyond_reference = names
+        .iter()
+        .cloned()
+        .zip(beyond)
+        .filter_map(|(name, speed)| Some((name, speed?)))
+        .collect();
     Ok(Diagnosis { beyond_reference, ..told(model, &names, &evidence, &selection)? })
 }
 

@@ -171,7 +171,8 @@ fn load_unweighed(view: &View<'_, '_>, group: usize) -> Option<Alternative> {
     let View { evidence, metric, .. } = *view;
     let groups = &metric.problem.groups;
     let last = evidence.joints() - 1;
-    let of_last = groups[group].slug() == "link_inertia_error" && groups[group].site.joints == [last];
+    let of_last =
+        groups[group].slug() == "link_inertia_error" && groups[group].site.joints == [last];
     (of_last && groups.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
         effect: "payload".to_owned(),
         joints: vec![evidence.names[last].clone()],

@@ -187,7 +187,8 @@ impl Least {
         let body = link.nearest_physical();
         let com = if body.mass_kg > 0.0 { body.com_m() } else { Vector3::zeros() };
         let mass = body.mass_kg.max(self.mass_kg);
-        let about_com = InertialParameters::from_com(0.0, Vector3::zeros(), body.inertia_com_kgm2());
+        let about_com =
+            InertialParameters::from_com(0.0, Vector3::zeros(), body.inertia_com_kgm2());
         let moments = about_com.pseudo_inertia().fixed_view::<3, 3>(0, 0).symmetric_eigen();
         let thick = moments.eigenvalues.map(|x| x.max(mass * self.radius_m.powi(2)).sqrt());
         let mut root = Matrix4::zeros();
