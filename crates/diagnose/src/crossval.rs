@@ -8,7 +8,7 @@ use armident_effects::EVERYDAY;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem, Whitened, WrongBody};
 use crate::rows::Blocks;
 use crate::search::{Answer, all_admissible, answer};
 
@@ -292,7 +292,7 @@ pub(crate) fn errors_left_out(
     problem: &Problem,
     set: &[usize],
     scale: f64,
-    wide: &[usize],
+    wide: &[WrongBody],
 ) -> Vec<Vec<f64>> {
     let (small, ids) = problem.restricted(set);
     let folds = folds(&small);
@@ -503,7 +503,7 @@ fn stretches(starts: &[usize], blocks: usize) -> Vec<Range<usize>> {
 }
 
 /// What is fitted for each stretch, in a metric.
-fn metrics<'a>(folds: &'a [Fold], scale: f64, wide: &[usize]) -> Vec<Whitened<'a>> {
+fn metrics<'a>(folds: &'a [Fold], scale: f64, wide: &[WrongBody]) -> Vec<Whitened<'a>> {
     folds.iter().map(|fold| fold.fitted.whitened(scale, wide)).collect()
 }
 

@@ -18,6 +18,7 @@ use crate::material::joints_of_inertial_errors;
 use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
 use crate::placebo::{Placebo, placebo};
+use crate::problem::WrongBody;
 use crate::search::Answer;
 use crate::select::{Selection, select};
 use crate::signals::Signals;
@@ -152,7 +153,7 @@ fn told(
     let constants = constants(model, &learned_model, &best_metric, &best.answer);
     let claims = claims(evidence, selection, &best_view);
     // the model of another answer, all that is not in question as in the model learned
-    let model_of = |answer: &Answer, wide: &[usize]| {
+    let model_of = |answer: &Answer, wide: &[WrongBody]| {
         let metric = selection.problem.whitened(best.scale, wide);
         let answer = best.beside(&metric, &selection.answer, answer)?;
         let view = View::new(evidence, &metric, &answer, &selection.point);

@@ -12,7 +12,7 @@ use crate::crossval::Scatter;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
-use crate::problem::{Group, Meaning, Problem};
+use crate::problem::{Group, Meaning, Problem, WrongBody};
 use crate::refine::shape_deviations;
 use crate::search::{Answer, answer};
 use crate::select::Selection;
@@ -97,7 +97,7 @@ fn confidence(size: &Materiality) -> f64 {
 pub(crate) struct Claim {
     pub(crate) finding: Finding,
     /// without it, and the links with a wrong body; none where there is no such answer
-    pub(crate) without: Option<(Answer, Vec<usize>)>,
+    pub(crate) without: Option<(Answer, Vec<WrongBody>)>,
     /// with each alternative in its place
     pub(crate) rivals: Vec<Answer>,
 }
@@ -132,12 +132,13 @@ pub(crate) fn claims(
         })
         .collect();
     let errors = metric.inertial_errors(&selection.answer.fit);
-    for &link in &selection.wide {
+    for &WrongBody { link, .. } in &selection.wide {
         let size = link_materiality(&metric, &selection.answer, link);
         if size.ratio() < 1.0 {
             continue;
         }
-        let wide: Vec<usize> = selection.wide.iter().copied().filter(|l| *l != link).collect();
+        let wide: Vec<WrongBody> =
+            selection.wide.iter().copied().filter(|body| body.link != link).collect();
         let others = selection.problem.whitened(selection.scale, &wide);
         let change = &errors[10 * link..10 * (link + 1)];
         let covariance =

@@ -6,7 +6,7 @@ use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence};
 use crate::flexible;
 use crate::material::{LEAST, band_noise, excess};
-use crate::problem::{Group, Meaning, Problem};
+use crate::problem::{Group, Meaning, Problem, WrongBody};
 use crate::refine::refine;
 use crate::search::{Answer, answer};
 use crate::select::{Best, Memory, keep_better, search_at};
@@ -97,7 +97,7 @@ pub(crate) fn with_hidden_motion(
 /// The best answer with one of the offered groups beside what it does not exclude.
 fn nearest(
     problem: &Problem,
-    (scale, wide): (f64, &[usize]),
+    (scale, wide): (f64, &[WrongBody]),
     beside: &Answer,
     offered: impl Iterator<Item = usize>,
 ) -> Option<Answer> {

@@ -23,8 +23,22 @@ pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
 /// columns first.
 const FEWEST_AS_MATRIX: usize = 8;
 
-/// How many times larger the errors of a link with a wrong body may be than those of all others.
-const WIDE: f64 = 12.0;
+/// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
+/// a draft, another body, one many times as heavy.
+pub(crate) const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
+
+/// A link whose body is wrong beyond what all links are off by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WrongBody {
+    pub(crate) link: usize,
+    /// how many times larger its errors may be than those of all others
+    pub(crate) times: f64,
+}
+
+/// Relative size of the errors of a link where all others are off by `scale`.
+fn size_of(link: usize, scale: f64, wide: &[WrongBody]) -> f64 {
+    wide.iter().find(|body| body.link == link).map_or(scale, |body| body.times * scale)
+}
 
 /// Where a group acts.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -239,16 +253,16 @@ impl Problem {
         integral.rhs.truncate(mark.columns);
     }
 
-    /// The problem with inertial errors integrated out: of relative deviation `scale`, and
-    /// [`WIDE`] times that on the links in `wide`.
-    pub(crate) fn whitened(&self, scale: f64, wide: &[usize]) -> Whitened<'_> {
+    /// The problem with inertial errors integrated out: of relative deviation `scale`, and more on the links in
+    /// `wide`.
+    pub(crate) fn whitened(&self, scale: f64, wide: &[WrongBody]) -> Whitened<'_> {
         self.whitened_by(&mut self.integral(scale, wide))
     }
 
     /// What integrates inertial errors of that size out, no column reduced by it yet.
-    pub(crate) fn integral(&self, scale: f64, wide: &[usize]) -> Integral {
-        let of_link = |link| if wide.contains(&link) { WIDE * scale } else { scale };
-        let sizes: Vec<f64> = (0..self.background.links).map(of_link).collect();
+    pub(crate) fn integral(&self, scale: f64, wide: &[WrongBody]) -> Integral {
+        let sizes: Vec<f64> =
+            (0..self.background.links).map(|link| size_of(link, scale, wide)).collect();
         Integral { scale, wide: wide.to_vec(), ..self.integral_of(&sizes) }
     }
 
@@ -358,7 +372,7 @@ pub(crate) struct Mark {
 /// What integrates inertial errors of one size out of columns: the same for all that are added later.
 pub(crate) struct Integral {
     scale: f64,
-    wide: Vec<usize>,
+    wide: Vec<WrongBody>,
     log_determinant: f64,
     prior: Option<Arc<Prior>>,
     /// the columns so far, their products and those with the efforts
@@ -372,7 +386,7 @@ pub(crate) struct Whitened<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) scale: f64,
     /// links whose errors may be larger
-    pub(crate) wide: Vec<usize>,
+    pub(crate) wide: Vec<WrongBody>,
     gram: Vec<Vec<f64>>,
     rhs: Vec<f64>,
     square: f64,
@@ -495,7 +509,7 @@ impl Whitened<'_> {
 
     /// Relative size of the errors of a link.
     pub(crate) fn size_of(&self, link: usize) -> f64 {
-        if self.wide.contains(&link) { WIDE * self.scale } else { self.scale }
+        size_of(link, self.scale, &self.wide)
     }
 
     /// Posterior mean of the relative inertial errors, and with it the change of all standard

@@ -5,7 +5,7 @@ use armident_effects::{Scope, effect};
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence};
 use crate::flexible;
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem, Whitened, WrongBody};
 use crate::search::{Answer, answer};
 use crate::transmission;
 
@@ -135,7 +135,7 @@ pub(crate) fn refine(
     at: &[At<'_>],
     contact: &ContactColumns,
     problem: &mut Problem,
-    (scale, wide): (f64, &[usize]),
+    (scale, wide): (f64, &[WrongBody]),
     found: Answer,
     polished: impl Fn(&Group) -> bool,
 ) -> Answer {

@@ -13,7 +13,7 @@ use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
 use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
-use crate::problem::{Group, Problem, Whitened};
+use crate::problem::{Group, Problem, TIMES, Whitened, WrongBody};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
@@ -43,7 +43,7 @@ pub(crate) struct Selection {
     /// relative inertial error
     pub(crate) scale: f64,
     /// links with a wrong body
-    pub(crate) wide: Vec<usize>,
+    pub(crate) wide: Vec<WrongBody>,
     /// where the columns were formed
     pub(crate) point: OperatingPoint,
 }
@@ -77,7 +77,7 @@ pub(crate) struct Memory {
 #[derive(Debug, Clone)]
 pub(crate) struct Best {
     pub(crate) scale: f64,
-    pub(crate) wide: Vec<usize>,
+    pub(crate) wide: Vec<WrongBody>,
     pub(crate) answer: Answer,
 }
 
@@ -379,8 +379,10 @@ fn with_wrong_bodies(
     if scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0 {
         let links = problem.background.links;
         while wide.len() < MOST_WRONG_BODIES {
-            let candidates = (0..links).filter(|l| !wide.contains(l)).filter_map(|link| {
-                let trial = [wide.clone(), vec![link]].concat();
+            let right = (0..links).filter(|l| wide.iter().all(|body: &WrongBody| body.link != *l));
+            let bodies = right.flat_map(|link| TIMES.map(|times| WrongBody { link, times }));
+            let candidates = bodies.filter_map(|body| {
+                let trial = [wide.clone(), vec![body]].concat();
                 let next = answer(&problem.whitened(scale, &trial), found.set.clone())?;
                 Some((next.score, trial))
             });
