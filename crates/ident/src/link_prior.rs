@@ -20,7 +20,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use armident_dynamics::RigidArm;
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, NumericError, PseudoInverse};
-use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector3};
 
 use crate::batch::{self, BatchProblem, BatchSettings, Term};
 use crate::minimal_set::MinimalSet;
@@ -63,7 +63,7 @@ impl LinkPrior {
         with_rotor: &[usize],
         relative: f64,
     ) -> Result<Option<Self>, NumericError> {
-        let Some(mut spread) = spread_of_links(arm, set, relative, 0.0) else { return Ok(None) };
+        let Some(mut spread) = spread_of_links(arm, set, relative) else { return Ok(None) };
         for &k in with_rotor {
             let own = spread.iter().map(|column| column[k].powi(2)).sum::<f64>().sqrt();
             spread.push((0..set.len()).map(|c| if c == k { UNKNOWN * own } else { 0.0 }).collect());
@@ -126,43 +126,83 @@ impl BatchProblem<'_> {
 
 /// Columns `T dπ`: what each independent error of a link, of one standard deviation, does to the
 /// constants. None when no link has mass.
+fn spread_of_links(arm: &RigidArm, set: &MinimalSet, relative: f64) -> Option<Vec<Vec<f64>>> {
+    let mean = MeanLink::of(arm, set)?;
+    let least = Least { mass_kg: FLOOR * mean.mass_kg, radius_m: FLOOR * mean.length_m };
+    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
+    for (i, link) in arm.links.iter().enumerate() {
+        let root = least.root_of(link);
+        for error in directions() {
+            let of_link = root * error * root.transpose() * relative;
+            spread.push(alone(arm, set, i, InertialParameters::from_pseudo_inertia(&of_link)));
+        }
+    }
+    Some(spread)
+}
+
+/// The same where every number of a link may be wrong by itself, as a slip of a pen makes it: the mass
+/// relative to the mass, a first moment to mass times length, an inertia to mass times length squared, with the
+/// radius of gyration about the frame origin for a length. That is what a check of columns has to reckon with:
+/// on pieces of real recordings it tells wrong columns better than relative errors of moments do.
 ///
 /// With a `load`, the last link may carry a body of this many times the mean link's mass, of its length,
 /// that the description does not know.
-pub(crate) fn spread_of_links(
+pub(crate) fn spread_of_numbers(
     arm: &RigidArm,
     set: &MinimalSet,
     relative: f64,
     load: f64,
 ) -> Option<Vec<Vec<f64>>> {
-    let count = arm.links.len() as f64;
-    let gyration = |link: &InertialParameters| {
-        let half_trace = 0.5 * link.inertia_origin_kgm2.trace().abs();
-        if link.mass_kg == 0.0 { 0.0 } else { (half_trace / link.mass_kg.abs()).sqrt() }
-    };
-    let mean_mass = arm.links.iter().map(|l| l.mass_kg.abs()).sum::<f64>() / count;
-    let mean_length = arm.links.iter().map(gyration).sum::<f64>() / count;
-    if mean_mass == 0.0 || mean_length == 0.0 || set.is_empty() {
-        return None;
-    }
-    let least = Least { mass_kg: FLOOR * mean_mass, radius_m: FLOOR * mean_length };
-    let load = (load > 0.0).then(|| {
-        let sizes = Vector4::new(mean_length, mean_length, mean_length, 1.0);
-        let root = Matrix4::from_diagonal(&(sizes * mean_mass.sqrt()));
-        (arm.links.len() - 1, root, load)
-    });
-    let own = arm.links.iter().enumerate().map(|(i, link)| (i, least.root_of(link), relative));
+    let mean = MeanLink::of(arm, set)?;
     let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
-    for (i, root, relative) in own.chain(load) {
-        for error in directions() {
-            let mut alone = arm.clone();
-            alone.links.fill(InertialParameters::zero());
-            let of_link = root * error * root.transpose() * relative;
-            alone.links[i] = InertialParameters::from_pseudo_inertia(&of_link);
-            spread.push(set.values(&alone.constants()));
+    let last = arm.links.len() - 1;
+    let load = (load > 0.0).then_some((last, load * mean.mass_kg, mean.length_m));
+    let own = arm.links.iter().enumerate().map(|(i, link)| {
+        let mass = relative * link.mass_kg.abs().max(FLOOR * mean.mass_kg);
+        (i, mass, gyration(link).max(FLOOR * mean.length_m))
+    });
+    for (i, mass, length) in own.chain(load) {
+        for number in 0..InertialParameters::COUNT {
+            let mut unit = [0.0; InertialParameters::COUNT];
+            unit[number] = match number {
+                0 => mass,
+                1..4 => mass * length,
+                _ => mass * length * length,
+            };
+            spread.push(alone(arm, set, i, InertialParameters::from_array(&unit)));
         }
     }
     Some(spread)
+}
+
+/// Constants of an arm of one link.
+fn alone(arm: &RigidArm, set: &MinimalSet, index: usize, link: InertialParameters) -> Vec<f64> {
+    let mut alone = arm.clone();
+    alone.links.fill(InertialParameters::zero());
+    alone.links[index] = link;
+    set.values(&alone.constants())
+}
+
+/// Radius of gyration about the frame origin \[m\]; 0 without mass.
+fn gyration(link: &InertialParameters) -> f64 {
+    let half_trace = 0.5 * link.inertia_origin_kgm2.trace().abs();
+    if link.mass_kg == 0.0 { 0.0 } else { (half_trace / link.mass_kg.abs()).sqrt() }
+}
+
+/// What the links of an arm are like in the mean.
+struct MeanLink {
+    mass_kg: f64,
+    length_m: f64,
+}
+
+impl MeanLink {
+    /// None where there is nothing to believe: no link has mass, or no constant matters.
+    fn of(arm: &RigidArm, set: &MinimalSet) -> Option<Self> {
+        let count = arm.links.len() as f64;
+        let mass_kg = arm.links.iter().map(|l| l.mass_kg.abs()).sum::<f64>() / count;
+        let length_m = arm.links.iter().map(gyration).sum::<f64>() / count;
+        (mass_kg > 0.0 && length_m > 0.0 && !set.is_empty()).then_some(Self { mass_kg, length_m })
+    }
 }
 
 /// An orthonormal basis of the symmetric matrices.

@@ -7,7 +7,7 @@ use super::Verdict;
 use super::likelihood::{JointModel, Relation};
 use super::rows::JointRows;
 use crate::batch::{BatchProblem, Term};
-use crate::link_prior::{UNKNOWN, spread_of_links};
+use crate::link_prior::{UNKNOWN, spread_of_numbers};
 
 /// Gains looked at: a factor of ten thousand to either side of a joint's effort, which takes in gears,
 /// currents, milli- and per-mille units.
@@ -291,7 +291,7 @@ struct LinkBelief {
 impl LinkBelief {
     fn of(problem: &BatchProblem<'_>, doubt: f64, load: f64) -> Self {
         let (arm, set) = (problem.arm(), problem.set());
-        let mut spread = spread_of_links(arm, set, doubt, load).unwrap_or_default();
+        let mut spread = spread_of_numbers(arm, set, doubt, load).unwrap_or_default();
         // rotors that are part of a constant may be of any size
         for &(k, _) in problem.merged.iter().flat_map(|m| &m.into) {
             if let Term::Constant(c) = problem.terms[k] {

@@ -6,7 +6,7 @@ use armident_recording::{Motion, RESTING_RANGE};
 use super::Verdict;
 use super::rows::JointRows;
 use crate::batch::{BatchProblem, RANK_CUT, Term};
-use crate::link_prior::spread_of_links;
+use crate::link_prior::spread_of_numbers;
 
 /// A constant is determined to this share of the size that the robot description gives it, ...
 const DETERMINED: f64 = 0.1;
@@ -87,7 +87,7 @@ pub(super) fn excitation(
         all.merge_weighted(&triangle, terms, weight);
     }
     let solved = all.solve(RANK_CUT)?;
-    let sizes = spread_of_links(problem.arm(), set, 1.0, 0.0).unwrap_or_default();
+    let sizes = spread_of_numbers(problem.arm(), set, 1.0, 0.0).unwrap_or_default();
     let resting: Vec<bool> =
         (0..names.len()).map(|j| activity(motions, j).range < RESTING_RANGE).collect();
     let covariance = &solved.unit_covariance;
