@@ -157,7 +157,9 @@ fn models_have_real_links_and_can_be_simulated() {
             number(&consistency["distance_in_standard_errors"]),
             number(&consistency["distance_at_least"]),
         );
-        assert!(least <= distance && distance < least + 0.5, "{name}: {least} {distance}");
+        // half a standard error, or a quarter of a larger distance: what ever heavier links could still gain
+        let above = (0.25 * least).max(0.5);
+        assert!(least <= distance && distance < least + above, "{name}: {least} {distance}");
         for (joint, smallest) in consistency["smallest_eigenvalues"].as_object().unwrap() {
             assert!(number(smallest) > 0.0, "{name} {joint}: {smallest}");
         }
