@@ -96,7 +96,7 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         let lead = if of.findings.len() > largest.len() { "The largest: " } else { "" };
         all.push(capital(&format!("{lead}{}.", largest.join("; "))));
     }
-    if let Some(clause) = of.sentence.split("; ").find(|c| c.ends_with("left unexplained")) {
+    if let Some(clause) = unexplained(of) {
         all.push(capital(&format!("{clause}.")));
     }
     if let Some((errors, kind)) = proof(of) {
@@ -178,6 +178,13 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
             coloured.join(", ")
         ));
     }
+    if !of.beyond_reference.is_empty() {
+        all.push(format!(
+            "Motion much faster than the reference's was not compared, for the reference does not say what friction is there \
+             (rad/s or m/s in the reference: {}).",
+            speeds(&of.beyond_reference)
+        ));
+    }
     let limit = of.findings.iter().filter(|f| f.confidence < 0.65).count();
     if limit > 0 {
         all.push(format!(
@@ -196,6 +203,17 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         );
     }
     all
+}
+
+/// The clause of the first sentence that says what is left unexplained.
+fn unexplained(of: &Diagnosis) -> Option<&str> {
+    of.sentence.split("; ").find(|clause| clause.ends_with("left unexplained"))
+}
+
+/// Joints with their speeds.
+fn speeds(of: &ByJoint) -> String {
+    let of_joint = |(joint, speed): (&String, &f64)| format!("{joint} {}", number(*speed, 2));
+    of.iter().map(of_joint).collect::<Vec<_>>().join(", ")
 }
 
 /// The joint of a fault.
@@ -293,7 +311,17 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
                 .by(with_option(drawing, "--holdout other.csv")),
         );
     }
-    if of.findings.is_empty() {
+    if !of.beyond_reference.is_empty() {
+        steps.push(Step::new(format!(
+            "Record a reference that is as fast as these recordings: {}.",
+            speeds(&of.beyond_reference)
+        )));
+    }
+    if of.findings.is_empty() && unexplained(of).is_some() {
+        steps.push(Step::new(
+            "What is left has no name: what it goes with stands with the joint. Longer recordings, and other motions, may name it.",
+        ));
+    } else if of.findings.is_empty() {
         steps.push(Step::new(
             "Nothing has to change. To see smaller effects record more slowly, more often, or with less noise.",
         ));
