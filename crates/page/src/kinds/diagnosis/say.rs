@@ -313,7 +313,7 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
     }
     if !of.beyond_reference.is_empty() {
         steps.push(Step::new(format!(
-            "Record a reference that is as fast as these recordings: {}.",
+            "Record a reference that is as fast as these recordings (rad/s or m/s so far: {}).",
             speeds(&of.beyond_reference)
         )));
     }
