@@ -426,11 +426,18 @@ impl<'a> BatchProblem<'a> {
         &self,
         settings: &BatchSettings,
     ) -> Result<Option<TermPrior>, NumericError> {
-        let of_loads = self.load_prior();
-        let loads_alone = |rows: Vec<Vec<f64>>| {
-            (!rows.is_empty()).then(|| TermPrior { mean: vec![0.0; self.terms.len()], rows })
+        let of_links = match settings.link_prior {
+            Some(relative) => self.believed_links(relative)?,
+            None => None,
         };
-        let Some(relative) = settings.link_prior else { return Ok(loads_alone(of_loads)) };
+        let nothing = || TermPrior { mean: vec![0.0; self.terms.len()], rows: Vec::new() };
+        let mut prior = of_links.unwrap_or_else(nothing);
+        prior.rows.extend(self.load_prior());
+        Ok((!prior.rows.is_empty()).then_some(prior))
+    }
+
+    /// What is believed of the links, over all terms; none where the description gives no link a mass.
+    pub(crate) fn believed_links(&self, relative: f64) -> Result<Option<TermPrior>, NumericError> {
         let with_rotor: Vec<usize> = (self.merged.iter().flat_map(|m| &m.into))
             .filter_map(|&(k, _)| match self.terms[k] {
                 Term::Constant(c) => Some(c),
@@ -438,7 +445,7 @@ impl<'a> BatchProblem<'a> {
             })
             .collect();
         let Some(prior) = LinkPrior::of(self.arm, self.set, &with_rotor, relative)? else {
-            return Ok(loads_alone(of_loads));
+            return Ok(None);
         };
         let over_terms = |row: &[f64]| -> Vec<f64> {
             let of_term = |term: &Term| match *term {
@@ -449,7 +456,7 @@ impl<'a> BatchProblem<'a> {
         };
         Ok(Some(TermPrior {
             mean: over_terms(&prior.mean),
-            rows: prior.rows.iter().map(|row| over_terms(row)).chain(of_loads).collect(),
+            rows: prior.rows.iter().map(|row| over_terms(row)).collect(),
         }))
     }
 
@@ -475,8 +482,7 @@ impl<'a> BatchProblem<'a> {
             return (all, None);
         };
         all = all.beyond(mean);
-        let mut prior = AccumulatedQr::new(self.terms.len());
-        prior.push_rows(&prior_rows.iter().map(|r| [r, &[0.0][..]].concat()).collect::<Vec<_>>());
+        let prior = triangle_of(prior_rows, self.terms.len());
         let terms: Vec<usize> = (0..self.terms.len()).collect();
         // rows of samples count for more than they know by the dependent ones among them
         all.merge_weighted(&prior, &terms, 1.0 / rows.share.sqrt());
@@ -555,6 +561,13 @@ impl<'a> BatchProblem<'a> {
         list.extend(self.couplings_of(values, joint_names));
         list
     }
+}
+
+/// Rows of a prior about its mean.
+pub(crate) fn triangle_of(rows: &[Vec<f64>], unknowns: usize) -> AccumulatedQr {
+    let mut prior = AccumulatedQr::new(unknowns);
+    prior.push_rows(&rows.iter().map(|r| [r, &[0.0][..]].concat()).collect::<Vec<_>>());
+    prior
 }
 
 /// Settings in the form the solver takes.

@@ -33,7 +33,7 @@ mod barrier;
 use armident_dynamics::{RigidArm, constants_from_links};
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, NumericError};
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use nalgebra::{Matrix4, Vector3};
 
 use crate::minimal_set::MinimalSet;
 use barrier::{Barrier, Bound, Centre, DualityGap, Point, TEN};
@@ -452,15 +452,10 @@ impl Prior {
                 bodies.push(link.nearest_physical());
             }
         }
-        let about_com = |b: &InertialParameters| -> Matrix3<f64> {
-            let centred =
-                InertialParameters::from_com(b.mass_kg, Vector3::zeros(), b.inertia_com_kgm2());
-            centred.pseudo_inertia().fixed_view::<3, 3>(0, 0).into()
-        };
         let heavy: Vec<&InertialParameters> = bodies.iter().filter(|b| b.mass_kg > 0.0).collect();
         let total: f64 = heavy.iter().map(|b| b.mass_kg).sum();
         let mean_mass = if total > 0.0 { total / heavy.len() as f64 } else { 1.0 };
-        let spread: f64 = heavy.iter().map(|b| about_com(b).trace().max(0.0)).sum();
+        let spread: f64 = heavy.iter().map(|b| b.second_moment_com_kgm2().trace().max(0.0)).sum();
         let radius_squared = if spread > 0.0 { spread / total } else { SOME_RADIUS.powi(2) };
 
         let mut thickened = Vec::new();
@@ -468,7 +463,7 @@ impl Prior {
         for (joint, body) in bodies.iter().enumerate() {
             let massless = body.mass_kg <= LIGHTEST * mean_mass;
             let mass = if massless { LIGHTEST * mean_mass } else { body.mass_kg };
-            let eigen = about_com(body).symmetric_eigen();
+            let eigen = body.second_moment_com_kgm2().symmetric_eigen();
             let mean = eigen.eigenvalues.sum().max(0.0) / 3.0;
             let of_mass = mass * radius_squared / 3.0;
             let floor = if massless { of_mass } else { THINNEST * mean.max(SMALLEST * of_mass) };
@@ -476,13 +471,9 @@ impl Prior {
             if massless || moments != eigen.eigenvalues {
                 thickened.push(joint);
             }
-            let mut root = Matrix4::zeros();
-            let shape = eigen.eigenvectors * Matrix3::from_diagonal(&moments.map(f64::sqrt));
-            root.fixed_view_mut::<3, 3>(0, 0).copy_from(&shape);
             let com = if massless { Vector3::zeros() } else { body.com_m() };
-            root.fixed_view_mut::<3, 1>(0, 3).copy_from(&(com * mass.sqrt()));
-            root[(3, 3)] = mass.sqrt();
-            roots.push(root);
+            let axes = &eigen.eigenvectors;
+            roots.push(InertialParameters::pseudo_inertia_root(mass, com, axes, &moments));
         }
         Ok(Self { roots, projected, thickened })
     }

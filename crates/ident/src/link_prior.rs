@@ -20,9 +20,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use armident_dynamics::RigidArm;
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, NumericError, PseudoInverse};
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use nalgebra::Matrix4;
 
-use crate::batch::{self, BatchProblem, BatchSettings, Term};
+use crate::batch::{self, BatchProblem, BatchSettings, Beliefs, Term, TermPrior, triangle_of};
 use crate::minimal_set::MinimalSet;
 use crate::rows::JointRows;
 
@@ -99,18 +99,24 @@ impl BatchProblem<'_> {
         rows: &JointRows,
         settings: &BatchSettings,
     ) -> Result<Option<f64>, NumericError> {
-        if LinkPrior::of(self.arm(), self.set(), &[], LEAST_DOUBT)?.is_none() {
+        // the prior's rows are in proportion to 1/r
+        let Some(TermPrior { mean, rows: at_one }) = self.believed_links(1.0)? else {
             return Ok(None);
-        }
+        };
         let noise = self.estimate_with(rows, settings)?.effort_noise;
+        let besides = TermPrior { mean, rows: self.load_prior() };
+        let besides = Beliefs { bound: None, prior: Some(besides) };
+        let (recorded, _) = self.information(rows, &noise, &besides);
+        let at_one = triangle_of(&at_one, self.terms.len());
+        let terms: Vec<usize> = (0..self.terms.len()).collect();
         let constants = self.terms.iter().filter(|t| matches!(t, Term::Constant(_))).count() as f64;
         let step = (MOST_DOUBT / LEAST_DOUBT).powf((DOUBTS as f64).recip());
         let doubts: Vec<f64> = (0..=DOUBTS).map(|k| LEAST_DOUBT * step.powi(k as i32)).collect();
         let evidence = doubts
             .iter()
             .map(|&doubt| {
-                let settings = BatchSettings { link_prior: Some(doubt), ..*settings };
-                let (all, _) = self.information(rows, &noise, &self.beliefs(&settings)?);
+                let mut all = recorded.clone();
+                all.merge_weighted(&at_one, &terms, 1.0 / (doubt * rows.share.sqrt()));
                 let root = all.root(1.0);
                 let diagonal = (0..root.nrows()).map(|k| root[(k, k)].abs());
                 let determinant: f64 = diagonal.map(|d| d.max(f64::MIN_POSITIVE).ln()).sum();
@@ -129,7 +135,7 @@ impl BatchProblem<'_> {
 fn spread_of_links(arm: &RigidArm, set: &MinimalSet, relative: f64) -> Option<Vec<Vec<f64>>> {
     let mean = MeanLink::of(arm, set)?;
     let least = Least { mass_kg: FLOOR * mean.mass_kg, radius_m: FLOOR * mean.length_m };
-    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
+    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * arm.links.len());
     for (i, link) in arm.links.iter().enumerate() {
         let root = least.root_of(link);
         for error in directions() {
@@ -225,17 +231,9 @@ impl Least {
     /// A root `L` of the pseudo-inertia `J = L L'` of the nearest real body that is heavy and thick enough.
     fn root_of(&self, link: &InertialParameters) -> Matrix4<f64> {
         let body = link.nearest_physical();
-        let com = if body.mass_kg > 0.0 { body.com_m() } else { Vector3::zeros() };
         let mass = body.mass_kg.max(self.mass_kg);
-        let about_com =
-            InertialParameters::from_com(0.0, Vector3::zeros(), body.inertia_com_kgm2());
-        let moments = about_com.pseudo_inertia().fixed_view::<3, 3>(0, 0).symmetric_eigen();
-        let thick = moments.eigenvalues.map(|x| x.max(mass * self.radius_m.powi(2)).sqrt());
-        let mut root = Matrix4::zeros();
-        let shape = moments.eigenvectors * Matrix3::from_diagonal(&thick);
-        root.fixed_view_mut::<3, 3>(0, 0).copy_from(&shape);
-        root.fixed_view_mut::<3, 1>(0, 3).copy_from(&(com * mass.sqrt()));
-        root[(3, 3)] = mass.sqrt();
-        root
+        let eigen = body.second_moment_com_kgm2().symmetric_eigen();
+        let thick = eigen.eigenvalues.map(|x| x.max(mass * self.radius_m.powi(2)));
+        InertialParameters::pseudo_inertia_root(mass, body.com_m(), &eigen.eigenvectors, &thick)
     }
 }

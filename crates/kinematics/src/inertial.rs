@@ -123,6 +123,27 @@ impl InertialParameters {
         }
     }
 
+    /// Second moment `∫ r rᵀ dm` about the centre of mass \[kg m2\], axes of the frame.
+    pub fn second_moment_com_kgm2(&self) -> Matrix3<f64> {
+        second_moment(&self.inertia_com_kgm2())
+    }
+
+    /// A root `Λ` of the pseudo-inertia `J = Λ Λᵀ` of the body with this mass and centre of mass, whose second
+    /// moment about it has these `axes` (columns) and these principal values, none negative.
+    pub fn pseudo_inertia_root(
+        mass_kg: f64,
+        com_m: Vector3<f64>,
+        axes: &Matrix3<f64>,
+        principal_kgm2: &Vector3<f64>,
+    ) -> Matrix4<f64> {
+        let mut root = Matrix4::zeros();
+        let shape = axes * Matrix3::from_diagonal(&principal_kgm2.map(f64::sqrt));
+        root.fixed_view_mut::<3, 3>(0, 0).copy_from(&shape);
+        root.fixed_view_mut::<3, 1>(0, 3).copy_from(&(com_m * mass_kg.sqrt()));
+        root[(3, 3)] = mass_kg.sqrt();
+        root
+    }
+
     /// Smallest eigenvalue of the pseudo-inertia: a body made of non-negative mass has none below
     /// zero.
     pub fn smallest_pseudo_inertia_eigenvalue(&self) -> f64 {
@@ -251,6 +272,19 @@ mod tests {
         for ((a, b), c) in one.to_array().iter().zip(other.to_array()).zip(twice.to_array()) {
             assert!((a - b).abs() < 1e-12 && (b - c).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_root_of_the_pseudo_inertia() {
+        let body = body();
+        let eigen = body.second_moment_com_kgm2().symmetric_eigen();
+        let root = InertialParameters::pseudo_inertia_root(
+            body.mass_kg,
+            body.com_m(),
+            &eigen.eigenvectors,
+            &eigen.eigenvalues,
+        );
+        assert!((root * root.transpose() - body.pseudo_inertia()).amax() < 1e-14);
     }
 
     #[test]
