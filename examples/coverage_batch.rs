@@ -167,7 +167,7 @@ pub(crate) fn study(
     let mut cutoffs = Vec::new();
     let mut sums = vec![0.0; count];
     for seed in 0..seeds {
-        let truth = true_arm(&believed, arms, seed);
+        let truth = true_arm(&believed, arms, seed)?;
         let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
         let true_values = values_of(&truth);
         sums.iter_mut().zip(&true_values).for_each(|(sum, value)| *sum += value);
@@ -213,7 +213,11 @@ pub(crate) fn study(
 const DRAWN_ERROR: f64 = 0.3;
 
 /// The links, as the URDF does not know them.
-fn true_arm(believed: &ArmModel, arms: Arms, seed: u64) -> ArmModel {
+fn true_arm(
+    believed: &ArmModel,
+    arms: Arms,
+    seed: u64,
+) -> Result<ArmModel, Box<dyn std::error::Error>> {
     let mut truth = believed.clone();
     match arms {
         Arms::HeavierForearm => {
@@ -229,24 +233,26 @@ fn true_arm(believed: &ArmModel, arms: Arms, seed: u64) -> ArmModel {
             // a stream of its own, so that the motions are those of the other study
             let mut random = Pcg64::new(u128::from(seed), 1);
             for joint in &mut truth.chain.joints {
-                joint.link = drawn_link(&joint.link, &mut random);
+                joint.link = drawn_link(&joint.link, &mut random)?;
             }
         }
     }
-    truth
+    Ok(truth)
 }
 
 /// A link that is real and differs from a given one: its mass is stretched, sheared and moved by shares of
 /// its own extent, whatever the direction.
-fn drawn_link(link: &InertialParameters, random: &mut Pcg64) -> InertialParameters {
+fn drawn_link(
+    link: &InertialParameters,
+    random: &mut Pcg64,
+) -> Result<InertialParameters, Box<dyn std::error::Error>> {
     let normal = Matrix4::from_fn(|_, _| StandardNormal.sample(random));
     // half, for what is on both sides counts twice
     let stretch = Matrix4::identity() + normal * (0.5 * DRAWN_ERROR);
-    let Some(root) = link.pseudo_inertia().cholesky() else { return *link };
-    let root = root.l();
-    InertialParameters::from_pseudo_inertia(
+    let root = link.pseudo_inertia().cholesky().ok_or("a link is no real body")?.l();
+    Ok(InertialParameters::from_pseudo_inertia(
         &(root * stretch * stretch.transpose() * root.transpose()),
-    )
+    ))
 }
 
 /// Friction and rotors of every joint.

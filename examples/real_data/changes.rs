@@ -9,11 +9,12 @@ use armident_kinematics::InertialParameters;
 use armident_recording::{JointChannels, Recording};
 use nalgebra::Matrix3;
 
+use crate::diagnosis::named;
 use crate::sets::{Data, Set, part};
 
 /// A comparison of recordings after with recordings before.
 struct Compared {
-    title: &'static str,
+    title: String,
     before: Vec<Recording>,
     after: Vec<Recording>,
 }
@@ -65,9 +66,13 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
             part(whole, |t| at(k) <= t && t < at(k + 1.0))
         };
         let compared = [
-            Compared { title: "1, 2", before: vec![third(0.0)?], after: vec![third(1.0)?] },
             Compared {
-                title: "1 2, 3",
+                title: "1, 2".to_owned(),
+                before: vec![third(0.0)?],
+                after: vec![third(1.0)?],
+            },
+            Compared {
+                title: "1 2, 3".to_owned(),
                 before: vec![third(0.0)?, third(1.0)?],
                 after: vec![third(2.0)?],
             },
@@ -79,12 +84,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         data.all().filter(|r| r.source.contains(gain)).cloned().collect()
     };
     let compared = [("kp100", "kp200"), ("kp200", "kp400"), ("kp100", "kp400")].map(|(a, b)| {
-        let title = match (a, b) {
-            ("kp100", "kp200") => "kp100, kp200",
-            ("kp200", _) => "kp200, kp400",
-            _ => "kp100, kp400",
-        };
-        Compared { title, before: of_gain(a), after: of_gain(b) }
+        Compared { title: format!("{a}, {b}"), before: of_gain(a), after: of_gain(b) }
     });
     print_set(SERVO.folder, &data.model, &compared, &SERVO_LOADS_KG)
 }
@@ -161,14 +161,11 @@ fn said(diagnosis: &Diagnosis) -> String {
 
 /// What, where, and the numbers of a load.
 fn in_words(finding: &Finding) -> String {
-    let place = finding.link.clone().unwrap_or_else(|| finding.joints.join(", "));
     let numbers: Vec<String> = ["mass", "delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"]
         .iter()
         .filter_map(|name| finding.parameters.get(name))
         .take(if finding.parameters.contains_key("mass") { 1 } else { 3 })
         .map(|of| format!("{:.3} +- {:.3} {}", of.value, of.stderr.unwrap_or(0.0), of.unit))
         .collect();
-    format!("{}, {place} {}", finding.effect.replace('_', " "), numbers.join(", "))
-        .trim_end()
-        .to_owned()
+    format!("{} {}", named(finding), numbers.join(", ")).trim_end().to_owned()
 }

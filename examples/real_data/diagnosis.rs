@@ -200,10 +200,6 @@ fn plain_errors(
 
 /// What, where, how large, how sure.
 fn in_words(finding: &Finding) -> String {
-    let place = match &finding.link {
-        Some(link) => link.clone(),
-        None => finding.joints.join(", "),
-    };
     let number = |(name, of): (&&str, &armident_diagnose::Value)| {
         let error = of.stderr.map_or_else(String::new, |e| format!(" +- {e:.2}"));
         format!("{name} {:.3}{error} {}", of.value, of.unit).trim_end().to_owned()
@@ -217,9 +213,11 @@ fn in_words(finding: &Finding) -> String {
     };
     let numbers =
         if numbers.is_empty() { String::new() } else { format!(": {}", numbers.join(", ")) };
-    format!(
-        "{}, {place} (confidence {:.2}{confirmed}){numbers}",
-        finding.effect.replace('_', " "),
-        finding.confidence
-    )
+    format!("{} (confidence {:.2}{confirmed}){numbers}", named(finding), finding.confidence)
+}
+
+/// What, and where.
+pub(crate) fn named(finding: &Finding) -> String {
+    let place = finding.link.clone().unwrap_or_else(|| finding.joints.join(", "));
+    format!("{}, {place}", finding.effect.replace('_', " "))
 }

@@ -126,14 +126,8 @@ pub(crate) fn diagnose_from(
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let signals = usable_signals(&names, train)?;
     let mut evidence = Evidence::new(&model.chain, signals);
-    let beyond = evidence.seek_change(changed_from);
+    let beyond_reference = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    let beyond_reference = names
-        .iter()
-        .cloned()
-        .zip(beyond)
-        .filter_map(|(name, speed)| Some((name, speed?)))
-        .collect();
     Ok(Diagnosis { beyond_reference, ..told(model, &names, &evidence, &selection)? })
 }
 

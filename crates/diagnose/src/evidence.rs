@@ -1,5 +1,6 @@
 //! From recordings and the believed arm to the linear problem, about an operating point.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use armident_dynamics::{ArmAngles, ParameterColumns, RigidArm, inertia_matrix};
@@ -221,18 +222,20 @@ impl<'a> Evidence<'a> {
     ///
     /// Gives back, for each joint that moves faster now than then, how fast it was before: what its friction
     /// is beyond, the reference does not say, so that these rows are left out.
-    pub(crate) fn seek_change(&mut self, first: usize) -> Vec<Option<f64>> {
+    pub(crate) fn seek_change(&mut self, first: usize) -> BTreeMap<String, f64> {
         self.rows.changed_from = first;
-        (0..self.joints())
-            .map(|joint| {
-                let fastest = self.usual_speed(joint, first)?;
-                let faster = |v: &f64| v.abs() > FASTER * fastest;
-                let left_out = self.rows.leave_out(&self.signals, joint, |s| {
-                    s.velocity[joint].iter().map(faster).collect()
-                });
-                (left_out > 0).then_some(fastest)
-            })
-            .collect()
+        let mut exceeded = BTreeMap::new();
+        for joint in 0..self.joints() {
+            let Some(fastest) = self.usual_speed(joint, first) else { continue };
+            let faster = |v: &f64| v.abs() > FASTER * fastest;
+            let left_out = self.rows.leave_out(&self.signals, joint, |s| {
+                s.velocity[joint].iter().map(faster).collect()
+            });
+            if left_out > 0 {
+                exceeded.insert(self.names[joint].clone(), fastest);
+            }
+        }
+        exceeded
     }
 
     /// Speed that a joint hardly exceeds in the first recordings; none where it has no effort in them.

@@ -23,10 +23,6 @@ pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
 /// columns first.
 const FEWEST_AS_MATRIX: usize = 8;
 
-/// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
-/// a draft, another body, one many times as heavy.
-pub(crate) const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
-
 /// A link whose body is wrong beyond what all links are off by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WrongBody {

@@ -4,11 +4,18 @@ use crate::signals::Signals;
 
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
 const STUCK_WEIGHT: f64 = 0.15;
-/// Share of a row's kernel over stuck samples from which on the row counts as stuck.
+/// Share of a row's kernel over stuck samples (or others that are not what they should be) from which on the
+/// row counts as stuck.
 const STUCK_SHARE: f64 = 0.12;
 
 /// A quantity on all joints, in weighted rows; empty where it is zero.
 pub(crate) type Blocks = Vec<Vec<f64>>;
+
+/// Which rows of a recording count as these samples do.
+fn touched(signals: &Signals, samples: &[bool]) -> impl Iterator<Item = bool> {
+    let samples: Vec<f64> = samples.iter().map(|b| f64::from(u8::from(*b))).collect();
+    signals.band.rows(&samples).into_iter().map(|share| share > STUCK_SHARE)
+}
 
 /// The rows of every joint: recordings one after the other.
 #[derive(Debug, Clone)]
@@ -65,9 +72,7 @@ impl Rows {
                     (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise[i]).powi(2)).sum();
                 let deviation = (from_effort + from_encoders).sqrt();
                 squares += s.effort_noise[j].powi(2) / signals.len() as f64;
-                let sticks: Vec<f64> = s.stuck[j].iter().map(|b| f64::from(u8::from(*b))).collect();
-                for share in s.band.rows(&sticks) {
-                    let stuck = share > STUCK_SHARE;
+                for stuck in touched(s, &s.stuck[j]) {
                     let weight = if stuck { STUCK_WEIGHT } else { 1.0 };
                     let known = !s.effort[j].is_empty() && deviation > 0.0;
                     rows.weight[j].push(if known { weight / deviation } else { 0.0 });
@@ -94,10 +99,9 @@ impl Rows {
     ) -> usize {
         let mut left_out = 0;
         for (r, s) in signals.iter().enumerate().skip(self.changed_from) {
-            let unfit: Vec<f64> = unfit(s).into_iter().map(|b| f64::from(u8::from(b))).collect();
             let weights = &mut self.weight[joint][self.starts[r]..self.starts[r + 1]];
-            for (weight, share) in weights.iter_mut().zip(s.band.rows(&unfit)) {
-                if share > STUCK_SHARE && *weight > 0.0 {
+            for (weight, unfit) in weights.iter_mut().zip(touched(s, &unfit(s))) {
+                if unfit && *weight > 0.0 {
                     *weight = 0.0;
                     left_out += 1;
                 }

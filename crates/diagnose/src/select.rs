@@ -13,13 +13,16 @@ use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
 use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
-use crate::problem::{Group, Problem, TIMES, Whitened, WrongBody};
+use crate::problem::{Group, Problem, Whitened, WrongBody};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
+/// a draft, another body, one many times as heavy.
+const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
 /// Beyond this relative error of all links no single one is called wrong.
 const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most links whose body is called wrong; more are a wrong arm.

@@ -317,14 +317,16 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
             speeds(&of.beyond_reference)
         )));
     }
-    if of.findings.is_empty() && unexplained(of).is_some() {
-        steps.push(Step::new(
-            "What is left has no name: what it goes with stands with the joint. Longer recordings, and other motions, may name it.",
-        ));
-    } else if of.findings.is_empty() {
-        steps.push(Step::new(
-            "Nothing has to change. To see smaller effects record more slowly, more often, or with less noise.",
-        ));
+    if of.findings.is_empty() {
+        steps.push(Step::new(match unexplained(of) {
+            Some(_) => {
+                "What is left has no name: what it goes with stands with the joint. Longer recordings, and other \
+                 motions, may name it."
+            }
+            None => {
+                "Nothing has to change. To see smaller effects record more slowly, more often, or with less noise."
+            }
+        }));
     }
     steps
 }
