@@ -5,7 +5,7 @@ use std::path::Path;
 
 use armident_ident::check::with_drive_signals;
 use armident_ident::{
-    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, used_samples,
+    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported, used_samples,
     with_recorded_velocity,
 };
 use armident_recording::Motion;
@@ -26,7 +26,9 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
          through the low-pass of the set's `dataset.toml`. *Plain* is least squares of the minimal constants \
          with viscous and Coulomb friction, offset and rotor inertia: no weights, no sign bounds, no prior, \
          velocities from positions. The others are as `identify` gives them: the nearest real links, with \
-         what the fitted part chooses by stretches left out of the fit. Bold: the least of a row.\n"
+         what the fitted part chooses by stretches left out of the fit. Bold: the least of a row. Joints whose \
+         effort columns leave small efforts out stand in the table and are not counted: what is recorded there is \
+         not what the body needs.\n"
     );
     println!("| set | joint | plain | {} |", Method::ALL.map(Method::name).join(" | "));
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
@@ -35,7 +37,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     for set in &SETS {
         table(set, folder, &mut gains, &mut notes)?;
     }
-    println!("\nGeometric mean over all joints of the error, relative to *plain*:\n");
+    println!("\nGeometric mean over all joints counted of the error, relative to *plain*:\n");
     for (method, logs) in Method::ALL.iter().zip(&gains) {
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
         let above = logs.iter().filter(|log| **log > 0.0).count();
@@ -80,7 +82,17 @@ fn table(
     let (_, found, _) = plain.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
     let plain_stretches = stretches(&plain, &holdout_motions, &found.values);
     let mut columns = vec![(plain.fit(&judged, &found.values), plain.fit(&rows, &found.values))];
-    let mut problem = BatchProblem::new(&arm, &minimal);
+    let unreported = unreported(&train, &names);
+    let is_unreported: Vec<bool> = unreported.iter().map(Option::is_some).collect();
+    let mut problem = BatchProblem::new(&arm, &minimal).with_unreported(is_unreported);
+    for (name, share) in names.iter().zip(&unreported) {
+        let Some(share) = share else { continue };
+        notes.push(format!(
+            "{}: the effort of {name} repeats one value in {:.0} % of the samples although it moves: not counted",
+            set.folder,
+            100.0 * share
+        ));
+    }
     let chosen = problem.choose(&all, &BatchSettings::default(), true)?;
     for found in &chosen.couplings {
         let [a, b] = found.coupling.joints().map(|joint| names[joint]);
@@ -148,6 +160,9 @@ fn table(
             })
             .collect();
         println!("| {} | {joint} | {} |", set.folder, cells.join(" | "));
+        if unreported[j].is_some() {
+            continue;
+        }
         let place = 1 + Method::ALL.iter().position(|m| *m == Method::Irls).unwrap_or(0);
         if let (Some(found), Some(plain), Some(of_default)) =
             (error(place), error(0), &default_stretches)

@@ -114,18 +114,16 @@ impl Books {
             })
         };
         let of_columns = |c: &Check| {
-            if c.joint.as_deref().is_some_and(only_inertia) {
-                return false;
-            }
-            if gravity_is_there && c.joint.as_deref().is_some_and(seems_without_gravity) {
-                return false;
-            }
-            let drive_signal = c.joint.as_ref().is_some_and(|j| signals.contains_key(j));
+            let joint = c.joint.as_deref();
+            let drive_signal = joint.is_some_and(|j| signals.contains_key(j));
+            let by_physics = joint.is_some_and(only_inertia)
+                || (gravity_is_there && joint.is_some_and(seems_without_gravity));
             c.verdict == Verdict::Wrong
                 && match c.topic {
                     // a current is a multiple of the effort, and that is no fault
-                    Topic::Channel => !drive_signal,
-                    Topic::Order | Topic::Quality => true,
+                    Topic::Channel => !drive_signal && !by_physics,
+                    Topic::Order => !by_physics,
+                    Topic::Quality => true,
                     _ => false,
                 }
         };
@@ -180,7 +178,8 @@ impl Books {
 
     /// Takes back what physics explains: where the diagnosed model leaves over little more than noise, the
     /// columns are what they are called. Only links turned inside out and gains could turn a column of
-    /// another joint, sign or unit into that: where these are found, the fault stands.
+    /// another joint, sign or unit into that: where these are found, the fault stands. So do faults of what was
+    /// recorded at all: a column that is 0 is soon explained.
     fn take_back(&mut self, diagnosis: &Diagnosis) {
         let turned = |f: &Finding| f.link.is_some() || f.effect == "torque_scale";
         if diagnosis.findings.iter().any(turned) || diagnosis.inertial_error > MOST_BELIEVED {
@@ -190,7 +189,8 @@ impl Books {
             let mut of = diagnosis.atlas.iter().filter(|a| joint.is_none_or(|j| a.joint == *j));
             of.all(JointAtlas::explained)
         };
-        self.faults.retain(|fault| !explained(fault.joint.as_ref()));
+        self.faults
+            .retain(|fault| fault.topic == Topic::Quality || !explained(fault.joint.as_ref()));
     }
 
     /// The recording without the efforts of joints whose columns are wrong, so that the others can be

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use armident_effects::EVERYDAY;
+use armident_numeric::dot;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
@@ -57,7 +58,7 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
             }
             let mut ratio = in_standard_errors(&gains);
             if metric.problem.rows.changed_from > 0 {
-                let least = least_evidence(metric.problem.groups.len(), group);
+                let least = least_evidence(metric.problem.groups.len(), metric.problem, group);
                 ratio = ratio.min(evidence(metric.problem, group, &gains) / least);
             }
             if ratio < 1.0 && worst.is_none_or(|w| ratio < w.0) {
@@ -104,8 +105,8 @@ fn evidence(problem: &Problem, group: &Group, gains: &[f64]) -> f64 {
 }
 
 /// What that must be for a group chosen from so many.
-fn least_evidence(choices: usize, group: &Group) -> f64 {
-    2.0 * (choices as f64 / CHANCE).ln() + group.price_of_onset()
+fn least_evidence(choices: usize, problem: &Problem, group: &Group) -> f64 {
+    2.0 * (choices as f64 / CHANCE).ln() + problem.price_of_onset(group)
 }
 
 /// Adds the changes by which stretches that were not fitted become clearly more probable, the most probable
@@ -136,7 +137,7 @@ pub(crate) fn with_changes(metric: &Whitened<'_>, mut of: Answer) -> Answer {
             let group = &problem.groups[g];
             let gains = gains(group, &without, &errors(&[set, &[id]].concat()));
             let evidence = evidence(problem, group, &gains);
-            let least = least_evidence(candidates.len(), group);
+            let least = least_evidence(candidates.len(), problem, group);
             let sure = gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT;
             if !sure || evidence < least || best.as_ref().is_some_and(|b| b.0 >= evidence - least) {
                 continue;
@@ -355,21 +356,23 @@ fn admissible_part(metric: &Whitened<'_>, mut set: Vec<usize>, named: &[usize]) 
     }
 }
 
-/// What the reference by itself leaves over of stretches that were not fitted, on each joint, in units of
-/// its noise: where nothing changed, that is what the model of the arm is imperfect by.
-pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Vec<f64> {
+/// What the reference by itself leaves over of stretches that were not fitted, on each joint, in its order and in
+/// units of its noise: where nothing changed, that is what the model of the arm is imperfect by. None where a part of
+/// it cannot be fitted.
+pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Option<Blocks> {
     let rows = &problem.rows;
     let until = rows.judged_from();
     let reference = problem.restricted(&[]).0.of_rows(|row| row < until);
     let folds = folds_of(&reference, &rows.starts[..=rows.changed_from], SHORT_BLOCKS);
-    let mut squares = vec![0.0; rows.joints()];
+    let mut left_over: Blocks = vec![Vec::with_capacity(until); rows.joints()];
     for fold in &folds {
-        let metric = fold.fitted.whitened(scale, &[]);
-        for (sum, of_joint) in squares.iter_mut().zip(fold.errors(&[], &metric)) {
-            *sum += of_joint;
+        // stretches follow each other without gaps
+        let residual = fold.residual(&[], &fold.fitted.whitened(scale, &[]))?;
+        for (all, of_stretch) in left_over.iter_mut().zip(residual) {
+            all.extend(of_stretch);
         }
     }
-    squares.iter().map(|s| (s / until.max(1) as f64).sqrt().max(1.0)).collect()
+    Some(left_over)
 }
 
 /// Stretches of a recording that are left out one after the other for a standard error.
@@ -515,10 +518,15 @@ fn all_errors(folds: &[Fold], metrics: &[Whitened<'_>], set: &[usize]) -> Vec<Ve
 impl Fold {
     /// Sum of weighted squares of the stretch that was not fitted, by joint.
     fn errors(&self, set: &[usize], metric: &Whitened<'_>) -> Vec<f64> {
-        let joints = self.predicted.effort.len();
-        let Some(fit) = metric.fit(metric.columns_of(set)) else {
-            return vec![f64::INFINITY; joints];
-        };
+        match self.residual(set, metric) {
+            Some(residual) => residual.iter().map(|r| dot(r, r)).collect(),
+            None => vec![f64::INFINITY; self.predicted.effort.len()],
+        }
+    }
+
+    /// What a fit of the others leaves over of the stretch, on each joint; none where it cannot be fitted.
+    fn residual(&self, set: &[usize], metric: &Whitened<'_>) -> Option<Blocks> {
+        let fit = metric.fit(metric.columns_of(set))?;
         let errors = metric.inertial_errors(&fit);
         let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);
         let mut residual: Blocks = self.predicted.effort.clone();
@@ -529,7 +537,7 @@ impl Fold {
                 }
             }
         }
-        residual.iter().map(|r| r.iter().map(|x| x * x).sum()).collect()
+        Some(residual)
     }
 }
 

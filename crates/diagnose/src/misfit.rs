@@ -76,22 +76,13 @@ pub(crate) fn first_misfits(evidence: &Evidence<'_>, at: &[At<'_>], problem: &Pr
 }
 
 /// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
-/// of rows; of the reference alone, or of all recordings. Model errors last longer than noise in the band
-/// does.
-pub(crate) fn independent_share(
-    problem: &Problem,
-    residual: &[Vec<f64>],
-    of_reference: bool,
-) -> f64 {
+/// of rows. The recordings begin at `starts`, whose last is the end. Model errors last longer than noise in the
+/// band does.
+pub(crate) fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz: f64) -> f64 {
     // as long as a motion lasts; beyond, the estimate is noise
     const LONGEST_S: f64 = 2.0;
     let mut time = 0.0;
-    let starts = match of_reference {
-        true => &problem.rows.starts[..=problem.rows.changed_from],
-        false => &problem.rows.starts[..],
-    };
     for residual in residual {
-        let residual = &residual[..starts[starts.len() - 1]];
         let square = dot(residual, residual).max(f64::MIN_POSITIVE);
         let correlation = |lag: usize| -> f64 {
             let pairs = starts.windows(2).map(|p| &residual[p[0]..p[1]]);
@@ -100,7 +91,7 @@ pub(crate) fn independent_share(
                 .sum::<f64>()
                 / square
         };
-        let lags = (1..(LONGEST_S * problem.rows.rows_hz) as usize).map(correlation);
+        let lags = (1..(LONGEST_S * rows_hz) as usize).map(correlation);
         time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
     }
     residual.len() as f64 / time

@@ -92,16 +92,9 @@ impl Group {
         }
     }
 
-    /// What it costs, as a change between two recordings, that it seldom comes about.
-    pub(crate) fn price_of_onset(&self) -> f64 {
-        let onset = match self.meaning {
-            Meaning::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
-            Meaning::Flexible(_) => Onset::Seldom,
-        };
-        match onset {
-            Onset::Often => 0.0,
-            Onset::Seldom => PRICE_OF_SELDOM,
-        }
+    /// Whether it is a load on a link or an error of one, at all times.
+    pub(crate) fn is_of_link(&self) -> bool {
+        self.site.window.is_none() && self.places.contains(&Place::Link)
     }
 
     /// Whether the two exclude each other.
@@ -500,7 +493,7 @@ impl Whitened<'_> {
         if self.problem.rows.changed_from == 0 {
             return 0.0;
         }
-        set.iter().map(|g| self.problem.groups[*g].price_of_onset()).sum()
+        set.iter().map(|g| self.problem.price_of_onset(&self.problem.groups[*g])).sum()
     }
 
     /// Relative size of the errors of a link.
@@ -615,6 +608,21 @@ impl Whitened<'_> {
 }
 
 impl Problem {
+    /// What it costs, as a change between two recordings, that a group seldom comes about.
+    pub(crate) fn price_of_onset(&self, group: &Group) -> f64 {
+        let onset = match group.meaning {
+            Meaning::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
+            Meaning::Flexible(_) => Onset::Seldom,
+        };
+        let of_last_link =
+            group.site.joints.last() == self.background.links.checked_sub(1).as_ref();
+        match onset {
+            Onset::OftenOfLastLink if of_last_link => 0.0,
+            Onset::Often => 0.0,
+            Onset::OftenOfLastLink | Onset::Seldom => PRICE_OF_SELDOM,
+        }
+    }
+
     /// The problem with the columns of some groups only, and the ids of these groups there.
     pub(crate) fn restricted(&self, set: &[usize]) -> (Self, Vec<usize>) {
         let mut kept: Vec<usize> = (0..self.rigid).collect();

@@ -100,34 +100,39 @@ fn successors(
     known: &mut HashMap<Vec<usize>, Option<f64>>,
 ) -> Vec<Answer> {
     let groups = &metric.problem.groups;
-    // what stays when a group comes in, and its fit: few different ones
-    let staying = |g: usize| -> Vec<usize> {
-        from.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g])).collect()
+    // what may stay when a group comes in, and its fit: few different ones
+    let staying = |g: usize| -> Vec<Vec<usize>> {
+        let group = &groups[g];
+        let stay: Vec<usize> =
+            from.set.iter().copied().filter(|o| !groups[*o].excludes(group)).collect();
+        // links load the same joints: beside one that is taken another has little to add, but in its place it may
+        let replaced = stay.iter().filter(|o| group.is_of_link() && groups[**o].is_of_link());
+        let instead = replaced.map(|r| stay.iter().copied().filter(|o| o != r).collect());
+        std::iter::once(stay.clone()).chain(instead).collect()
     };
-    let candidates: Vec<usize> = (0..groups.len())
+    let candidates: Vec<(usize, Vec<usize>)> = (0..groups.len())
         .filter(|g| !banned.contains(g) && !from.set.contains(g))
         .filter(|_| from.set.len() < MOST_GROUPS)
+        .flat_map(|g| staying(g).into_iter().map(move |rest| (g, rest)))
         .collect();
     let mut rests: HashMap<Vec<usize>, Option<Fit>> = HashMap::new();
-    for &g in &candidates {
-        let rest = staying(g);
-        if rest.len() < from.set.len() && !rests.contains_key(&rest) {
-            let fit = metric.fit(metric.columns_of(&rest));
-            rests.insert(rest, fit);
+    for (_, rest) in &candidates {
+        if rest.len() < from.set.len() && !rests.contains_key(rest) {
+            let fit = metric.fit(metric.columns_of(rest));
+            rests.insert(rest.clone(), fit);
         }
     }
-    let estimate = |&g: &usize| -> Option<(f64, Vec<usize>)> {
-        let mut set = staying(g);
-        let fit = match rests.get(&set) {
+    let estimate = |(g, rest): &(usize, Vec<usize>)| -> Option<(f64, Vec<usize>)> {
+        let fit = match rests.get(rest) {
             Some(fit) => fit.as_ref()?,
             None => &from.fit,
         };
         let mut added: Vec<usize> =
-            groups[g].columns.iter().copied().filter(|c| !fit.columns.contains(c)).collect();
+            groups[*g].columns.iter().copied().filter(|c| !fit.columns.contains(c)).collect();
         added.sort_unstable();
         added.dedup();
         let left = (fit.sum_of_squares - metric.gain(fit, &added)).max(f64::MIN_POSITIVE);
-        set.push(g);
+        let mut set = [rest.clone(), vec![*g]].concat();
         set.sort_unstable();
         Some((metric.score(left, fit.columns.len() + added.len(), &set), set))
     };

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use armident_effects::{Scope, effect};
+use armident_numeric::dot;
 
 use crate::alternatives::everyday_first;
 use crate::contact::ContactColumns;
@@ -100,17 +101,17 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         }
     }
     let misfit = if seeks_change {
-        imperfection(&first, REFERENCE_SCALE)
+        // what changed must not tell how few samples of the arm's imperfection are independent
+        let left_over = imperfection(&first, REFERENCE_SCALE)?;
+        let reference = &first.rows.starts[..=first.rows.changed_from];
+        let share = independent_share(&left_over, reference, first.rows.rows_hz);
+        owner.rows.share = share.min(owner.rows.share);
+        left_over.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect()
     } else {
         first_misfits(owner, &owner.at(&point), &first)
     };
     for (j, misfit) in misfit.into_iter().enumerate() {
         owner.rows.set_misfit(j, misfit);
-    }
-    if seeks_change {
-        let empty = answer(&first.whitened(REFERENCE_SCALE, &[]), Vec::new())?;
-        let residual = first.whitened(REFERENCE_SCALE, &[]).residual(&empty.fit);
-        owner.rows.share = independent_share(&first, &residual, true).min(owner.rows.share);
     }
     drop(first);
     let mut last = None;
@@ -167,7 +168,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
                 .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
         // of what no term of a plain identification explains: a short answer must not look like few samples
         let residual = with_everyday_terms(&metric, &found);
-        let share = independent_share(&problem, &residual, false).min(problem.rows.share);
+        let share = independent_share(&residual, &problem.rows.starts, problem.rows.rows_hz)
+            .min(problem.rows.share);
         let reweighted =
             reweighted || (!seeks_change && share < FEWER_SAMPLES * problem.rows.share);
         let done = (still && !again && !reweighted) || pass + 1 == PASSES;

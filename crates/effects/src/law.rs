@@ -143,8 +143,10 @@ pub enum Place {
 /// How often an effect comes about between two recordings of one arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Onset {
-    /// Bodies are picked up or exchanged, arms are remounted and homed again, joints wear and warm up.
+    /// Bodies are picked up, arms are remounted and homed again, joints wear and warm up.
     Often,
+    /// Often of the last link, whose tool is exchanged; seldom of others, which nobody opens.
+    OftenOfLastLink,
     /// Built in, or a fault of the channel.
     Seldom,
 }

@@ -22,7 +22,7 @@ const LAW: Law = Law {
         Parameter::any("delta_mcy", "kg m", "kg m"),
         Parameter::any("delta_mcz", "kg m", "kg m"),
     ],
-    contains: &[],
+    contains: &["payload"],
     look_alikes: &[
         LookAlike {
             slug: "payload",
@@ -42,7 +42,7 @@ impl Effect for LinkInertiaError {
     }
 
     fn onset(&self) -> Onset {
-        Onset::Often
+        Onset::OftenOfLastLink
     }
 
     /// The ten columns of the link's standard parameters.

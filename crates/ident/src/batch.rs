@@ -126,6 +126,8 @@ pub struct BatchProblem<'a> {
     /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\]; none: a
     /// share of the RMS speed of the motion at hand.
     pub speed_resolution: Option<Vec<f64>>,
+    /// Joints whose columns leave small efforts out ([`unreported`](crate::unreported)).
+    pub(crate) unreported: Vec<bool>,
 }
 
 /// Effort error of one joint on a set of recordings, on the filtered effort.
@@ -259,7 +261,24 @@ impl<'a> BatchProblem<'a> {
                     .collect()
             })
             .collect();
-        Self { arm, set, terms, merged, by_joint, loads: Vec::new(), speed_resolution: None }
+        Self {
+            arm,
+            set,
+            terms,
+            merged,
+            by_joint,
+            loads: Vec::new(),
+            speed_resolution: None,
+            unreported: vec![false; n],
+        }
+    }
+
+    /// The same with joints whose columns leave small efforts out. All rows of such a joint together weigh as one
+    /// sample that is off by what the described body would need there, and it shares no transmission.
+    #[must_use]
+    pub fn with_unreported(mut self, unreported: Vec<bool>) -> Self {
+        self.unreported = unreported;
+        self
     }
 
     /// The arm whose efforts are explained.
@@ -324,14 +343,9 @@ impl<'a> BatchProblem<'a> {
         let n = self.arm.dof();
         let count = |joint: usize| rows.effort[joint].0 as f64;
         let beliefs = self.beliefs(settings)?;
+        let least = self.least_noise(rows)?;
         // first weights: what each joint alone cannot fit
-        let mut noise: Vec<f64> = (0..n)
-            .map(|joint| {
-                let alone = rows.triangles[joint].solve(RANK_CUT)?;
-                let floor = f64::EPSILON * rows.effort[joint].2.sqrt() + f64::MIN_POSITIVE;
-                Ok((alone.residual_sum_of_squares / count(joint)).sqrt().max(floor))
-            })
-            .collect::<Result<_, NumericError>>()?;
+        let mut noise = self.noise_alone(rows)?;
         let mut solved = self.weighted(rows, &noise, &beliefs)?;
         let mut freedom = 0.0;
         for _ in 0..MOST_REWEIGHTINGS {
@@ -349,8 +363,7 @@ impl<'a> BatchProblem<'a> {
                 let independent = count(joint) * rows.share;
                 let left = (independent - paid).max(1.0);
                 freedom += left;
-                let floor = f64::EPSILON * rows.effort[joint].2.sqrt() + f64::MIN_POSITIVE;
-                let level = (squares * rows.share / left).sqrt().max(floor);
+                let level = (squares * rows.share / left).sqrt().max(least[joint]);
                 moved = moved.max((level / noise[joint] - 1.0).abs());
                 noise[joint] = level;
             }
@@ -360,6 +373,35 @@ impl<'a> BatchProblem<'a> {
             }
         }
         self.finished(rows, &beliefs, noise, freedom, solved)
+    }
+
+    /// Root mean square of what the columns of each joint alone leave of its effort, or the least noise.
+    pub(crate) fn noise_alone(&self, rows: &JointRows) -> Result<Vec<f64>, NumericError> {
+        let least = self.least_noise(rows)?;
+        let joints = rows.triangles.iter().enumerate().zip(least);
+        joints.map(|((j, triangle), least)| Ok(noise_of(triangle, rows, j)?.max(least))).collect()
+    }
+
+    /// What each joint's noise is at least: where small efforts are left out, what the described body leaves
+    /// of the effort beside the joint's own terms; else what rounding leaves.
+    fn least_noise(&self, rows: &JointRows) -> Result<Vec<f64>, NumericError> {
+        let described = self.set.values(&self.arm.constants());
+        let of_joint = |(joint, triangle): (usize, &AccumulatedQr)| {
+            if !self.unreported[joint] {
+                return Ok(rounding(rows, joint));
+            }
+            let terms = &self.by_joint[joint];
+            let body = terms.iter().map(|&k| match self.terms[k] {
+                Term::Constant(c) => described[c],
+                Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => 0.0,
+            });
+            let beyond = triangle.beyond(&body.collect::<Vec<_>>());
+            let own: Vec<usize> = (0..terms.len())
+                .filter(|&place| !matches!(self.terms[terms[place]], Term::Constant(_)))
+                .collect();
+            noise_of(&beyond.with_unknowns(&own), rows, joint)
+        };
+        rows.triangles.iter().enumerate().map(of_joint).collect()
     }
 
     /// Settings in the form the solver takes.
@@ -460,11 +502,14 @@ impl<'a> BatchProblem<'a> {
         }))
     }
 
-    /// All joints' rows, each over its noise.
+    /// All joints' rows, each over its noise. What a joint leaves out does not average out over its samples: they
+    /// count as one.
     fn recorded(&self, rows: &JointRows, noise: &[f64]) -> AccumulatedQr {
         let mut all = AccumulatedQr::new(self.terms.len());
         for (joint, triangle) in rows.triangles.iter().enumerate() {
-            all.merge_weighted(triangle, &self.by_joint[joint], 1.0 / noise[joint]);
+            let independent = (rows.share * rows.effort[joint].0 as f64).max(1.0);
+            let alike = if self.unreported[joint] { independent.sqrt() } else { 1.0 };
+            all.merge_weighted(triangle, &self.by_joint[joint], 1.0 / (alike * noise[joint]));
         }
         all
     }
@@ -561,6 +606,21 @@ impl<'a> BatchProblem<'a> {
         list.extend(self.couplings_of(values, joint_names));
         list
     }
+}
+
+/// Root mean square of what the columns of a joint leave of its effort.
+pub(crate) fn noise_of(
+    triangle: &AccumulatedQr,
+    rows: &JointRows,
+    joint: usize,
+) -> Result<f64, NumericError> {
+    let left = triangle.solve(RANK_CUT)?.residual_sum_of_squares;
+    Ok((left / rows.effort[joint].0 as f64).sqrt().max(rounding(rows, joint)))
+}
+
+/// What rounding leaves of the effort of a joint.
+fn rounding(rows: &JointRows, joint: usize) -> f64 {
+    f64::EPSILON * rows.effort[joint].2.sqrt() + f64::MIN_POSITIVE
 }
 
 /// Rows of a prior about its mean.

@@ -10,8 +10,8 @@ use armident_kinematics::JointKind;
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::Motion;
 
-use crate::batch::{BatchProblem, BatchSettings, Term};
-use crate::left_out::{clear_gain, errors_left_out, noise_alone, noise_of};
+use crate::batch::{BatchProblem, BatchSettings, Term, noise_of};
+use crate::left_out::{clear_gain, errors_left_out};
 use crate::rows::{JointRows, TermColumn, joint_motion};
 
 /// The law of a shared transmission.
@@ -70,9 +70,10 @@ impl BatchProblem<'_> {
         problem
     }
 
-    /// All couplings of neighbours that the law offers.
+    /// All couplings that the law offers of neighbours whose efforts are reported.
     pub(crate) fn possible_couplings(&self) -> Vec<Coupling> {
         (1..self.by_joint.len())
+            .filter(|&second| !self.unreported[second - 1] && !self.unreported[second])
             .flat_map(|second| {
                 let kind = self.arm().joints[second].kind;
                 let scale =
@@ -275,7 +276,7 @@ fn error_of_both(
     coupling: Coupling,
     settings: &BatchSettings,
 ) -> Result<f64, NumericError> {
-    let noise = noise_alone(rows)?;
+    let noise = problem.noise_alone(rows)?;
     let beliefs = problem.beliefs(settings)?;
     let values = problem.weighted(rows, &noise, &beliefs)?.answer.solution;
     let fits = problem.fit(rows, &values);

@@ -105,14 +105,16 @@ impl BatchFit {
     }
 }
 
-/// Mean logarithm of the joints' training errors.
+/// Mean logarithm of the training errors of the joints whose efforts are reported.
 fn log_error(
     problem: &BatchProblem<'_>,
     settings: &BatchSettings,
     rows: &JointRows,
 ) -> Result<f64, NumericError> {
     let fits = problem.estimate_with(rows, settings)?.train;
-    Ok(fits.iter().map(|f| f.rmse.ln()).sum::<f64>() / fits.len() as f64)
+    let reported = fits.iter().zip(&problem.unreported).filter(|(_, unreported)| !**unreported);
+    let logarithms: Vec<f64> = reported.map(|(fit, _)| fit.rmse.ln()).collect();
+    Ok(logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64)
 }
 
 /// Each recording predicted by a fit to the others, pooled over the recordings.

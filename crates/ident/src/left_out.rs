@@ -10,7 +10,7 @@ use armident_effects::{EVERYDAY, Place};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::Motion;
 
-use crate::batch::{BatchProblem, BatchSettings, RANK_CUT, Term};
+use crate::batch::{BatchProblem, BatchSettings, Term};
 use crate::coupling::{CouplingFound, rows_of};
 use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
@@ -230,23 +230,6 @@ pub(crate) fn clear_gain(
     (mean > 0.0 && mean > in_errors * error).then(|| 1.0 - (-mean).exp())
 }
 
-/// Root mean square of what the columns of each joint alone leave of its effort.
-pub(crate) fn noise_alone(rows: &JointRows) -> Result<Vec<f64>, NumericError> {
-    let triangles = rows.triangles.iter().enumerate();
-    triangles.map(|(joint, triangle)| noise_of(triangle, rows, joint)).collect()
-}
-
-/// The same of one triangle of a joint.
-pub(crate) fn noise_of(
-    triangle: &AccumulatedQr,
-    rows: &JointRows,
-    joint: usize,
-) -> Result<f64, NumericError> {
-    let left = triangle.solve(RANK_CUT)?.residual_sum_of_squares;
-    let floor = f64::EPSILON * rows.effort[joint].2.sqrt() + f64::MIN_POSITIVE;
-    Ok((left / rows.effort[joint].0 as f64).sqrt().max(floor))
-}
-
 /// Squared error of every joint on each stretch of time, fitted to the others.
 pub(crate) fn errors_left_out(
     problem: &BatchProblem<'_>,
@@ -254,7 +237,7 @@ pub(crate) fn errors_left_out(
     settings: &BatchSettings,
 ) -> Result<Vec<Vec<f64>>, NumericError> {
     let beliefs = problem.beliefs(settings)?;
-    let noise = noise_alone(rows)?;
+    let noise = problem.noise_alone(rows)?;
     let merged = |wanted: &dyn Fn(usize) -> bool| -> Vec<AccumulatedQr> {
         let of_joint = |blocks: &Vec<AccumulatedQr>| {
             let mut sum = AccumulatedQr::new(blocks[0].unknowns());

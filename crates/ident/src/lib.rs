@@ -34,6 +34,7 @@ mod payload;
 mod quantiles;
 mod rows;
 mod theorem2;
+mod unreported;
 pub mod validate;
 mod velocity;
 
@@ -52,4 +53,5 @@ pub use payload::{KnownLoad, without_loads};
 pub use quantiles::student_t_975;
 pub use rows::{JointRows, used_samples};
 pub use theorem2::Theorem2;
+pub use unreported::unreported;
 pub use velocity::with_recorded_velocity;

@@ -140,7 +140,9 @@ pub use mcap::write_mcap_to;
 pub use motion::{DerivativeSource, Motion, MotionSettings};
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet_to;
-pub use quality::{ChannelQuality, QualityReport, differences, findings, quality};
+pub use quality::{
+    ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
+};
 pub use raw::{RawColumn, RawColumns};
 pub use read::{ReadSettings, read_recording};
 pub use recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};

@@ -98,6 +98,19 @@ pub fn findings(recording: &Recording) -> Vec<Finding> {
     findings_at(recording, &Timing::of(&recording.time_s))
 }
 
+/// Share of the samples in which the effort of each joint repeats a value although the joint moves; 0 of joints
+/// that are not recorded.
+pub fn stuck_effort_shares(recording: &Recording, joints: &[&str]) -> Vec<f64> {
+    let timing = Timing::of(&recording.time_s);
+    let of_joint = |name: &&str| {
+        let joint = recording.joints.iter().find(|joint| joint.name == **name);
+        let found = joint.map(|joint| stuck(&recording.time_s, &timing, joint)).unwrap_or_default();
+        let effort = found.iter().find(|finding| finding.quantity == Some(Quantity::Effort));
+        effort.map_or(0.0, |finding| finding.share)
+    };
+    joints.par_iter().map(of_joint).collect()
+}
+
 fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     let mut findings = recording.findings.clone();
     findings.extend(of_stamps(timing, recording.len()));

@@ -53,6 +53,8 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     };
     let method = args.method.method();
     let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
+    let unreported = armident_ident::unreported(&train, &joints);
+    problem = problem.with_unreported(unreported.iter().map(Option::is_some).collect());
     drop(progress);
     let progress = Progress::of(&args.output, "choosing by stretches left out");
     let motions: Vec<&Motion> = train_motions.iter().collect();
@@ -93,6 +95,14 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         ));
     }
     let BatchFit { rows, estimate, holdout_rows, .. } = &fitted;
+    for (name, share) in joints.iter().zip(&unreported) {
+        let Some(share) = share else { continue };
+        notes.push(format!(
+            "{name}: its effort repeats one value in {:.0} % of the samples although it moves: efforts that small are \
+             not reported, and all samples of this column together count as one",
+            100.0 * share
+        ));
+    }
     drop(progress);
     let progress = Progress::of(&args.output, "seeking the nearest real links");
 

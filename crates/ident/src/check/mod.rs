@@ -26,9 +26,7 @@ use std::collections::BTreeMap;
 
 use armident_numeric::NumericError;
 pub use armident_recording::QualityReport;
-use armident_recording::{
-    ChannelQuality, Finding, Motion, Quantity, RESTING_RANGE, Recording, quality,
-};
+use armident_recording::{Finding, Motion, Quantity, RESTING_RANGE, Recording, quality};
 use serde::Serialize;
 
 pub use channel::{ChannelEvidence, ChannelKind};
@@ -38,6 +36,7 @@ pub use excitation::ConstantCheck;
 use crate::batch::BatchProblem;
 use crate::minimal_set::MinimalSet;
 use crate::model::ArmModel;
+use crate::unreported::unreported;
 
 /// Times the efforts are shifted before they are believed to be in their place.
 const ALIGNMENTS: usize = 2;
@@ -55,10 +54,6 @@ pub enum Verdict {
     /// Wrong beyond a thousand to one.
     Wrong,
 }
-
-/// Share of samples that repeat a value while the joint moves beyond which a column is no effort to compare
-/// with others: a drive that is off, or rounds small currents to zero.
-const STUCK: f64 = 0.1;
 
 /// A fault less likely than this is none, one more likely than its complement is one.
 const SURE: f64 = 1e-3;
@@ -233,28 +228,25 @@ pub fn check(
         let Some(rest) = delay::delay(&rows) else { break };
         delay = Some(so_far.and_then(&rest));
     }
-    let alive: Vec<bool> = (names.iter().enumerate())
-        .map(|(j, name)| {
-            let stuck = |c: &ChannelQuality| {
-                c.joint == *name && c.quantity == Quantity::Effort && c.stuck_share > STUCK
-            };
-            let moves = excitation::activity(motions, j).range >= RESTING_RANGE;
-            moves && !quality.iter().flat_map(|r| &r.channels).any(stuck)
-        })
-        .collect();
+    let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
+    let shares = unreported(recordings, &names);
+    let unreported: Vec<&str> =
+        names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();
+    let alive: Vec<bool> = (0..names.len()).map(|j| shares[j].is_none() && moves(j)).collect();
     let channels = channel::channels(&problem, &rows, &alive)?;
     let (constants, rank) = excitation::excitation(&problem, &names, &rows, &aligned)?;
     let differences = armident_recording::differences(&own);
 
     let is_effort: Vec<bool> = names.iter().map(|name| !signals.contains_key(*name)).collect();
-    let mut checks = say::quality(&quality, &differences);
+    let mut checks = say::quality(&quality, &differences, &unreported);
     checks.extend(say::rate(&quality, motions));
     checks.push(say::delay(delay.as_ref(), motions));
     checks.push(say::order(&channels, &names));
     checks.extend(say::other_motion(&channels, &is_effort));
     checks.push(say::excitation(&constants, rank, problem.terms.len()));
     for (j, name) in names.iter().enumerate() {
-        checks.push(say::channel(&channels, j, &names, signals.get(*name).copied()));
+        let (signal, is_unreported) = (signals.get(*name).copied(), shares[j].is_some());
+        checks.push(say::channel(&channels, j, &names, signal, is_unreported));
         if is_effort[j] {
             checks.extend(say::beyond_limit(motions, j, model));
         }

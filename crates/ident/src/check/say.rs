@@ -51,10 +51,20 @@ fn short(x: f64) -> String {
     }
 }
 
-pub(super) fn quality(reports: &[QualityReport], differences: &[Finding]) -> Vec<Check> {
+/// `unreported`: joints whose effort columns leave small efforts out.
+pub(super) fn quality(
+    reports: &[QualityReport],
+    differences: &[Finding],
+    unreported: &[&str],
+) -> Vec<Check> {
+    let is_unreported = |finding: &Finding| {
+        finding.quantity == Some(Quantity::Effort)
+            && finding.joint.as_deref().is_some_and(|joint| unreported.contains(&joint))
+    };
     let of = |source: Option<&str>, finding: &Finding| {
         let verdict = match finding.kind {
             FindingKind::SuspectedUnit => Verdict::Wrong,
+            FindingKind::Stuck if is_unreported(finding) => Verdict::Wrong,
             FindingKind::MissingVelocity
             | FindingKind::UnevenStamps
             | FindingKind::RatesDiffer
@@ -215,11 +225,13 @@ pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Ch
     })
 }
 
+/// `signal`: what is recorded in the place of an effort; `is_unreported`: the column leaves small efforts out.
 pub(super) fn channel(
     channels: &Channels,
     joint: usize,
     names: &[&str],
     signal: Option<Quantity>,
+    is_unreported: bool,
 ) -> Check {
     let found = &channels.evidence[joint];
     let [low, high] = found.gain_95;
@@ -237,6 +249,10 @@ pub(super) fn channel(
         let message = format!("holds the effort of another joint; its own is in {}", names[moved]);
         let advice = "swap the columns, by names in a mapping file".to_owned();
         return base(Verdict::Wrong, message, Some(advice));
+    }
+    if is_unreported {
+        let message = format!("the column leaves small efforts out, so it does not tell; {gain}");
+        return base(Verdict::CannotTell, message, None);
     }
     let [_, flipped, other, other_flipped, without_gravity] = found.probability;
     if let Some(quantity) = signal {
