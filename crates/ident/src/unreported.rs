@@ -10,7 +10,7 @@ use armident_recording::{Recording, stuck_effort_shares};
 const STUCK: f64 = 0.1;
 
 /// Per joint, the share of all samples in which its effort repeats a value although the joint moves; none where
-/// that is no more than a fault in passing.
+/// that is no more than a fault in passing, and none of any joint where no other column would be left to believe.
 pub fn unreported(recordings: &[Recording], joints: &[&str]) -> Vec<Option<f64>> {
     let samples: usize = recordings.iter().map(Recording::len).sum();
     let mut shares = vec![0.0; joints.len()];
@@ -20,5 +20,7 @@ pub fn unreported(recordings: &[Recording], joints: &[&str]) -> Vec<Option<f64>>
             *sum += weight * share;
         }
     }
-    shares.into_iter().map(|share| Some(share).filter(|share| *share > STUCK)).collect()
+    let is_reported = |share: &f64| *share <= STUCK;
+    let any = shares.iter().any(is_reported);
+    shares.into_iter().map(|share| (any && !is_reported(&share)).then_some(share)).collect()
 }

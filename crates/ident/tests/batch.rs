@@ -6,7 +6,9 @@ mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::EVERYDAY;
-use armident_ident::{BatchEstimate, BatchProblem, BatchSettings, Quantity, Term, used_samples};
+use armident_ident::{
+    BatchEstimate, BatchProblem, BatchSettings, Quantity, Term, unreported, used_samples,
+};
 use armident_kinematics::InertialParameters;
 use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
 use rand::{RngExt, SeedableRng};
@@ -105,6 +107,50 @@ fn a_wrong_description_does_not_move_what_the_recordings_determine() {
     let rows = problem.accumulate(&[&bench.motion(&EFFECTS, None)]);
     let found = problem.estimate(&rows).unwrap();
     assert_close(&found.values, &bench.truth(&problem, &EFFECTS), 1e-8);
+}
+
+/// A drive that rounds its current to zero seems to say without noise that the wrist weighs nothing.
+#[test]
+fn a_column_that_leaves_small_efforts_out_does_not_speak_for_the_links() {
+    let bench = Bench::new();
+    let wrist = 3;
+    let sines = Sines::new(1000, 0.0);
+    let heard = bench.motion(&EFFECTS, Some((0.5, 3)));
+    let mut effort = heard.effort.unwrap();
+    // the last digit is all that is left
+    effort[wrist].iter_mut().for_each(|e| *e *= 1e-5);
+    let motion = bench.recorded("rounded", &sines, &effort);
+    let plain = BatchProblem::new(&bench.arm, &bench.set);
+    let truth = bench.truth(&plain, &EFFECTS);
+    let worst = |problem: &BatchProblem<'_>| -> f64 {
+        let found = problem.estimate_with(&problem.accumulate(&[&motion]), &SIGNS_ONLY).unwrap();
+        let constants = (0..problem.terms.len())
+            .filter(|&k| matches!(problem.terms[k], Term::Constant(_)))
+            .map(|k| (found.values[k] - truth[k]).abs() / found.standard_error(k).unwrap());
+        constants.fold(0.0, f64::max)
+    };
+    assert!(worst(&plain) > 100.0, "{}", worst(&plain));
+    let deaf = plain.with_unreported((0..6).map(|joint| joint == wrist).collect());
+    assert!(worst(&deaf) < 4.0, "{}", worst(&deaf));
+}
+
+#[test]
+fn columns_that_leave_small_efforts_out_are_found_beside_others() {
+    let sines = Sines::new(1000, 0.0);
+    let names = ["silent", "spoken"];
+    let of = |silent: [bool; 2]| {
+        let channels = (0..2).map(|j| JointChannels {
+            position: Some(sines.q[j].clone()),
+            effort: Some(sines.q[j].iter().map(|q| if silent[j] { 0.0 } else { *q }).collect()),
+            ..JointChannels::new(names[j])
+        });
+        let recording = Recording::new("log", sines.time_s.clone(), channels.collect()).unwrap();
+        unreported(&[recording], &names).iter().map(Option::is_some).collect::<Vec<_>>()
+    };
+    assert_eq!(of([false, false]), [false, false]);
+    assert_eq!(of([true, false]), [true, false]);
+    // what there is, is all there is
+    assert_eq!(of([true, true]), [false, false]);
 }
 
 /// The rotor of joint 1 turns with link 1: one constant.
