@@ -331,14 +331,21 @@ fn nothing_is_wrong_with_real_recordings() {
         let (urdf, training) = (data.join(urdf), data.join(training));
         let found =
             run(&["check", text(&urdf), text(&training), "--json", "-", "-q"]).fine().json();
-        assert_eq!(wrong(&found), Vec::<String>::new(), "{folder}");
+        let wrong = wrong(&found);
         if folder == "tiago-arm" {
+            // currents of the wrist are 0 where they are below one step
+            assert_eq!(wrong.len(), 3, "{wrong:?}");
+            for (said, joint) in wrong.iter().zip(["arm_5_joint", "arm_6_joint", "arm_7_joint"]) {
+                assert!(said.contains(&format!("{joint}/effort: is exactly 0 in")), "{said}");
+            }
             // published factors of arm 2 to 4 [N m/A]
             for (joint, published) in [(2, 13.6), (3, -8.7)] {
                 let gain = &found["channels"][joint]["gain_95"];
                 let (low, high) = (number(&gain[0]), number(&gain[1]));
                 assert!(low < 1.0 / published && 1.0 / published < high, "{joint}: {gain}");
             }
+        } else {
+            assert_eq!(wrong, Vec::<String>::new(), "{folder}");
         }
     }
 }

@@ -120,6 +120,7 @@ pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Ve
         Meaning::Flexible(_) => &[],
     };
     let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != group).collect();
+    let free = |g: &usize, rest: &[usize]| rest.iter().all(|r| !groups[*r].excludes(&groups[*g]));
     for (slug, joint) in
         contained.iter().flat_map(|slug| groups[group].site.joints.iter().map(move |j| (slug, j)))
     {
@@ -128,8 +129,16 @@ pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Ve
                 && groups[g].site.joints == [*joint]
                 && groups[g].site.window.is_none()
         });
-        let free = |g: &usize| rest.iter().all(|r| !groups[*r].excludes(&groups[*g]));
-        rest.extend(relative.filter(free));
+        rest.extend(relative.filter(|g| free(g, &rest)));
+    }
+    // a link takes on a load more often than it is exchanged: as a change, it must beat the load
+    if problem.rows.changed_from > 0 && groups[group].is_of_link() {
+        let load = (0..groups.len()).find(|&g| {
+            groups[g].is_of_link()
+                && groups[g].site.joints == groups[group].site.joints
+                && groups[g].columns.len() < groups[group].columns.len()
+        });
+        rest.extend(load.filter(|g| free(g, &rest)));
     }
     rest
 }

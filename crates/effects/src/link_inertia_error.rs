@@ -22,7 +22,7 @@ const LAW: Law = Law {
         Parameter::any("delta_mcy", "kg m", "kg m"),
         Parameter::any("delta_mcz", "kg m", "kg m"),
     ],
-    contains: &["payload"],
+    contains: &[],
     look_alikes: &[
         LookAlike {
             slug: "payload",
