@@ -51,8 +51,8 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
          joints take turns) of the other sign, times {UNIT}, or swapped with the next one. Counted are pieces \
          in which a column as recorded, or the order of the columns, is called wrong or doubtful, and pieces \
          whose fault is. Seconds of motion do not always show a fault; they must not invent one. TIAGo's wrists read \
-         exactly 0 for up to two thirds of their motion, and that nothing of the rigid body is in that is no \
-         invention.\n",
+         exactly 0 for up to two thirds of their motion: that alone is said of them, and what else is wrong with such \
+         columns is not found.\n",
         LENGTHS_S.map(|l| format!("{l}")).join(", ")
     );
     println!(

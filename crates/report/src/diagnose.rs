@@ -1,6 +1,6 @@
 //! The diagnosis for people and programs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use armident_diagnose::{
     Books, ConstantEstimate, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion, Placebo,
@@ -197,15 +197,18 @@ impl DiagnoseReport {
     /// With what the recordings say of their own columns; the diagnosis is then of the other joints.
     #[must_use]
     pub fn with_books(mut self, books: &Books) -> Self {
-        let count = match books.faults.len() {
+        // one column may have a fault in every recording
+        let columns: BTreeSet<Option<&str>> =
+            books.faults.iter().map(|fault| fault.joint.as_deref()).collect();
+        let counted = match columns.len() {
             0 => None,
-            1 => Some("a column is".to_owned()),
-            n => Some(format!("{n} columns are")),
+            1 => Some(("a column is".to_owned(), "it")),
+            n => Some((format!("{n} columns are"), "them")),
         };
-        if let Some(count) = count {
+        if let Some((count, them)) = counted {
             let others = match self.sentence.as_str() {
                 "" => String::new(),
-                others => format!("; without it, {others}"),
+                others => format!("; without {them}, {others}"),
             };
             self.sentence =
                 format!("the books are wrong: {count} not what the header says{others}");
