@@ -105,8 +105,10 @@ fn successors(
         let group = &groups[g];
         let stay: Vec<usize> =
             from.set.iter().copied().filter(|o| !groups[*o].excludes(group)).collect();
-        // links load the same joints: beside one that is taken another has little to add, but in its place it may
-        let replaced = stay.iter().filter(|o| group.is_of_link() && groups[**o].is_of_link());
+        // links load the same joints: beside a changed one another has little to add, but in its place it may. Where
+        // no change is sought, single links stand for errors of all, and the best of pairs is no name
+        let link_changed = metric.problem.rows.changed_from > 0 && group.is_of_link();
+        let replaced = stay.iter().filter(|o| link_changed && groups[**o].is_of_link());
         let instead = replaced.map(|r| stay.iter().copied().filter(|o| o != r).collect());
         std::iter::once(stay.clone()).chain(instead).collect()
     };
