@@ -194,3 +194,43 @@ fn numbers_are_those_of_the_model() {
     assert!((viscous - 0.3).abs() < 0.1, "{viscous}");
     assert!((said - 4.0).abs() < 3.0 * number(&level["stderr"]), "{said}");
 }
+
+/// Positions that shake by themselves from 6 Hz on, as those of a coarse encoder in a loop do: the inertia that the band
+/// of 10 Hz gives is too small, and the narrower band is taken and said. Without the shaking it is not.
+#[test]
+fn positions_that_shake_by_themselves() {
+    let folder = scratch("diagnose_shaking");
+    let (mass, inertia, length) = (1.5, 0.02, 0.5);
+    let urdf = format!(
+        "<robot name=\"pendulum\"><link name=\"base\"/><link name=\"arm\"><inertial>\
+         <origin xyz=\"0 0 -{length}\"/><mass value=\"{mass}\"/><inertia ixx=\"{inertia}\" ixy=\"0\" ixz=\"0\" \
+         iyy=\"{inertia}\" iyz=\"0\" izz=\"0.01\"/></inertial></link><joint name=\"servo\" type=\"revolute\">\
+         <parent link=\"base\"/><child link=\"arm\"/><axis xyz=\"0 1 0\"/>\
+         <limit lower=\"-3\" upper=\"3\" effort=\"50\" velocity=\"20\"/></joint></robot>"
+    );
+    std::fs::write(folder.join("arm.urdf"), urdf).unwrap();
+    let about_joint = inertia + mass * length * length;
+    // amplitude and circular frequency
+    let motion = [(0.9, 2.1), (0.5, 5.3), (0.2, 9.7)];
+    let shaking = [(2e-3, 43.0), (3e-3, 51.0), (2e-3, 57.0)];
+    let found = |shakes: bool| -> Value {
+        let mut csv = "t,servo/position,servo/effort\n".to_owned();
+        for k in 0..4000 {
+            let t = f64::from(k) / 200.0;
+            let at = |of: &[(f64, f64)]| of.iter().map(|(a, w)| a * (w * t).sin()).sum::<f64>();
+            let q = at(&motion);
+            let a: f64 = motion.iter().map(|(a, w)| -a * w * w * (w * t).sin()).sum();
+            let noise = f64::from((k * 7919) % 1009) / 1009.0 - 0.5;
+            let effort = about_joint * a + mass * 9.81 * length * q.sin() + 0.5 * noise;
+            let seen = q + if shakes { at(&shaking) } else { 0.0 };
+            csv += &format!("{t},{seen},{effort}\n");
+        }
+        std::fs::write(folder.join("train.csv"), csv).unwrap();
+        run_in(&folder, &["diagnose", "arm.urdf", "train.csv", "-q", "--json", "-"]).fine().json()
+    };
+    let still = found(false);
+    assert!(still["narrowed_to_hz"].is_null(), "{still}");
+    let shaken = found(true);
+    assert_eq!(number(&shaken["narrowed_to_hz"]), 5.0);
+    assert_eq!(shaken["verdict"], "match", "{shaken}");
+}

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// Cut-off (-6 dB) of the band \[Hz\]: motions of arms and their friction live below; the noise of
 /// efforts and of differentiated encoders mostly above.
-const BAND_HZ: f64 = 10.0;
+pub(crate) const BAND_HZ: f64 = 10.0;
 /// Share of the sample rate that the cut-off may be: there differences of fourth order lose 4 % of a
 /// derivative, and less below.
 const BAND_SHARE: f64 = 1.0 / 6.0;
@@ -30,8 +30,9 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    pub(crate) fn new(rate_hz: f64, samples: usize) -> Self {
-        let cutoff_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
+    /// Up to `highest_hz`, or what the rate allows.
+    pub(crate) fn new(rate_hz: f64, samples: usize, highest_hz: f64) -> Self {
+        let cutoff_hz = highest_hz.min(BAND_SHARE * rate_hz);
         let cutoff = cutoff_hz / rate_hz;
         // as many cycles of the cut-off whatever it is
         let longer = BAND_HZ / cutoff_hz;
@@ -147,7 +148,7 @@ mod tests {
 
     #[test]
     fn slow_signals_pass_and_fast_ones_do_not() {
-        let band = Band::new(200.0, 2000);
+        let band = Band::new(200.0, 2000, BAND_HZ);
         let wave = |hz: f64| -> Vec<f64> {
             (0..2000).map(|k| (2.0 * PI * hz * f64::from(k) / 200.0).sin()).collect()
         };

@@ -9,6 +9,7 @@ use armident_recording::{Motion, MotionSettings, Quantity, Recording, common_cut
 use serde::Serialize;
 
 use crate::atlas::JointAtlas;
+use crate::band::BAND_HZ;
 use crate::diagnosis::{DiagnoseError, Diagnosis, usable_signals};
 use crate::findings::Finding;
 use crate::model::DiagnosedModel;
@@ -68,7 +69,7 @@ impl Books {
         let (filled, signals) = with_drive_signals(recordings);
         let joints = model.chain.joint_names();
         let joints_of_model: Vec<String> = joints.iter().map(ToString::to_string).collect();
-        usable_signals(&joints_of_model, &filled)?;
+        usable_signals(&joints_of_model, &filled, BAND_HZ)?;
         let cutoff_hz = common_cutoff_hz(&filled, &joints, model.cutoff_hz)?;
         let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
         let motions: Vec<Motion> = filled

@@ -20,7 +20,8 @@ pub fn diagnose_change(
     reference: &[Recording],
     after: &[Recording],
 ) -> Result<(DiagnosedModel, Diagnosis), DiagnoseError> {
-    let before = diagnose(model, reference)?.model;
+    let of_reference = diagnose(model, reference)?;
+    let before = of_reference.model;
     let mut believed = before.arm.clone();
     believed.effects.clear();
     // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
@@ -53,7 +54,8 @@ pub fn diagnose_change(
         })
         .collect::<Result<_, DiagnoseError>>()?;
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
-    let mut difference = diagnose_from(&believed, &corrected, reference.len())?;
+    let mut difference =
+        diagnose_from(&believed, &corrected, reference.len(), of_reference.narrowed_to_hz)?;
     difference.model = together(&before, difference.model);
     difference.rigid = together(&before, difference.rigid);
     let beside = difference.without.iter_mut().flatten();

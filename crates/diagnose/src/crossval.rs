@@ -527,17 +527,7 @@ impl Fold {
     /// What a fit of the others leaves over of the stretch, on each joint; none where it cannot be fitted.
     fn residual(&self, set: &[usize], metric: &Whitened<'_>) -> Option<Blocks> {
         let fit = metric.fit(metric.columns_of(set))?;
-        let errors = metric.inertial_errors(&fit);
-        let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);
-        let mut residual: Blocks = self.predicted.effort.clone();
-        for (k, x) in rigid.chain(fit.columns.iter().copied().zip(&fit.coefficients)) {
-            for (residual, column) in residual.iter_mut().zip(&self.predicted.columns[k]) {
-                for (r, c) in residual.iter_mut().zip(column) {
-                    *r -= x * c;
-                }
-            }
-        }
-        Some(residual)
+        Some(metric.residual_of(&fit, &self.predicted))
     }
 }
 

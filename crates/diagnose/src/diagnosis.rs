@@ -4,10 +4,13 @@ use std::collections::BTreeMap;
 
 use armident_ident::ArmModel;
 use armident_ident::validate::whiteness;
+use armident_kinematics::DrivingAxisChain;
 use armident_recording::{Recording, RecordingError};
 use serde::Serialize;
 
 use crate::atlas::{JointAtlas, atlas, character};
+use crate::band::BAND_HZ;
+use crate::bands::{NARROW_HZ, is_off_in};
 use crate::books::DriveGain;
 use crate::constants::{ConstantEstimates, constants};
 use crate::crossval::predictor;
@@ -61,6 +64,8 @@ pub struct Diagnosis {
     /// By how many standard errors the links of the model are off what was found, where no real bodies have that;
     /// none where they are what was found.
     pub links_off: Option<f64>,
+    /// Frequency below which all was compared \[Hz\], where the usual band does not hold; none where it does.
+    pub narrowed_to_hz: Option<f64>,
     /// With a reference: joints that now move faster than there, and their speed there \[rad/s or m/s\]. What is
     /// clearly faster is not compared: the friction there, the reference does not say.
     pub beyond_reference: BTreeMap<String, f64>,
@@ -96,7 +101,9 @@ pub enum DiagnoseError {
 /// # Errors
 /// [`DiagnoseError`].
 pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, DiagnoseError> {
-    diagnose_from(model, train, 0)
+    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let selected = selected(&model.chain, &names, train)?;
+    selected.told(model, &names)
 }
 
 /// The diagnosis, and what its selection makes of so many wrong terms beside what it found
@@ -110,25 +117,60 @@ pub fn diagnose_with_placebo(
     terms: usize,
 ) -> Result<(Diagnosis, Placebo), DiagnoseError> {
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let mut evidence = Evidence::new(&model.chain, usable_signals(&names, train)?);
-    let mut selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    let diagnosis = told(model, &names, &evidence, &selection)?;
-    let placebo = placebo(&evidence, &mut selection, terms);
+    let mut selected = selected(&model.chain, &names, train)?;
+    let diagnosis = selected.told(model, &names)?;
+    let placebo = placebo(&selected.evidence, &mut selected.selection, terms);
     Ok((diagnosis, placebo))
 }
 
-/// The same of what changed in the recordings from `changed_from` on.
+/// The same of what changed in the recordings from `changed_from` on, in the band that those before it had.
 pub(crate) fn diagnose_from(
     model: &ArmModel,
     train: &[Recording],
     changed_from: usize,
+    narrowed_to_hz: Option<f64>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let signals = usable_signals(&names, train)?;
+    let signals = usable_signals(&names, train, narrowed_to_hz.unwrap_or(BAND_HZ))?;
     let mut evidence = Evidence::new(&model.chain, signals);
     let beyond_reference = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    Ok(Diagnosis { beyond_reference, ..told(model, &names, &evidence, &selection)? })
+    let told = told(model, &names, &evidence, &selection)?;
+    Ok(Diagnosis { beyond_reference, narrowed_to_hz, ..told })
+}
+
+/// A selection and the recordings it is of.
+struct Selected<'a> {
+    evidence: Evidence<'a>,
+    selection: Selection,
+    narrowed_to_hz: Option<f64>,
+}
+
+impl Selected<'_> {
+    fn told(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
+        let told = told(model, names, &self.evidence, &self.selection)?;
+        Ok(Diagnosis { narrowed_to_hz: self.narrowed_to_hz, ..told })
+    }
+}
+
+/// The selection in the band, or in the narrow one where what it found does not hold there.
+fn selected<'a>(
+    chain: &'a DrivingAxisChain,
+    names: &[String],
+    train: &[Recording],
+) -> Result<Selected<'a>, DiagnoseError> {
+    let mut evidence = Evidence::new(chain, usable_signals(names, train, BAND_HZ)?);
+    let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
+    // longer kernels want longer recordings: without them the band stays
+    if let Ok(signals) = usable_signals(names, train, NARROW_HZ) {
+        let mut evidence = Evidence::new(chain, signals);
+        if is_off_in(&evidence, &selection)
+            && let Some(selection) = select(&mut evidence)
+        {
+            return Ok(Selected { evidence, selection, narrowed_to_hz: Some(NARROW_HZ) });
+        }
+    }
+    Ok(Selected { evidence, selection, narrowed_to_hz: None })
 }
 
 /// What is said of a selection.
@@ -202,6 +244,7 @@ fn told(
         joints: names.to_vec(),
         inertial_error: selection.scale,
         links_off,
+        narrowed_to_hz: None,
         beyond_reference: BTreeMap::new(),
         inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
             .into_iter()
@@ -214,11 +257,12 @@ fn told(
 pub(crate) fn usable_signals(
     names: &[String],
     recordings: &[Recording],
+    band_hz: f64,
 ) -> Result<Vec<Signals>, DiagnoseError> {
     let of_all = recordings.iter().map(Recording::len).sum();
     let signals: Vec<Signals> = recordings
         .iter()
-        .map(|r| Ok(Signals::new(r, names)?.thinned(of_all)))
+        .map(|r| Ok(Signals::below(r, names, band_hz)?.thinned(of_all)))
         .collect::<Result<_, RecordingError>>()?;
     if signals.iter().any(|s| s.band.kept.len() < 2) {
         return Err(DiagnoseError::TooShort);

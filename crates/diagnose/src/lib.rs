@@ -36,6 +36,7 @@ mod alternatives;
 mod atlas;
 mod background;
 mod band;
+mod bands;
 mod books;
 mod change;
 mod constants;

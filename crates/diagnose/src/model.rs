@@ -7,6 +7,7 @@ use armident_recording::{EvenGrid, Recording, RecordingError};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::band::BAND_HZ;
 use crate::evidence::{At, OperatingPoint};
 use crate::flexible::FlexibleTerm;
 use crate::signals::{Signals, later, low_pass};
@@ -97,7 +98,7 @@ impl DiagnosedModel {
     pub fn predict(&self, motion: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
         let names: Vec<String> = self.arm.chain.joints.iter().map(|j| j.name.clone()).collect();
         let grid = EvenGrid::of(motion)?;
-        let signals = Signals::on(&grid, motion, &names)?;
+        let signals = Signals::on(&grid, motion, &names, BAND_HZ)?;
         let on_grid = self.on_grid(&signals)?;
         let mut efforts = Vec::new();
         for (effort, cutoff_hz) in on_grid.iter().zip(&self.learned.output_cutoff_hz) {

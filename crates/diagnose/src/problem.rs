@@ -591,7 +591,11 @@ impl Whitened<'_> {
 
     /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
     pub(crate) fn residual(&self, fit: &Fit) -> Blocks {
-        let problem = self.problem;
+        self.residual_of(fit, self.problem)
+    }
+
+    /// The same of the rows of another problem of the same columns.
+    pub(crate) fn residual_of(&self, fit: &Fit, problem: &Problem) -> Blocks {
         let mut residual = problem.effort.clone();
         let errors = self.inertial_errors(fit);
         let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);

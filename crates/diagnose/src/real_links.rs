@@ -29,7 +29,8 @@ pub(crate) struct Settled {
 }
 
 impl Settled {
-    fn of(metric: &Whitened<'_>, answer: &Answer) -> Self {
+    /// The answer's own links.
+    pub(crate) fn of(metric: &Whitened<'_>, answer: &Answer) -> Self {
         let groups = &metric.problem.groups;
         let mut change = metric.inertial_errors(&answer.fit);
         let mut coefficients = Vec::new();
@@ -105,8 +106,8 @@ fn nearest(arm: &RigidArm, metric: &Whitened<'_>, answer: &Answer) -> Option<Set
         })
         .collect();
     let coefficients = beside(metric, answer, &fit, &change)?;
-    let distance = Some(real.distance_in_standard_errors);
-    Some(Settled { change, coefficients, distance_in_standard_errors: distance })
+    let distance_in_standard_errors = (!real.exact).then_some(real.distance_in_standard_errors);
+    Some(Settled { change, coefficients, distance_in_standard_errors })
 }
 
 /// Coefficients of every group of an answer with the links as they are now; those of links become none.

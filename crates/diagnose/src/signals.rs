@@ -8,7 +8,7 @@ use armident_recording::{
     ZeroPhaseLowPass, differentiate,
 };
 
-use crate::band::Band;
+use crate::band::{BAND_HZ, Band};
 use crate::noise::{Noise, noise_of};
 use crate::stops::{
     Channels, SmoothMotion, directions_and_stops, held, least_step, stands_at_ends,
@@ -64,6 +64,8 @@ pub(crate) struct Signals {
     /// noise of the acceleration in the band \[rad/s2 or m/s2\]
     pub(crate) acceleration_noise: Vec<f64>,
     pub(crate) band: Band,
+    /// below which all is compared, if the rate allows it
+    band_hz: f64,
 }
 
 /// Noise of a recorded velocity \[rad/s or m/s\] and of its derivative in the band.
@@ -79,8 +81,20 @@ impl Signals {
     /// # Errors
     /// A joint without position, or a recording that is mostly gaps.
     pub(crate) fn new(recording: &Recording, joints: &[String]) -> Result<Self, RecordingError> {
+        Self::below(recording, joints, BAND_HZ)
+    }
+
+    /// At every sample, to be compared below this frequency.
+    ///
+    /// # Errors
+    /// A joint without position, or a recording that is mostly gaps.
+    pub(crate) fn below(
+        recording: &Recording,
+        joints: &[String],
+        band_hz: f64,
+    ) -> Result<Self, RecordingError> {
         let grid = EvenGrid::of(recording)?;
-        Self::on(&grid, recording, joints)
+        Self::on(&grid, recording, joints, band_hz)
     }
 
     /// On the grid of the recording.
@@ -91,6 +105,7 @@ impl Signals {
         grid: &EvenGrid,
         recording: &Recording,
         joints: &[String],
+        band_hz: f64,
     ) -> Result<Self, RecordingError> {
         recording.check()?;
         let rate_hz = grid.rate_hz();
@@ -118,7 +133,8 @@ impl Signals {
             source: recording.source.clone(),
             rate_hz,
             recorded_hz: rate_hz,
-            band: Band::new(rate_hz, time_s.len()),
+            band: Band::new(rate_hz, time_s.len(), band_hz),
+            band_hz,
             effort_noise: Vec::new(),
             effort_noise_in_band: Vec::new(),
             acceleration_noise: Vec::new(),
@@ -232,7 +248,7 @@ impl Signals {
         }
         self.time_s = every(step, &self.time_s);
         self.rate_hz /= step as f64;
-        self.band = Band::new(self.rate_hz, self.time_s.len());
+        self.band = Band::new(self.rate_hz, self.time_s.len(), self.band_hz);
         self
     }
 

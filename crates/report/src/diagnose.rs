@@ -56,6 +56,9 @@ pub struct DiagnoseReport {
     /// standard errors between the links of the model and what was found, where no real bodies have that
     #[serde(skip_serializing_if = "Option::is_none")]
     links_off_standard_errors: Option<f64>,
+    /// frequency below which all was compared \[Hz\], where the usual band does not hold
+    #[serde(skip_serializing_if = "Option::is_none")]
+    narrowed_to_hz: Option<f64>,
     /// speeds below which dry friction fades \[rad/s or m/s\]
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     friction_fades_below: BTreeMap<String, f64>,
@@ -144,6 +147,7 @@ impl DiagnoseReport {
             effort_noise: diagnosis.effort_noise.clone(),
             inertial_error: diagnosis.inertial_error,
             links_off_standard_errors: diagnosis.links_off,
+            narrowed_to_hz: diagnosis.narrowed_to_hz,
             friction_fades_below: (diagnosis.joints.iter().cloned())
                 .zip(diagnosis.model.learned.fading_speed.iter().copied())
                 .filter(|(_, speed)| *speed > 0.0)
@@ -179,6 +183,7 @@ impl DiagnoseReport {
             effort_noise: BTreeMap::new(),
             inertial_error: 0.0,
             links_off_standard_errors: None,
+            narrowed_to_hz: None,
             friction_fades_below: BTreeMap::new(),
             beyond_reference: BTreeMap::new(),
             inertias_matter_on: Vec::new(),
@@ -292,6 +297,11 @@ impl DiagnoseReport {
             text.push_str(&format!(
                 "\nlinks: no real bodies have what was found; the model has the nearest ones, {} standard errors off\n",
                 significant(off, 3, 0.0)
+            ));
+        }
+        if let Some(hz) = self.narrowed_to_hz {
+            text.push_str(&format!(
+                "\ncompared below {hz} Hz: above, efforts and motions do not go together as they do below\n"
             ));
         }
         if !self.beyond_reference.is_empty() {

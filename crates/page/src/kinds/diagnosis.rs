@@ -31,6 +31,7 @@ pub(crate) struct Diagnosis {
     fit: Fits,
     effort_noise: ByJoint,
     inertial_error: Option<f64>,
+    narrowed_to_hz: Option<f64>,
     beyond_reference: ByJoint,
     atlas: Vec<JointAtlas>,
     constants: Vec<Constant>,

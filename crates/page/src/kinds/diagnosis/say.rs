@@ -178,6 +178,12 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
             coloured.join(", ")
         ));
     }
+    if let Some(hz) = of.narrowed_to_hz {
+        all.push(format!(
+            "Efforts and motions were compared below {hz} Hz: above, they do not go together as they do below (positions that \
+             shake by themselves, or a controller that answers its encoder)."
+        ));
+    }
     if !of.beyond_reference.is_empty() {
         all.push(format!(
             "Motion much faster than the reference's was not compared, for the reference does not say what friction is there \
