@@ -7,8 +7,9 @@ use armident_effects::effect;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
-use crate::problem::{Group, Meaning, PRICE_OF_SELDOM, Whitened};
+use crate::problem::{Group, Meaning};
 use crate::search::{Answer, answer};
+use crate::whitened::{PRICE_OF_SELDOM, Whitened};
 
 /// Share of what a name needs that another law may leave over and still pass for the same.
 const TOLD_APART: f64 = 0.25;

@@ -10,8 +10,8 @@ use armident_numeric::dot;
 use serde::Serialize;
 
 use crate::model::DiagnosedModel;
-use crate::problem::Whitened;
 use crate::search::Answer;
+use crate::whitened::Whitened;
 
 /// 97.5 % quantile of the normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
@@ -118,7 +118,7 @@ impl Whitened<'_> {
     pub(crate) fn link_factors(
         &self,
         set: &[usize],
-        fit: &crate::problem::Fit,
+        fit: &crate::whitened::Fit,
     ) -> Option<Vec<Vec<f64>>> {
         let [mut rows, sensitivity] = self.inertial_posterior(fit)?;
         // what the coefficients of laws do to the links: through the errors, and of themselves

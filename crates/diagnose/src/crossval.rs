@@ -9,9 +9,10 @@ use armident_numeric::dot;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
-use crate::problem::{Group, Meaning, Problem, Whitened, WrongBody};
+use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, all_admissible, answer};
+use crate::whitened::{Whitened, WrongBody};
 
 /// Stretches that each recording is cut into.
 const BLOCKS_PER_RECORDING: usize = 3;

@@ -21,10 +21,10 @@ use crate::material::joints_of_inertial_errors;
 use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
 use crate::placebo::{Placebo, placebo};
-use crate::problem::WrongBody;
 use crate::search::Answer;
 use crate::select::{Selection, select};
 use crate::signals::Signals;
+use crate::whitened::WrongBody;
 
 /// Root mean square errors of the raw recorded effort, by joint.
 #[derive(Debug, Clone, Default, Serialize)]

@@ -12,11 +12,12 @@ use crate::crossval::Scatter;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
-use crate::problem::{Group, Meaning, Problem, WrongBody};
+use crate::problem::{Group, Meaning, Problem};
 use crate::refine::shape_deviations;
 use crate::search::{Answer, answer};
 use crate::select::Selection;
 use crate::transmission::{mean_inertia, of_shape};
+use crate::whitened::WrongBody;
 
 /// A number with its standard error.
 #[derive(Debug, Clone, Serialize)]

@@ -6,11 +6,12 @@ use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence};
 use crate::flexible;
 use crate::material::{LEAST, band_noise, excess};
-use crate::problem::{Group, Meaning, Problem, WrongBody};
+use crate::problem::{Group, Meaning, Problem};
 use crate::refine::refine;
 use crate::search::{Answer, answer};
 use crate::select::{Best, Memory, keep_better, search_at};
 use crate::transmission;
+use crate::whitened::WrongBody;
 
 /// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
 /// name, and on how many joints.

@@ -9,12 +9,13 @@ use armident_recording::RecordingError;
 use crate::evidence::{At, Evidence, OperatingPoint, changed};
 use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem};
 use crate::real_links::{Settled, settled};
 use crate::search::{Answer, answer};
 use crate::select::moves;
 use crate::signals::low_pass;
 use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
+use crate::whitened::Whitened;
 
 /// Cut-offs tried for the output of a joint \[Hz\].
 const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];

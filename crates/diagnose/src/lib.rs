@@ -67,6 +67,7 @@ mod select;
 mod signals;
 mod stops;
 mod transmission;
+mod whitened;
 mod without;
 
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};

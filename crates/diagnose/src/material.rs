@@ -5,9 +5,10 @@
 use armident_effects::effect;
 
 use crate::evidence::OperatingPoint;
-use crate::problem::{Group, Meaning, Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, answer};
+use crate::whitened::Whitened;
 
 /// Least root mean square effort, in standard deviations of one recorded sample, that must come back
 /// when an effect is removed and all others are fitted again: 28 % more error of prediction. What comes

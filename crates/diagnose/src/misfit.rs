@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use crate::evidence::{At, Evidence};
 use crate::flexible;
-use crate::problem::{Problem, Whitened};
+use crate::problem::Problem;
 use crate::search::Answer;
+use crate::whitened::Whitened;
 
 /// A joint that leaves over more than this many times its noise has an imperfect model, which then
 /// weighs less; and changes of its misfit (logarithm) that no longer matter.

@@ -9,8 +9,9 @@ use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_numeric::{Mat, information_root};
 
 use crate::evidence::changed;
-use crate::problem::{Fit, Group, Whitened};
+use crate::problem::Group;
 use crate::search::{Answer, all_admissible};
+use crate::whitened::{Fit, Whitened};
 
 /// Relative error of a link that is named as wrong where all others are believed: nothing is known of it...
 const NAMED: f64 = 3.2;

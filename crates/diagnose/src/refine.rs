@@ -5,9 +5,10 @@ use armident_effects::{Scope, effect};
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence};
 use crate::flexible;
-use crate::problem::{Group, Meaning, Problem, Whitened, WrongBody};
+use crate::problem::{Group, Meaning, Problem};
 use crate::search::{Answer, answer};
 use crate::transmission;
+use crate::whitened::{Whitened, WrongBody};
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;

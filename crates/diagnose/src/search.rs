@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 use armident_effects::{Scope, effect};
 use rayon::prelude::*;
 
-use crate::problem::{Fit, Group, Meaning, Problem, Whitened};
+use crate::problem::{Group, Meaning, Problem};
+use crate::whitened::{Fit, Whitened};
 
 /// Sets kept at every step.
 const BEAM: usize = 5;

@@ -14,10 +14,11 @@ use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
 use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
-use crate::problem::{Group, Problem, Whitened, WrongBody};
+use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
+use crate::whitened::{Whitened, WrongBody};
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];

@@ -1,0 +1,443 @@
+//! The problem with errors of all links integrated out: fits, their scores and their uncertainty.
+
+use std::sync::Arc;
+
+use armident_effects::{Onset, effect};
+use armident_numeric::{Cholesky, Mat, dot};
+
+use crate::problem::{Group, Meaning, Problem};
+use crate::rows::Blocks;
+
+/// Relative ridge on normalised columns: nested laws share columns, round-off does the rest.
+const RIDGE: f64 = 1e-7;
+/// Least unique part of a normalised column, squared: below it the column is a combination.
+const LEAST_UNIQUE: f64 = 1e-6;
+/// Price of a group in the score: the logarithm of the some three hundred groups it was chosen from,
+/// doubled.
+pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
+/// Price of a law, or a change, that seldom comes about: odds of one in a hundred against those that often
+/// do.
+pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
+
+/// A link whose body is wrong beyond what all links are off by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WrongBody {
+    pub(crate) link: usize,
+    /// how many times larger its errors may be than those of all others
+    pub(crate) times: f64,
+}
+
+/// Relative size of the errors of a link where all others are off by `scale`.
+fn size_of(link: usize, scale: f64, wide: &[WrongBody]) -> f64 {
+    wide.iter().find(|body| body.link == link).map_or(scale, |body| body.times * scale)
+}
+
+/// What integrates inertial errors of one size out of columns: the same for all that are added later.
+pub(crate) struct Integral {
+    scale: f64,
+    wide: Vec<WrongBody>,
+    log_determinant: f64,
+    prior: Option<Arc<Prior>>,
+    /// the columns so far, their products and those with the efforts
+    reduced: Vec<Vec<f64>>,
+    gram: Vec<Vec<f64>>,
+    rhs: Vec<f64>,
+}
+
+impl Integral {
+    /// Forgets the columns from this one on.
+    pub(crate) fn truncate(&mut self, columns: usize) {
+        self.reduced.truncate(columns);
+        self.gram.truncate(columns);
+        self.rhs.truncate(columns);
+    }
+}
+
+/// A [`Problem`] in the metric in which inertial errors of a given size are noise.
+pub(crate) struct Whitened<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) scale: f64,
+    /// links whose errors may be larger
+    pub(crate) wide: Vec<WrongBody>,
+    gram: Vec<Vec<f64>>,
+    rhs: Vec<f64>,
+    square: f64,
+    log_determinant: f64,
+    norm: Vec<f64>,
+    prior: Option<Arc<Prior>>,
+}
+
+/// What integrates inertial errors out.
+struct Prior {
+    weight: f64,
+    /// of `1 + weight W'W`
+    cholesky: Cholesky,
+    w_y: Vec<f64>,
+    /// `D`, each scaled to its deviation
+    directions: Vec<Vec<f64>>,
+}
+
+/// The least-squares fit of a set of columns.
+#[derive(Debug, Clone)]
+pub(crate) struct Fit {
+    /// ids of columns
+    pub(crate) columns: Vec<usize>,
+    pub(crate) coefficients: Vec<f64>,
+    pub(crate) sum_of_squares: f64,
+    cholesky: Cholesky,
+    reduced: Vec<f64>,
+}
+
+impl Fit {
+    pub(crate) fn coefficient(&self, column: usize) -> f64 {
+        self.columns.iter().position(|c| *c == column).map_or(0.0, |k| self.coefficients[k])
+    }
+
+    pub(crate) fn of_group(&self, group: &Group) -> Vec<f64> {
+        group.columns.iter().map(|c| self.coefficient(*c)).collect()
+    }
+}
+
+impl Whitened<'_> {
+    fn product(&self, a: usize, b: usize) -> f64 {
+        let value = if a >= b { self.gram[a][b] } else { self.gram[b][a] };
+        value / (self.norm[a] * self.norm[b])
+    }
+
+    /// Columns of a set of groups, each once.
+    pub(crate) fn columns_of(&self, set: &[usize]) -> Vec<usize> {
+        let groups = &self.problem.groups;
+        let mut columns: Vec<usize> =
+            set.iter().flat_map(|g| groups[*g].columns.iter().copied()).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        columns
+    }
+
+    /// Fits a set of columns; none where they are numerically dependent beyond the ridge.
+    pub(crate) fn fit(&self, columns: Vec<usize>) -> Option<Fit> {
+        let cholesky = Cholesky::of(columns.len(), |i, j| {
+            self.product(columns[i], columns[j]) + if i == j { RIDGE } else { 0.0 }
+        })?;
+        let rhs: Vec<f64> = columns.iter().map(|&k| self.rhs[k] / self.norm[k]).collect();
+        let reduced = cholesky.forward(&rhs);
+        let sum_of_squares = (self.square - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE);
+        let coefficients = cholesky
+            .backward(&reduced)
+            .iter()
+            .zip(&columns)
+            .map(|(x, &k)| x / self.norm[k])
+            .collect();
+        Some(Fit { columns, coefficients, sum_of_squares, cholesky, reduced })
+    }
+
+    /// What the sum of squares would lose if these columns were added to a fit.
+    pub(crate) fn gain(&self, fit: &Fit, added: &[usize]) -> f64 {
+        if added.is_empty() {
+            return 0.0;
+        }
+        let across: Vec<Vec<f64>> = added
+            .iter()
+            .map(|&g| {
+                let products: Vec<f64> = fit.columns.iter().map(|&c| self.product(c, g)).collect();
+                fit.cholesky.forward(&products)
+            })
+            .collect();
+        let rhs: Vec<f64> = added
+            .iter()
+            .zip(&across)
+            .map(|(&g, z)| self.rhs[g] / self.norm[g] - dot(z, &fit.reduced))
+            .collect();
+        let own = Cholesky::of(added.len(), |i, j| {
+            self.product(added[i], added[j]) - dot(&across[i], &across[j])
+                + if i == j { LEAST_UNIQUE } else { 0.0 }
+        });
+        own.map_or(0.0, |own| {
+            let reduced = own.forward(&rhs);
+            dot(&reduced, &reduced)
+        })
+    }
+
+    /// A description length: misfit in units of its own size, a price for every column, every
+    /// searched constant and every choice of a group.
+    pub(crate) fn score(&self, sum_of_squares: f64, columns: usize, set: &[usize]) -> f64 {
+        let rows = self.problem.rows.effective();
+        let samples = rows * self.problem.rows.share;
+        let searched: usize = set.iter().map(|g| self.problem.groups[*g].searched).sum();
+        samples * (sum_of_squares / rows).ln()
+            + samples.ln() * (columns + searched) as f64
+            + PRICE_OF_CHOICE * (set.len() + self.wide.len()) as f64
+            + self.price_of_onsets(set)
+            + self.log_determinant
+    }
+
+    /// Nothing but where a change is sought.
+    fn price_of_onsets(&self, set: &[usize]) -> f64 {
+        if self.problem.rows.changed_from == 0 {
+            return 0.0;
+        }
+        set.iter().map(|g| self.problem.price_of_onset(&self.problem.groups[*g])).sum()
+    }
+
+    /// Relative size of the errors of a link.
+    pub(crate) fn size_of(&self, link: usize) -> f64 {
+        size_of(link, self.scale, &self.wide)
+    }
+
+    /// Posterior mean of the relative inertial errors, and with it the change of all standard
+    /// parameters; zeros at scale 0.
+    pub(crate) fn inertial_errors(&self, fit: &Fit) -> Vec<f64> {
+        let problem = self.problem;
+        let mut change = vec![0.0; problem.rigid];
+        let Some(prior) = &self.prior else { return change };
+        let Prior { weight, cholesky, w_y, directions } = &**prior;
+        let rhs: Vec<f64> = directions
+            .iter()
+            .zip(w_y)
+            .map(|(d, w_y)| {
+                let explained: f64 = fit
+                    .columns
+                    .iter()
+                    .zip(&fit.coefficients)
+                    .map(|(&c, x)| {
+                        x * (0..problem.rigid).map(|p| d[p] * problem.product(c, p)).sum::<f64>()
+                    })
+                    .sum();
+                weight * (w_y - explained)
+            })
+            .collect();
+        for (direction, c) in directions.iter().zip(cholesky.solve(&rhs)) {
+            for (change, d) in change.iter_mut().zip(direction) {
+                *change += c * d;
+            }
+        }
+        change
+    }
+
+    /// Posterior covariance of some standard parameters' errors, the fit of the laws as it is.
+    pub(crate) fn inertial_covariance(&self, parameters: &[usize]) -> Vec<Vec<f64>> {
+        let Some(Prior { cholesky, directions, .. }) = self.prior.as_deref() else {
+            return vec![vec![0.0; parameters.len()]; parameters.len()];
+        };
+        let rows: Vec<Vec<f64>> =
+            parameters.iter().map(|p| directions.iter().map(|d| d[*p]).collect()).collect();
+        let solved: Vec<Vec<f64>> = rows.iter().map(|row| cholesky.solve(row)).collect();
+        rows.iter().map(|row| solved.iter().map(|s| dot(row, s)).collect()).collect()
+    }
+
+    /// Rows whose outer products add up to the prior covariance of all standard parameters; none without
+    /// inertial errors.
+    pub(crate) fn prior_factors(&self) -> Option<Vec<Vec<f64>>> {
+        self.prior.as_ref().map(|prior| prior.directions.clone())
+    }
+
+    /// The same of the posterior with the laws as they are, and what a unit of each coefficient of the fit
+    /// does to the standard parameters.
+    pub(crate) fn inertial_posterior(&self, fit: &Fit) -> Option<[Vec<Vec<f64>>; 2]> {
+        let Prior { weight, cholesky, directions, .. } = self.prior.as_deref()?;
+        let rigid = self.problem.rigid;
+        // A = L L': the rows of L^-1 D
+        let columns: Vec<Vec<f64>> = (0..rigid)
+            .map(|p| cholesky.forward(&directions.iter().map(|d| d[p]).collect::<Vec<_>>()))
+            .collect();
+        let rows = (0..directions.len()).map(|k| columns.iter().map(|c| c[k]).collect()).collect();
+        let sensitivity = fit
+            .columns
+            .iter()
+            .map(|&c| {
+                let along = |d: &Vec<f64>| -> f64 {
+                    (0..rigid).map(|p| d[p] * self.problem.product(c, p)).sum()
+                };
+                let solved = cholesky.solve(&directions.iter().map(along).collect::<Vec<_>>());
+                (0..rigid)
+                    .map(|p| {
+                        -weight * directions.iter().zip(&solved).map(|(d, s)| d[p] * s).sum::<f64>()
+                    })
+                    .collect()
+            })
+            .collect();
+        Some([rows, sensitivity])
+    }
+
+    /// Rows whose outer products add up to the covariance of the coefficients of a fit.
+    pub(crate) fn coefficient_factors(&self, fit: &Fit) -> Vec<Vec<f64>> {
+        let scale = |k: usize| 1.0 / (self.norm[fit.columns[k]] * self.problem.rows.share.sqrt());
+        let count = fit.columns.len();
+        let columns: Vec<Vec<f64>> = (0..count)
+            .map(|c| {
+                let unit: Vec<f64> = (0..count).map(|k| f64::from(u8::from(k == c))).collect();
+                fit.cholesky.forward(&unit)
+            })
+            .collect();
+        (0..count).map(|k| (0..count).map(|c| columns[c][k] * scale(c)).collect()).collect()
+    }
+
+    /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
+    pub(crate) fn residual(&self, fit: &Fit) -> Blocks {
+        self.residual_of(fit, self.problem)
+    }
+
+    /// The same of the rows of another problem of the same columns.
+    pub(crate) fn residual_of(&self, fit: &Fit, problem: &Problem) -> Blocks {
+        let mut residual = problem.effort.clone();
+        let errors = self.inertial_errors(fit);
+        let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);
+        let fitted = fit.columns.iter().copied().zip(&fit.coefficients);
+        for (k, x) in rigid.chain(fitted) {
+            for (residual, column) in residual.iter_mut().zip(&problem.columns[k]) {
+                for (r, c) in residual.iter_mut().zip(column) {
+                    *r -= x * c;
+                }
+            }
+        }
+        residual
+    }
+
+    /// Covariance of the coefficients of some columns of a fit.
+    pub(crate) fn covariance(&self, fit: &Fit, columns: &[usize]) -> Vec<Vec<f64>> {
+        let reduced: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|c| {
+                let unit: Vec<f64> =
+                    fit.columns.iter().map(|k| f64::from(u8::from(k == c))).collect();
+                fit.cholesky.forward(&unit)
+            })
+            .collect();
+        let scale = |k: usize| 1.0 / self.norm[columns[k]];
+        (0..columns.len())
+            .map(|a| {
+                (0..columns.len())
+                    .map(|b| {
+                        dot(&reduced[a], &reduced[b]) * scale(a) * scale(b)
+                            / self.problem.rows.share
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+impl Problem {
+    /// The problem with inertial errors integrated out: of relative deviation `scale`, and more on the links in
+    /// `wide`.
+    pub(crate) fn whitened(&self, scale: f64, wide: &[WrongBody]) -> Whitened<'_> {
+        self.whitened_by(&mut self.integral(scale, wide))
+    }
+
+    /// What integrates inertial errors of that size out, no column reduced by it yet.
+    pub(crate) fn integral(&self, scale: f64, wide: &[WrongBody]) -> Integral {
+        let sizes: Vec<f64> =
+            (0..self.background.links).map(|link| size_of(link, scale, wide)).collect();
+        Integral { scale, wide: wide.to_vec(), ..self.integral_of(&sizes) }
+    }
+
+    /// The same with a size for every link.
+    pub(crate) fn integral_of(&self, sizes: &[f64]) -> Integral {
+        let mut integral = Integral {
+            scale: sizes.iter().copied().fold(0.0, f64::max),
+            wide: Vec::new(),
+            log_determinant: 0.0,
+            prior: None,
+            reduced: Vec::new(),
+            gram: Vec::new(),
+            rhs: Vec::new(),
+        };
+        if integral.scale == 0.0 && self.background.free == 0 {
+            return integral;
+        }
+        let weight = self.rows.share;
+        let inertial = self.background.directions.len() - self.background.free;
+        let per_link = (inertial / self.background.links.max(1)).max(1);
+        let directions: Vec<Vec<f64>> = self
+            .background
+            .directions
+            .iter()
+            .enumerate()
+            .map(|(k, d)| {
+                let size = if k < inertial { sizes[k / per_link] } else { 1.0 };
+                d.iter().map(|x| size * x).collect()
+            })
+            .collect();
+        // W'Y, then W'W
+        let with_rigid: Vec<Vec<f64>> =
+            (0..self.rigid).map(|k| self.along(&directions, k)).collect();
+        let w_w = |a: usize, b: usize| -> f64 {
+            directions[b].iter().zip(&with_rigid).map(|(d, w)| d * w[a]).sum()
+        };
+        let cholesky =
+            Cholesky::of(directions.len(), |i, j| f64::from(u8::from(i == j)) + weight * w_w(i, j));
+        if let Some(cholesky) = cholesky {
+            integral.log_determinant = cholesky.log_determinant();
+            let w_y = directions.iter().map(|d| dot(d, &self.rhs[..self.rigid])).collect();
+            integral.prior = Some(Arc::new(Prior { weight, cholesky, w_y, directions }));
+        }
+        integral
+    }
+
+    /// Products of a column with directions of the standard parameters.
+    fn along(&self, directions: &[Vec<f64>], column: usize) -> Vec<f64> {
+        let products: Vec<f64> = (0..self.rigid).map(|p| self.product(column, p)).collect();
+        directions.iter().map(|d| dot(d, &products)).collect()
+    }
+
+    /// The same where some of the columns were reduced before.
+    pub(crate) fn whitened_by(&self, integral: &mut Integral) -> Whitened<'_> {
+        let count = self.columns.len();
+        let Integral { reduced, gram, rhs, .. } = integral;
+        let known = gram.len();
+        gram.extend_from_slice(&self.gram[known..]);
+        rhs.extend_from_slice(&self.rhs[known..]);
+        let mut square = self.square;
+        if let Some(prior) = &integral.prior {
+            let Prior { weight, cholesky, w_y, directions } = &**prior;
+            reduced.extend((known..count).map(|k| cholesky.forward(&self.along(directions, k))));
+            if known == 0 {
+                let matrix = Mat::from_fn(directions.len(), count, |i, j| reduced[j][i]);
+                let correction = matrix.transpose() * &matrix;
+                for (k, row) in gram.iter_mut().enumerate() {
+                    for (l, product) in row.iter_mut().enumerate() {
+                        *product -= weight * correction[(k, l)];
+                    }
+                }
+            } else {
+                for (k, row) in gram.iter_mut().enumerate().skip(known) {
+                    for (product, other) in row.iter_mut().zip(reduced.iter()) {
+                        *product -= weight * dot(&reduced[k], other);
+                    }
+                }
+            }
+            let reduced_y = cholesky.forward(w_y);
+            for (product, reduced) in rhs.iter_mut().zip(reduced.iter()).skip(known) {
+                *product -= weight * dot(reduced, &reduced_y);
+            }
+            square -= weight * dot(&reduced_y, &reduced_y);
+        }
+        let norm = (0..count).map(|k| gram[k][k].max(f64::MIN_POSITIVE).sqrt()).collect();
+        Whitened {
+            problem: self,
+            scale: integral.scale,
+            wide: integral.wide.clone(),
+            gram: gram.clone(),
+            rhs: rhs.clone(),
+            square,
+            log_determinant: integral.log_determinant,
+            norm,
+            prior: integral.prior.clone(),
+        }
+    }
+
+    /// What it costs, as a change between two recordings, that a group seldom comes about.
+    pub(crate) fn price_of_onset(&self, group: &Group) -> f64 {
+        let onset = match group.meaning {
+            Meaning::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
+            Meaning::Flexible(_) => Onset::Seldom,
+        };
+        let of_last_link =
+            group.site.joints.last() == self.background.links.checked_sub(1).as_ref();
+        match onset {
+            Onset::OftenOfLastLink if of_last_link => 0.0,
+            Onset::Often => 0.0,
+            Onset::OftenOfLastLink | Onset::Seldom => PRICE_OF_SELDOM,
+        }
+    }
+}
