@@ -14,7 +14,7 @@ use armident_numeric::dot;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::contact::ContactColumns;
-use crate::crossval::predictor;
+use crate::crossval::Predictor;
 use crate::evidence::Evidence;
 use crate::misfit::independent_share;
 use crate::real_links::Settled;
@@ -31,10 +31,10 @@ const WORTH: f64 = 0.2;
 /// Independent samples a coefficient that the narrow band must have, to say what it leaves over.
 const SAMPLES_A_COEFFICIENT: f64 = 2.0;
 
-/// Whether the coefficients of a selection are off those that the narrow band of the same recordings has, by more
+/// Whether the coefficients of a selection, with the friction beside it that is too small to be named, are off those that the narrow band of the same recordings has, by more
 /// than chance and by enough to matter.
-pub(crate) fn is_off_in(narrow: &Evidence<'_>, selection: &Selection) -> bool {
-    excess(narrow, selection).is_some_and(|excess| excess.is_off())
+pub(crate) fn is_off_in(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> bool {
+    excess(narrow, selection, best).is_some_and(|excess| excess.is_off())
 }
 
 /// By what the wide band's coefficients err more.
@@ -58,10 +58,7 @@ impl Excess {
 }
 
 /// None where the narrow band cannot form or fit the same groups.
-fn excess(narrow: &Evidence<'_>, selection: &Selection) -> Option<Excess> {
-    let metric = selection.metric();
-    // with the friction that is too small to be named: left to the links, it would bend both
-    let best = predictor(&metric, &selection.answer);
+fn excess(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> Option<Excess> {
     let at = narrow.at(&selection.point);
     let contact = ContactColumns::new(narrow, &at);
     let mut problem = narrow.problem(&selection.point);

@@ -13,7 +13,7 @@ use crate::band::BAND_HZ;
 use crate::bands::{NARROW_HZ, is_off_in};
 use crate::books::DriveGain;
 use crate::constants::{ConstantEstimates, constants};
-use crate::crossval::predictor;
+use crate::crossval::{Predictor, predictor};
 use crate::evidence::Evidence;
 use crate::findings::{Finding, claims};
 use crate::learn::{View, choose_outputs, learned, rigid_alone};
@@ -135,22 +135,17 @@ pub(crate) fn diagnose_from(
     let mut evidence = Evidence::new(&model.chain, signals);
     let beyond_reference = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    let told = told(model, &names, &evidence, &selection)?;
-    Ok(Diagnosis { beyond_reference, narrowed_to_hz, ..told })
+    let best = predictor(&selection.metric(), &selection.answer);
+    let selected = Selected { evidence, selection, best, narrowed_to_hz };
+    Ok(Diagnosis { beyond_reference, ..selected.told(model, &names)? })
 }
 
-/// A selection and the recordings it is of.
+/// A selection, what predicts best, and the recordings they are of.
 struct Selected<'a> {
     evidence: Evidence<'a>,
     selection: Selection,
+    best: Predictor,
     narrowed_to_hz: Option<f64>,
-}
-
-impl Selected<'_> {
-    fn told(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
-        let told = told(model, names, &self.evidence, &self.selection)?;
-        Ok(Diagnosis { narrowed_to_hz: self.narrowed_to_hz, ..told })
-    }
 }
 
 /// The selection in the band, or in the narrow one where what it found does not hold there.
@@ -161,96 +156,101 @@ fn selected<'a>(
 ) -> Result<Selected<'a>, DiagnoseError> {
     let mut evidence = Evidence::new(chain, usable_signals(names, train, BAND_HZ)?);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
+    let best = predictor(&selection.metric(), &selection.answer);
     // longer kernels want longer recordings: without them the band stays
     if let Ok(signals) = usable_signals(names, train, NARROW_HZ) {
         let mut evidence = Evidence::new(chain, signals);
-        if is_off_in(&evidence, &selection)
+        if is_off_in(&evidence, &selection, &best)
             && let Some(selection) = select(&mut evidence)
         {
-            return Ok(Selected { evidence, selection, narrowed_to_hz: Some(NARROW_HZ) });
+            let best = predictor(&selection.metric(), &selection.answer);
+            return Ok(Selected { evidence, selection, best, narrowed_to_hz: Some(NARROW_HZ) });
         }
     }
-    Ok(Selected { evidence, selection, narrowed_to_hz: None })
+    Ok(Selected { evidence, selection, best, narrowed_to_hz: None })
 }
 
-/// What is said of a selection.
-fn told(
-    model: &ArmModel,
-    names: &[String],
-    evidence: &Evidence<'_>,
-    selection: &Selection,
-) -> Result<Diagnosis, DiagnoseError> {
-    let metric = selection.metric();
-    let best = predictor(&metric, &selection.answer);
-    let best_metric = selection.problem.whitened(best.scale, &selection.wide);
-    let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
-    let (mut learned_model, links_off) = learned(model, &best_view);
-    choose_outputs(&mut learned_model, evidence)?;
-    let constants = constants(model, &learned_model, &best_metric, &best.answer);
-    let claims = claims(evidence, selection, &best_view);
-    // the model of another answer, all that is not in question as in the model learned
-    let model_of = |answer: &Answer, wide: &[WrongBody]| {
-        let metric = selection.problem.whitened(best.scale, wide);
-        let answer = best.beside(&metric, &selection.answer, answer)?;
-        let view = View::new(evidence, &metric, &answer, &selection.point);
-        let (mut model, _) = learned(model, &view);
-        model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
-        model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
-        Some(model)
-    };
-    let without = claims
-        .iter()
-        .map(|claim| claim.without.as_ref().and_then(|(answer, wide)| model_of(answer, wide)))
-        .collect();
-    let rivals = claims
-        .iter()
-        .map(|claim| {
-            claim.rivals.iter().filter_map(|answer| model_of(answer, &selection.wide)).collect()
-        })
-        .collect();
-    let mut rigid = rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
-    choose_outputs(&mut rigid, evidence)?;
-    let mut believed = DiagnosedModel::believed(model);
-    believed.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
-    believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
-    let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
-    let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
-    for finding in findings.iter_mut().filter(|f| unnamed(f)) {
-        let index = |name: &str| names.iter().position(|n| n == name);
-        let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
-        let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);
-        let at = best_view.at();
-        let mut effort: Vec<Vec<f64>> = at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
-        for term in terms {
-            for (sum, at) in effort.iter_mut().zip(at) {
-                for (sum, x) in sum.iter_mut().zip(term.effort(at, index)) {
-                    *sum += x;
+impl Selected<'_> {
+    /// What is said of it.
+    fn told(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
+        let Self { evidence, selection, best, narrowed_to_hz } = self;
+        let metric = selection.metric();
+        let best_metric = selection.problem.whitened(best.scale, &selection.wide);
+        let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
+        let (mut learned_model, links_off) = learned(model, &best_view);
+        choose_outputs(&mut learned_model, evidence)?;
+        let constants = constants(model, &learned_model, &best_metric, &best.answer);
+        let claims = claims(evidence, selection, &best_view);
+        // the model of another answer, all that is not in question as in the model learned
+        let model_of = |answer: &Answer, wide: &[WrongBody]| {
+            let metric = selection.problem.whitened(best.scale, wide);
+            let answer = best.beside(&metric, &selection.answer, answer)?;
+            let view = View::new(evidence, &metric, &answer, &selection.point);
+            let (mut model, _) = learned(model, &view);
+            model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
+            model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
+            Some(model)
+        };
+        let without = claims
+            .iter()
+            .map(|claim| claim.without.as_ref().and_then(|(answer, wide)| model_of(answer, wide)))
+            .collect();
+        let rivals = claims
+            .iter()
+            .map(|claim| {
+                claim.rivals.iter().filter_map(|answer| model_of(answer, &selection.wide)).collect()
+            })
+            .collect();
+        let mut rigid =
+            rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
+        choose_outputs(&mut rigid, evidence)?;
+        let mut believed = DiagnosedModel::believed(model);
+        believed.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
+        believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
+        let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
+        let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
+        for finding in findings.iter_mut().filter(|f| unnamed(f)) {
+            let index = |name: &str| names.iter().position(|n| n == name);
+            let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
+            let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);
+            let at = best_view.at();
+            let mut effort: Vec<Vec<f64>> =
+                at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
+            for term in terms {
+                for (sum, at) in effort.iter_mut().zip(at) {
+                    for (sum, x) in sum.iter_mut().zip(term.effort(at, index)) {
+                        *sum += x;
+                    }
                 }
             }
+            finding.evidence.character = Some(character(evidence, at, joint, &effort));
         }
-        finding.evidence.character = Some(character(evidence, at, joint, &effort));
+        let atlas = atlas(evidence, &believed, &rigid, &learned_model)?;
+        Ok(Diagnosis {
+            atlas,
+            constants,
+            findings,
+            model: learned_model,
+            rigid,
+            believed,
+            without,
+            rivals,
+            effort_noise: names
+                .iter()
+                .cloned()
+                .zip(evidence.rows.sample_deviation.clone())
+                .collect(),
+            joints: names.to_vec(),
+            inertial_error: selection.scale,
+            links_off,
+            narrowed_to_hz: *narrowed_to_hz,
+            beyond_reference: BTreeMap::new(),
+            inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
+                .into_iter()
+                .map(|j| names[j].clone())
+                .collect(),
+        })
     }
-    let atlas = atlas(evidence, &believed, &rigid, &learned_model)?;
-    Ok(Diagnosis {
-        atlas,
-        constants,
-        findings,
-        model: learned_model,
-        rigid,
-        believed,
-        without,
-        rivals,
-        effort_noise: names.iter().cloned().zip(evidence.rows.sample_deviation.clone()).collect(),
-        joints: names.to_vec(),
-        inertial_error: selection.scale,
-        links_off,
-        narrowed_to_hz: None,
-        beyond_reference: BTreeMap::new(),
-        inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
-            .into_iter()
-            .map(|j| names[j].clone())
-            .collect(),
-    })
 }
 
 /// The recordings on even grids, if they say something.
