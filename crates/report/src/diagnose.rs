@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::bar::Bars;
 use crate::numbers::{significant, uncertain};
+use crate::small_terms::{SmallTerm, small_terms_text};
 use crate::table::aligned;
 
 /// What was diagnosed.
@@ -59,6 +60,9 @@ pub struct DiagnoseReport {
     /// frequency below which all was compared \[Hz\], where the usual band does not hold
     #[serde(skip_serializing_if = "Option::is_none")]
     narrowed_to_hz: Option<f64>,
+    /// what the model has beside the findings
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    small_terms: Vec<SmallTerm>,
     /// speeds below which dry friction fades \[rad/s or m/s\]
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     friction_fades_below: BTreeMap<String, f64>,
@@ -148,6 +152,11 @@ impl DiagnoseReport {
             inertial_error: diagnosis.inertial_error,
             links_off_standard_errors: diagnosis.links_off,
             narrowed_to_hz: diagnosis.narrowed_to_hz,
+            // with a reference, the model has all that was learned of that, small or not
+            small_terms: match inputs.reference_recordings.is_empty() {
+                true => SmallTerm::of(chain, diagnosis),
+                false => Vec::new(),
+            },
             friction_fades_below: (diagnosis.joints.iter().cloned())
                 .zip(diagnosis.model.learned.fading_speed.iter().copied())
                 .filter(|(_, speed)| *speed > 0.0)
@@ -184,6 +193,7 @@ impl DiagnoseReport {
             inertial_error: 0.0,
             links_off_standard_errors: None,
             narrowed_to_hz: None,
+            small_terms: Vec::new(),
             friction_fades_below: BTreeMap::new(),
             beyond_reference: BTreeMap::new(),
             inertias_matter_on: Vec::new(),
@@ -297,6 +307,12 @@ impl DiagnoseReport {
             text.push_str(&format!(
                 "\nlinks: no real bodies have what was found; the model has the nearest ones, {} standard errors off\n",
                 significant(off, 3, 0.0)
+            ));
+        }
+        if !self.small_terms.is_empty() {
+            text.push_str(&format!(
+                "\nalso in the model, too small to be named: {}\n",
+                small_terms_text(&self.small_terms)
             ));
         }
         if let Some(hz) = self.narrowed_to_hz {

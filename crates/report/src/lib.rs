@@ -24,6 +24,7 @@ mod identify;
 mod numbers;
 mod params;
 mod plan;
+mod small_terms;
 mod table;
 mod validate;
 
@@ -38,5 +39,6 @@ pub use identify::{
 pub use numbers::{significant, uncertain};
 pub use params::ParamsReport;
 pub use plan::plan_text;
+pub use small_terms::{SmallTerm, small_terms_text};
 pub use table::aligned;
 pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};

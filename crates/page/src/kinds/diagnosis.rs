@@ -5,7 +5,7 @@ mod say;
 use std::collections::BTreeMap;
 
 use armident_effects::effect;
-use armident_report::uncertain;
+use armident_report::{SmallTerm, uncertain};
 use serde::Deserialize;
 
 use self::say::{
@@ -31,6 +31,7 @@ pub(crate) struct Diagnosis {
     fit: Fits,
     effort_noise: ByJoint,
     inertial_error: Option<f64>,
+    small_terms: Vec<SmallTerm>,
     narrowed_to_hz: Option<f64>,
     beyond_reference: ByJoint,
     atlas: Vec<JointAtlas>,

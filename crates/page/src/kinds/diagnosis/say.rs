@@ -1,7 +1,7 @@
 //! What the page of a diagnosis says in words: the verdict, what to do next, why not a look-alike.
 
 use armident_effects::{Place, effect};
-use armident_report::uncertain;
+use armident_report::{small_terms_text, uncertain};
 
 use super::{Diagnosis, Errors, Fault, Finding, NextMotion, Number, OPEN, WHITE};
 use crate::drawing::Drawing;
@@ -176,6 +176,12 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         all.push(format!(
             "What is left on {} is not white: something small is still left out there.",
             coloured.join(", ")
+        ));
+    }
+    if !of.small_terms.is_empty() {
+        all.push(format!(
+            "Too small to be named, the model also has {}.",
+            small_terms_text(&of.small_terms)
         ));
     }
     if let Some(hz) = of.narrowed_to_hz {
