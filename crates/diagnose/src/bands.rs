@@ -31,8 +31,8 @@ const WORTH: f64 = 0.2;
 /// Independent samples a coefficient that the narrow band must have, to say what it leaves over.
 const SAMPLES_A_COEFFICIENT: f64 = 2.0;
 
-/// Whether the coefficients of a selection, with the friction beside it that is too small to be named, are off those that the narrow band of the same recordings has, by more
-/// than chance and by enough to matter.
+/// Whether the coefficients of a selection, with the friction beside it that is too small to be named, are off those
+/// that the narrow band of the same recordings has, by more than chance and by enough to matter.
 pub(crate) fn is_off_in(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> bool {
     excess(narrow, selection, best).is_some_and(|excess| excess.is_off())
 }
@@ -61,7 +61,7 @@ impl Excess {
 fn excess(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> Option<Excess> {
     let at = narrow.at(&selection.point);
     let contact = ContactColumns::new(narrow, &at);
-    let mut problem = narrow.problem(&selection.point);
+    let mut problem = narrow.problem_without_trials(&selection.point);
     let groups = best.answer.set.iter().map(|g| &selection.problem.groups[*g]);
     let again: Vec<usize> = groups
         .map(|group| recreate(narrow, &at, &contact, &mut problem, group))

@@ -269,6 +269,15 @@ impl<'a> Evidence<'a> {
 
     /// The problem with all groups that need no search of their own.
     pub(crate) fn problem(&self, point: &OperatingPoint) -> Problem {
+        self.problem_with(point, |_| true)
+    }
+
+    /// The same without the laws of joints whose constants are tried: most columns are theirs.
+    pub(crate) fn problem_without_trials(&self, point: &OperatingPoint) -> Problem {
+        self.problem_with(point, <[f64]>::is_empty)
+    }
+
+    fn problem_with(&self, point: &OperatingPoint, shapes: impl Fn(&[f64]) -> bool) -> Problem {
         let at = self.at(point);
         let n = self.joints();
         let efforts: Vec<Vec<Vec<f64>>> =
@@ -305,7 +314,7 @@ impl<'a> Evidence<'a> {
                     law.shapes(&self.scale[j]).into_iter().map(move |shape| (*law, j, shape))
                 })
             };
-            (0..sites).flat_map(at_site).collect()
+            (0..sites).flat_map(at_site).filter(|(_, _, shape)| shapes(shape)).collect()
         };
         // columns are dear to form and independent; groups are numbered in order
         let of_joints = of_scope(Scope::Joint, n);
