@@ -200,11 +200,24 @@ fn plain_errors(
     let motions = data.motions(train)?;
     let all: Vec<_> = motions.iter().collect();
     let (_, found, _) = problem.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
-    let constants = problem.constants(&found.values);
-    let mut plain = DiagnosedModel::believed(&model.clone().with_constants(&minimal, &constants));
-    plain.arm.effects = problem.effects(&found.values, &model.chain.joint_names());
-    plain.learned.rigid_cutoff_hz = data.cutoff_hz;
-    diagnosed_errors(&plain, holdout)
+    errors_with(data, &problem, &minimal, &found.values, holdout)
+}
+
+/// With the values of an estimate, through the low-pass of the set's baseline.
+fn errors_with(
+    data: &Data,
+    problem: &BatchProblem<'_>,
+    minimal: &MinimalSet,
+    values: &[f64],
+    holdout: &[Recording],
+) -> Result<Vec<JointError>, Box<dyn Error>> {
+    let model = data.model.clone().with_constants(minimal, &problem.constants(values));
+    let mut found = DiagnosedModel::believed(&model);
+    let effects = problem.effects(values, &model.chain.joint_names());
+    let (couplings, own) = effects.into_iter().partition(|on| on.other_joint.is_some());
+    (found.learned.couplings, found.arm.effects) = (couplings, own);
+    found.learned.rigid_cutoff_hz = data.cutoff_hz;
+    diagnosed_errors(&found, holdout)
 }
 
 /// What, where, how large, how sure.
@@ -256,11 +269,5 @@ fn identified_errors(
         none,
     )?;
     let values = problem.nearest_consistent(&fitted.estimate)?.estimated;
-    let constants = problem.constants(&values);
-    let mut found = DiagnosedModel::believed(&model.clone().with_constants(&minimal, &constants));
-    let effects = problem.effects(&values, &names);
-    let (couplings, own) = effects.into_iter().partition(|on| on.other_joint.is_some());
-    (found.learned.couplings, found.arm.effects) = (couplings, own);
-    found.learned.rigid_cutoff_hz = data.cutoff_hz;
-    diagnosed_errors(&found, holdout)
+    errors_with(data, &problem, &minimal, &values, holdout)
 }

@@ -226,11 +226,15 @@ fn positions_that_shake_by_themselves() {
             csv += &format!("{t},{seen},{effort}\n");
         }
         std::fs::write(folder.join("train.csv"), csv).unwrap();
-        run_in(&folder, &["diagnose", "arm.urdf", "train.csv", "-q", "--json", "-"]).fine().json()
+        let args = ["diagnose", "arm.urdf", "train.csv", "-q", "--json", "-"];
+        run_in(&folder, &[&args[..], &["--save-model", "model.json"]].concat()).fine().json()
     };
     let still = found(false);
     assert!(still["narrowed_to_hz"].is_null(), "{still}");
     let shaken = found(true);
     assert_eq!(number(&shaken["narrowed_to_hz"]), 5.0);
     assert_eq!(shaken["verdict"], "match", "{shaken}");
+    let link = read_json(&folder.join("model.json"))["joints"][0]["link"].clone();
+    let found = number(list(&link).last().unwrap());
+    assert!((found / about_joint - 1.0).abs() < 0.03, "{found} {about_joint}");
 }

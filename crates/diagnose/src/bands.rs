@@ -34,31 +34,11 @@ const SAMPLES_A_COEFFICIENT: f64 = 2.0;
 /// Whether the coefficients of a selection, with the friction beside it that is too small to be named, are off those
 /// that the narrow band of the same recordings has, by more than chance and by enough to matter.
 pub(crate) fn is_off_in(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> bool {
-    excess(narrow, selection, best).is_some_and(|excess| excess.is_off())
+    contradicts(narrow, selection, best).unwrap_or(false)
 }
 
-/// By what the wide band's coefficients err more.
-struct Excess {
-    /// largest effort between the two on a joint, over the noise of its samples
-    largest: f64,
-    /// sum of squares over that of noise
-    ratio: f64,
-    coefficients: f64,
-    samples: f64,
-}
-
-impl Excess {
-    fn is_off(&self) -> bool {
-        let free = self.samples - self.coefficients;
-        self.samples > SAMPLES_A_COEFFICIENT * self.coefficients
-            && self.largest > WORTH
-            && FisherSnedecor::new(self.coefficients, free)
-                .is_ok_and(|law| self.ratio > law.inverse_cdf(1.0 - CHANCE))
-    }
-}
-
-/// None where the narrow band cannot form or fit the same groups.
-fn excess(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> Option<Excess> {
+/// None where the narrow band cannot form or fit the same groups, or has too few samples to say.
+fn contradicts(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> Option<bool> {
     let at = narrow.at(&selection.point);
     let contact = ContactColumns::new(narrow, &at);
     let mut problem = narrow.problem_without_trials(&selection.point);
@@ -85,6 +65,8 @@ fn excess(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> Opt
     let constants = MinimalSet::of(&RigidArm::from_chain(narrow.chain)).ok()?;
     let of_laws: usize = coefficients.iter().map(Vec::len).sum();
     let coefficients = (constants.len() + of_laws) as f64;
+    // what the wide band's coefficients leave over more: in variances of what is left, and the largest effort on a
+    // joint between the two in its noise
     let (mut samples, mut squares, mut largest) = (0.0, 0.0, 0.0_f64);
     for (j, (own, crossed)) in own.iter().zip(&crossed).enumerate() {
         let before = dot(own, own);
@@ -96,6 +78,10 @@ fn excess(narrow: &Evidence<'_>, selection: &Selection, best: &Predictor) -> Opt
             samples += independent;
         }
     }
+    if samples <= SAMPLES_A_COEFFICIENT * coefficients {
+        return None;
+    }
     let ratio = squares / coefficients * (1.0 - coefficients / samples);
-    Some(Excess { largest, ratio, coefficients, samples })
+    let law = FisherSnedecor::new(coefficients, samples - coefficients).ok()?;
+    Some(largest > WORTH && ratio > law.inverse_cdf(1.0 - CHANCE))
 }
