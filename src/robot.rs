@@ -54,27 +54,38 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
     ArmModel::load(path).map_err(|error| Failure::model(path, &error))
 }
 
+/// Loads the arm with all that its file holds: of a model that a diagnosis wrote, what it learned too.
+pub(crate) fn load_whole(
+    path: &Path,
+    chain: &ChainArgs,
+    recorded: Option<&[String]>,
+) -> Result<(ArmModel, Option<Learned>), Failure> {
+    let model = load(path, chain, recorded)?;
+    let learned = learned(path, &model)?;
+    Ok((model, learned))
+}
+
 /// The arm with all that a diagnosis learned as effects on it, and what of it a simulated arm cannot hold.
 pub(crate) fn as_simulated(
     path: &Path,
     model: ArmModel,
 ) -> Result<(ArmModel, Vec<String>), Failure> {
-    Ok(match learned(path)? {
+    Ok(match learned(path, &model)? {
         Some(learned) => DiagnosedModel { arm: model, learned }.as_simulated(),
         None => (model, Vec::new()),
     })
 }
 
 /// What a diagnosis learned, if the file is a model that holds it.
-pub(crate) fn learned(path: &Path) -> Result<Option<Learned>, Failure> {
+fn learned(path: &Path, model: &ArmModel) -> Result<Option<Learned>, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         return Ok(None);
     }
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::model(path, &armident_ident::ModelError::Unreadable(error)))?;
-    DiagnosedModel::learned_in(&text).map_err(|error| {
+    Learned::in_model_file(&text, &model.chain.joint_names()).map_err(|error| {
         Failure::new(
-            format!("the section `learned` is not valid: {error}"),
+            error,
             path.display(),
             Some("write the model again with `armident diagnose --save-model`"),
         )

@@ -42,11 +42,11 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
         recordings::read_all(std::slice::from_ref(&args.motion), &args.reading, &args.output)?;
     let recording = motions.remove(0);
     let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
-    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
+    let (model, learned) = robot::load_whole(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let progress = Progress::of(&args.output, "predicting");
-    let (result, cutoff_hz, notes) = match robot::learned(&args.robot)? {
+    let (result, cutoff_hz, notes) = match learned {
         Some(learned) => {
             let diagnosed = DiagnosedModel { arm: model.clone(), learned };
             let efforts = diagnosed.predict(&recording)?;

@@ -188,3 +188,26 @@ fn a_joint_at_rest() {
     let diagnosis = diagnose(&folder, &[]).fine().json();
     assert_eq!(named(&diagnosis), pairs(&[("viscous_friction", "elbow_joint")]));
 }
+
+/// One of two recordings without the effort of a joint: it says what it can of the others.
+#[test]
+fn an_effort_missing_in_one_recording() {
+    let folder = recordings("diagnose_missing", &["viscous_friction:elbow_joint=8"]);
+    let whole = std::fs::read_to_string(folder.join("train.csv")).unwrap();
+    let names = whole.lines().next().unwrap();
+    let place = names.split(',').position(|n| n == "elbow_joint/effort").unwrap();
+    let less: Vec<String> = whole
+        .lines()
+        .map(|line| {
+            let mut row: Vec<&str> = line.split(',').collect();
+            row.remove(place);
+            row.join(",")
+        })
+        .collect();
+    std::fs::write(folder.join("less.csv"), less.join("\n") + "\n").unwrap();
+    let urdf = urdf();
+    let args = ["diagnose", text(&urdf), "less.csv", "holdout.csv", "-q", "--json", "-"];
+    let diagnosis = run_in(&folder, &args).fine().json();
+    assert_eq!(named(&diagnosis), pairs(&[("viscous_friction", "elbow_joint")]));
+    assert!(string(&diagnosis["books"]["unchecked"]).contains("elbow_joint"));
+}

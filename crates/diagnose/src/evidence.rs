@@ -120,6 +120,13 @@ impl<'a> At<'a> {
         armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
     }
 
+    /// The efforts as they were, without their lag; of a joint without a record, whose rows weigh nothing, those
+    /// of the rigid arm.
+    fn effort_or_rigid(&self) -> Vec<Vec<f64>> {
+        let recorded = self.signals.effort_before(self.delay_s).into_iter().zip(&self.rigid);
+        recorded.map(|(e, rigid)| if e.is_empty() { rigid.clone() } else { e }).collect()
+    }
+
     /// Rigid effort on a joint that rests somewhere, with another acceleration of its own; none on others.
     pub(crate) fn of_own(&self, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
         let rests = self.signals.rests[j].iter().any(|(start, _)| *start > 0);
@@ -280,21 +287,13 @@ impl<'a> Evidence<'a> {
     fn problem_with(&self, point: &OperatingPoint, shapes: impl Fn(&[f64]) -> bool) -> Problem {
         let at = self.at(point);
         let n = self.joints();
-        let efforts: Vec<Vec<Vec<f64>>> =
-            at.iter().map(|at| at.signals.effort_before(at.delay_s)).collect();
+        let efforts: Vec<Vec<Vec<f64>>> = at.iter().map(At::effort_or_rigid).collect();
         let effort: Blocks = (0..n)
             .map(|j| {
-                let difference: Vec<Vec<f64>> = at
-                    .iter()
-                    .zip(&efforts)
-                    .map(|(at, effort)| {
-                        if effort[j].is_empty() {
-                            // without a record the rows weigh nothing
-                            return vec![0.0; at.rigid[j].len()];
-                        }
-                        at.answered(j).iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
-                    })
-                    .collect();
+                let difference = at.iter().zip(&efforts).map(|(at, effort)| {
+                    at.answered(j).iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
+                });
+                let difference: Vec<Vec<f64>> = difference.collect();
                 self.rows.form(&self.signals, j, difference.iter().map(Vec::as_slice))
             })
             .collect();

@@ -124,6 +124,17 @@ pub struct FlexibleTerm {
 }
 
 impl FlexibleTerm {
+    /// Whether there is a coefficient for every function, and knots for every axis.
+    pub(crate) fn is_whole(&self) -> bool {
+        let axes = &self.basis.axes;
+        let spans = |axis: &Axis| {
+            let [first, last] = axis.range;
+            axis.knots >= 2 && first < last && (last - first).is_finite()
+        };
+        let size = axes.iter().try_fold(1_usize, |size, axis| size.checked_mul(axis.knots));
+        axes.len() <= 2 && axes.iter().all(spans) && size == Some(self.coefficients.len())
+    }
+
     /// Over a motion; joints that are not there count as resting at 0.
     pub(crate) fn effort(&self, at: &At<'_>, index: impl Fn(&str) -> Option<usize>) -> Vec<f64> {
         let hats = self.basis.hats(at, &index);

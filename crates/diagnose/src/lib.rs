@@ -49,6 +49,7 @@ mod findings;
 mod flexible;
 mod hidden;
 mod learn;
+mod learned;
 #[cfg(test)]
 mod made;
 mod material;
@@ -77,7 +78,8 @@ pub use constants::{ConstantEstimate, ConstantEstimates};
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
 pub use findings::{Alternative, Finding, FindingEvidence, Value};
 pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
-pub use model::{DiagnosedModel, Learned};
+pub use learned::{Learned, LearnedError};
+pub use model::DiagnosedModel;
 pub use next_motion::NextMotion;
 pub use placebo::Placebo;
 pub use transmission::{Transmission, TransmissionTerm};

@@ -5,47 +5,13 @@ use armident_effects::{EffectOnJoint, Scope, effect, tilted};
 use armident_ident::ArmModel;
 use armident_recording::{EvenGrid, Recording, RecordingError};
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 use crate::band::BAND_HZ;
 use crate::evidence::{At, OperatingPoint};
-use crate::flexible::FlexibleTerm;
+use crate::learned::Learned;
 use crate::signals::{Signals, later, low_pass};
 use crate::stops::{filter_between, held};
-use crate::transmission::{Transmission, TransmissionTerm};
-
-/// Cut-off for the rigid part of a prediction \[Hz\], unless training recordings ask for a lower one:
-/// above, differentiated encoders are mostly noise.
-const RIGID_HZ: f64 = 14.0;
-
-/// What a diagnosis adds to an [`ArmModel`], whose links are the corrected ones and whose effects are
-/// those on single joints.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Learned {
-    /// Effects of two neighbouring joints, `joint` being the first.
-    pub couplings: Vec<EffectOnJoint>,
-    /// Rotation vector of the base about x and y of the world \[rad\].
-    pub tilt_rad: [f64; 2],
-    /// Recorded minus true position of each joint \[rad or m\].
-    pub encoder_offset: Vec<f64>,
-    /// Lag of the efforts \[s\].
-    pub delay_s: f64,
-    /// Gain of each effort channel.
-    pub gain: Vec<f64>,
-    /// Springy and loose transmissions.
-    pub transmissions: Vec<TransmissionTerm>,
-    /// Structure without a name.
-    pub flexible: Vec<FlexibleTerm>,
-    /// Low-pass on the rigid part of a prediction \[Hz\].
-    pub rigid_cutoff_hz: f64,
-    /// Low-pass on the whole prediction of each joint \[Hz\]: where differentiated encoders or the
-    /// timing of impacts spoil more than they tell.
-    pub output_cutoff_hz: Vec<Option<f64>>,
-    /// Speed of each joint below which its dry friction fades \[rad/s or m/s\]; 0 where it is sharp. Older files
-    /// have none.
-    #[serde(default)]
-    pub fading_speed: Vec<f64>,
-}
+use crate::transmission::Transmission;
 
 /// A model with what a diagnosis learned.
 #[derive(Debug, Clone)]
@@ -59,21 +25,9 @@ pub struct DiagnosedModel {
 impl DiagnosedModel {
     /// The believed arm, nothing learned.
     pub fn believed(arm: &ArmModel) -> Self {
-        let n = arm.chain.dof();
+        let learned = Learned::nothing(arm.chain.dof());
         let mut arm = arm.clone();
         arm.effects.clear();
-        let learned = Learned {
-            couplings: Vec::new(),
-            tilt_rad: [0.0; 2],
-            encoder_offset: vec![0.0; n],
-            delay_s: 0.0,
-            gain: vec![1.0; n],
-            transmissions: Vec::new(),
-            flexible: Vec::new(),
-            rigid_cutoff_hz: RIGID_HZ,
-            output_cutoff_hz: vec![None; n],
-            fading_speed: vec![0.0; n],
-        };
         Self { arm, learned }
     }
 
@@ -84,10 +38,7 @@ impl DiagnosedModel {
             delay_s: self.learned.delay_s,
             // those of the chain already
             links: None,
-            fading: match self.learned.fading_speed.is_empty() {
-                true => vec![0.0; self.arm.chain.dof()],
-                false => self.learned.fading_speed.clone(),
-            },
+            fading: self.learned.fading_speed.clone(),
         }
     }
 
@@ -224,15 +175,6 @@ impl DiagnosedModel {
         let mut document: serde_json::Value = serde_json::from_str(&self.arm.to_json()?)?;
         document["learned"] = serde_json::to_value(&self.learned)?;
         Ok(serde_json::to_string_pretty(&document)? + "\n")
-    }
-
-    /// What a model file holds beyond the arm; none in the file of a plain identification.
-    ///
-    /// # Errors
-    /// A section that is not of the expected form.
-    pub fn learned_in(text: &str) -> serde_json::Result<Option<Learned>> {
-        let document: serde_json::Value = serde_json::from_str(text)?;
-        document.get("learned").map(|l| serde_json::from_value(l.clone())).transpose()
     }
 }
 

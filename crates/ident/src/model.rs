@@ -421,11 +421,12 @@ impl ModelFile {
             .prior_links
             .as_ref()
             .is_none_or(|l| l.len() == count && l.iter().flatten().all(|x| x.is_finite()));
-        let noise_fits = self
-            .effort_noise
-            .as_ref()
-            .is_none_or(|s| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0));
-        if !links_fit || !noise_fits {
+        let sizes_fit = |sizes: &Option<Vec<f64>>| {
+            let fit =
+                |s: &Vec<f64>| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0);
+            sizes.as_ref().is_none_or(fit)
+        };
+        if !links_fit || !sizes_fit(&self.effort_noise) || !sizes_fit(&self.speed_resolution) {
             return bad(
                 "prior_links, effort_noise and speed_resolution must have one finite entry per joint".to_owned()
             );

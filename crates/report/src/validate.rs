@@ -81,7 +81,10 @@ impl ValidateReport {
             self.cutoff_hz
                 .map_or(String::new(), |c| format!(", low-pass {} Hz", significant(c, 3, 0.0)))
         );
-        let percent = |x: f64| format!("{:.1} %", 100.0 * x);
+        // an effort that is one number has no variation to be relative to
+        let percent = |x: f64| {
+            if x.is_finite() { format!("{:.1} %", 100.0 * x) } else { "-".to_owned() }
+        };
         let optional =
             |x: Option<f64>, show: &dyn Fn(f64) -> String| x.map_or("-".to_owned(), show);
         let rows: Vec<Vec<String>> = self
