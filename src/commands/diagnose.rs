@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_diagnose::{
-    Books, DiagnosedModel, Diagnosis, Errors, diagnose, diagnose_change, diagnose_with_placebo,
+    Books, DiagnosedModel, Diagnosis, Errors, Known, diagnose, diagnose_change,
+    diagnose_with_placebo,
 };
+use armident_ident::ArmModel;
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
 use armident_page::Role;
 use armident_recording::Recording;
@@ -37,11 +39,17 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
     let reference = recordings::read_all(&reference_files, &args.reading, &args.output)?;
     let names = recordings::joints_with_position(&train);
-    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
+    let (model, learned) = robot::load_whole(&args.robot, &args.chain, Some(&names))?;
+    let given = DiagnosedModel::of_file(model.clone(), learned);
+    // a reference shows all that a model of the same arm knows, as it is now
+    let known = (reference.is_empty() && !given.is_links_alone()).then(|| Known::of(given));
     let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
 
     // gains of drives come from recordings of the arm as it is believed to be
-    let mut books = Books::of(&model, if reference.is_empty() { &train } else { &reference })?;
+    let mut books = match &known {
+        Some(known) => Books::of(known.arm(), &known.taken_out_of(&train)?)?,
+        None => Books::of(&model, if reference.is_empty() { &train } else { &reference })?,
+    };
     let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
         recordings.iter().map(|r| books.in_effort(r)).collect()
     };
@@ -51,6 +59,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         recordings: sources(&train),
         holdout_recordings: sources(&holdout),
         reference_recordings: sources(&reference),
+        beyond_a_model: known.is_some(),
         warnings: warnings.clone(),
     };
     let progress = Progress::of(&args.output, "diagnosing");
@@ -58,17 +67,23 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     if args.trust_columns {
         books.faults.clear();
     }
+    let mut against = |arm: &ArmModel, train: &[Recording]| match args.placebo {
+        Some(terms) => diagnose_with_placebo(arm, train, terms).map(|(diagnosis, tried)| {
+            placebo = Some(tried);
+            diagnosis
+        }),
+        None => diagnose(arm, train),
+    };
     let heard = books.hear(model.chain.dof(), &train, &reference, |train, reference| {
         if !reference.is_empty() {
-            diagnose_change(&model, reference, train)
-        } else if let Some(terms) = args.placebo {
-            diagnose_with_placebo(&model, train, terms).map(|(diagnosis, tried)| {
-                placebo = Some(tried);
-                (diagnosis.believed.clone(), diagnosis)
-            })
-        } else {
-            diagnose(&model, train).map(|diagnosis| (diagnosis.believed.clone(), diagnosis))
+            return diagnose_change(&model, reference, train);
         }
+        let Some(known) = &known else {
+            return against(&model, train).map(|found| (found.believed.clone(), found));
+        };
+        let mut found = against(known.arm(), &known.taken_out_of(train)?)?;
+        known.put_back_into(&mut found);
+        Ok((known.model.clone(), found))
     });
     let Some(heard) = heard else {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);

@@ -238,3 +238,33 @@ fn positions_that_shake_by_themselves() {
     let found = number(list(&link).last().unwrap());
     assert!((found / about_joint - 1.0).abs() < 0.03, "{found} {about_joint}");
 }
+
+/// A model in the place of the URDF is used whole: what it has is no finding, what is new is one, and both are in
+/// the model that is written.
+#[test]
+fn a_model_knows_its_effects() {
+    let known = ["torque_offset:wrist_2_joint=0.5", "viscous_friction:elbow_joint=8"];
+    let folder = recordings("diagnose_known", &known);
+    diagnose(&folder, &["--save-model", "model.json"]).fine();
+    let against = |recording: &str, more: &[&str]| {
+        let args = ["diagnose", "model.json", recording, "-q", "--json", "-"];
+        run_in(&folder, &[&args, more].concat()).fine().json()
+    };
+    let nothing = against("holdout.csv", &[]);
+    assert_eq!(named(&nothing), pairs(&[]));
+    assert_eq!(nothing["verdict"], "match");
+
+    let more = [known[0], known[1], "coulomb_friction:shoulder_lift_joint=12"];
+    let trajectory = project("examples/ur5/train.csv");
+    simulate(&trajectory, &folder.join("later.csv"), "9", &more);
+    let new = against("later.csv", &["--save-model", "whole.json"]);
+    assert_eq!(named(&new), pairs(&[("coulomb_friction", "shoulder_lift_joint")]));
+    let whole = ["diagnose", "whole.json", "later.csv", "-q", "--json", "-"];
+    let all = run_in(&folder, &whole).fine().json();
+    assert_eq!(named(&all), pairs(&[]));
+    // as good as a diagnosis against the URDF
+    let joint = "shoulder_lift_joint";
+    let of = |diagnosis: &Value, which: &str| number(&diagnosis["fit"]["train"][which][joint]);
+    assert!(of(&new, "after") < 0.5 * of(&new, "before"));
+    assert!(of(&all, "before") < 1.02 * of(&new, "after"));
+}

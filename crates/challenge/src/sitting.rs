@@ -74,6 +74,7 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         holdout_recordings: vec![holdout.source.clone()],
         reference_recordings: Vec::new(),
         warnings: believed.chain.warnings.iter().map(ToString::to_string).collect(),
+        ..DiagnoseInputs::default()
     };
     let handed_in = |report: &DiagnoseReport, learned| -> Result<Sitting, String> {
         let out_json = serde_json::to_string_pretty(report).map_err(|e| told(&e))? + "\n";

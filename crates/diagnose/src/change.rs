@@ -1,8 +1,8 @@
-//! What changed between two sets of recordings of one arm.
+//! What changed between two sets of recordings of one arm, and what a model that knows more than its links leaves out.
 
 use armident_effects::{EVERYDAY, EffectOnJoint, tilted};
 use armident_ident::ArmModel;
-use armident_recording::Recording;
+use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
 use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose, diagnose_from};
@@ -21,52 +21,77 @@ pub fn diagnose_change(
     after: &[Recording],
 ) -> Result<(DiagnosedModel, Diagnosis), DiagnoseError> {
     let of_reference = diagnose(model, reference)?;
-    let before = of_reference.model;
-    let mut believed = before.arm.clone();
-    believed.effects.clear();
-    // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
-    let tilt = Vector3::new(before.learned.tilt_rad[0], before.learned.tilt_rad[1], 0.0);
-    let chain = &mut believed.chain;
-    chain.gravity_e0 = tilted(&chain.base_from_e0, &chain.gravity_e0, &tilt);
-    // effects and nothing else: what the low-passes do to the rigid body is none
-    let mut effects = before.clone();
-    effects.learned.output_cutoff_hz.fill(None);
-    let mut rigid = DiagnosedModel::believed(&believed);
-    rigid.learned.rigid_cutoff_hz = effects.learned.rigid_cutoff_hz;
-    let corrected: Vec<Recording> = reference
-        .iter()
-        .chain(after)
-        .map(|recording| {
+    let known = Known::of(of_reference.model);
+    let all = [reference, after].concat();
+    // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
+    let corrected = known.taken_out_of(&all)?;
+    let band = of_reference.narrowed_to_hz;
+    let mut difference = diagnose_from(&known.body.arm, &corrected, reference.len(), band)?;
+    known.put_back_into(&mut difference);
+    Ok((known.model, difference))
+}
+
+/// A model that holds more than a rigid body: what it knows is taken out of recordings, and they are compared with
+/// its body alone.
+pub struct Known {
+    /// The whole of it.
+    pub model: DiagnosedModel,
+    /// Its links under its gravity and nothing else.
+    body: DiagnosedModel,
+}
+
+impl Known {
+    /// Of a model.
+    pub fn of(model: DiagnosedModel) -> Self {
+        let mut arm = model.arm.clone();
+        arm.effects.clear();
+        // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
+        let tilt = Vector3::new(model.learned.tilt_rad[0], model.learned.tilt_rad[1], 0.0);
+        arm.chain.gravity_e0 = tilted(&arm.chain.base_from_e0, &arm.chain.gravity_e0, &tilt);
+        let mut body = DiagnosedModel::believed(&arm);
+        body.learned.rigid_cutoff_hz = model.learned.rigid_cutoff_hz;
+        Self { model, body }
+    }
+
+    /// The arm that recordings are compared with once that is taken out of them.
+    pub fn arm(&self) -> &ArmModel {
+        &self.body.arm
+    }
+
+    /// Recordings without the efforts that the model knows beyond those of its body.
+    ///
+    /// # Errors
+    /// A recording that cannot be used.
+    pub fn taken_out_of(&self, recordings: &[Recording]) -> Result<Vec<Recording>, RecordingError> {
+        // effects and nothing else: what the low-passes do to the rigid body is none
+        let mut effects = self.model.clone();
+        effects.learned.output_cutoff_hz.fill(None);
+        let corrected = |recording: &Recording| {
             let all = effects.predict(recording)?;
-            let body = rigid.predict(recording)?;
+            let body = self.body.predict(recording)?;
             let mut corrected = recording.clone();
-            for (joint, (all, body)) in chain_names(&before.arm).iter().zip(all.iter().zip(&body)) {
-                let Some(channels) = corrected.joints.iter_mut().find(|j| j.name == *joint) else {
-                    continue;
-                };
-                for (effort, (all, body)) in
-                    channels.effort.iter_mut().flatten().zip(all.iter().zip(body))
-                {
+            let names = self.model.arm.chain.joint_names();
+            for (joint, (all, body)) in names.iter().zip(all.iter().zip(&body)) {
+                let channels = corrected.joints.iter_mut().find(|j| j.name == *joint);
+                let efforts = channels.into_iter().filter_map(|c| c.effort.as_mut()).flatten();
+                for (effort, (all, body)) in efforts.zip(all.iter().zip(body)) {
                     *effort -= all - body;
                 }
             }
             Ok(corrected)
-        })
-        .collect::<Result<_, DiagnoseError>>()?;
-    // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
-    let mut difference =
-        diagnose_from(&believed, &corrected, reference.len(), of_reference.narrowed_to_hz)?;
-    difference.model = together(&before, difference.model);
-    difference.rigid = together(&before, difference.rigid);
-    let beside = difference.without.iter_mut().flatten();
-    for model in beside.chain(difference.rivals.iter_mut().flatten()) {
-        *model = together(&before, model.clone());
+        };
+        recordings.iter().map(corrected).collect()
     }
-    Ok((before, difference))
-}
 
-fn chain_names(model: &ArmModel) -> Vec<String> {
-    model.chain.joints.iter().map(|j| j.name.clone()).collect()
+    /// What the model knows becomes part of all models of a diagnosis of such recordings.
+    pub fn put_back_into(&self, diagnosis: &mut Diagnosis) {
+        let beside = diagnosis.without.iter_mut().flatten();
+        let rivals = diagnosis.rivals.iter_mut().flatten();
+        let own = [&mut diagnosis.model, &mut diagnosis.rigid, &mut diagnosis.believed];
+        for model in own.into_iter().chain(beside).chain(rivals) {
+            *model = together(&self.model, model.clone());
+        }
+    }
 }
 
 /// What was learned before and what was learned of the change, in one model.
@@ -91,6 +116,12 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     learned.transmissions = [earlier.transmissions.clone(), learned.transmissions.clone()].concat();
     learned.flexible = [earlier.flexible.clone(), learned.flexible.clone()].concat();
     learned.delay_s += earlier.delay_s;
+    // low-passes that efforts without what is known ask for would blur what is put back
+    learned.rigid_cutoff_hz = earlier.rigid_cutoff_hz;
+    learned.output_cutoff_hz.clone_from(&earlier.output_cutoff_hz);
+    for (now, then) in learned.fading_speed.iter_mut().zip(&earlier.fading_speed) {
+        *now = now.max(*then);
+    }
     for (now, then) in learned.encoder_offset.iter_mut().zip(&earlier.encoder_offset) {
         *now += then;
     }

@@ -73,7 +73,7 @@ mod without;
 
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
 pub use books::{Books, DriveGain, Heard};
-pub use change::diagnose_change;
+pub use change::{Known, diagnose_change};
 pub use constants::{ConstantEstimate, ConstantEstimates};
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
 pub use findings::{Alternative, Finding, FindingEvidence, Value};

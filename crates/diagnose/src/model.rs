@@ -31,6 +31,36 @@ impl DiagnosedModel {
         Self { arm, learned }
     }
 
+    /// What a model file holds: an arm with effects on joints, and what a diagnosis learned beyond.
+    pub fn of_file(mut arm: ArmModel, learned: Option<Learned>) -> Self {
+        let mut learned = learned.unwrap_or_else(|| Learned::nothing(arm.chain.dof()));
+        let (pairs, single): (Vec<_>, Vec<_>) =
+            arm.effects.into_iter().partition(|e| e.other_joint.is_some());
+        arm.effects = single;
+        learned.couplings.extend(pairs);
+        Self { arm, learned }
+    }
+
+    /// Whether there is nothing but links: what a URDF gives.
+    pub fn is_links_alone(&self) -> bool {
+        let Learned {
+            couplings,
+            tilt_rad,
+            encoder_offset,
+            delay_s,
+            gain,
+            transmissions,
+            flexible,
+            ..
+        } = &self.learned;
+        self.arm.effects.is_empty()
+            && couplings.is_empty()
+            && transmissions.is_empty()
+            && flexible.is_empty()
+            && encoder_offset.iter().chain(tilt_rad).chain([delay_s]).all(|x| *x == 0.0)
+            && gain.iter().all(|g| *g == 1.0)
+    }
+
     pub(crate) fn point(&self) -> OperatingPoint {
         OperatingPoint {
             tilt: self.learned.tilt_rad,

@@ -24,6 +24,8 @@ pub struct DiagnoseInputs {
     pub holdout_recordings: Vec<String>,
     /// Recordings from before a change.
     pub reference_recordings: Vec<String>,
+    /// Whether the robot was given as a model with effects of its own, which are no findings.
+    pub beyond_a_model: bool,
     /// What reading the robot had to say.
     pub warnings: Vec<String>,
 }
@@ -153,7 +155,7 @@ impl DiagnoseReport {
             links_off_standard_errors: diagnosis.links_off,
             narrowed_to_hz: diagnosis.narrowed_to_hz,
             // with a reference, the model has all that was learned of that, small or not
-            small_terms: match inputs.reference_recordings.is_empty() {
+            small_terms: match inputs.reference_recordings.is_empty() && !inputs.beyond_a_model {
                 true => SmallTerm::of(chain, diagnosis),
                 false => Vec::new(),
             },
