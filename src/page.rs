@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use armident_diagnose::{DiagnosedModel, Diagnosis, Finding};
-use armident_ident::ArmModel;
+use armident_kinematics::DrivingAxisChain;
 use armident_page::{
     Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
 };
-use armident_recording::{Motion, MotionSettings, Recording};
+use armident_recording::Recording;
 use serde::Serialize;
 
 use crate::args::{OutputArgs, PageArgs};
 use crate::failure::{Failure, Outcome};
 use crate::output;
+use crate::robot::Predicts;
 
 /// Periods of the cut-off at both ends in which residuals are not counted, as in `identify`.
 const EDGE_PERIODS: f64 = 1.5;
@@ -107,29 +108,21 @@ fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
     }]
 }
 
-/// Recordings with the predictions of some models.
+/// Recordings with the predictions of some models; `edge_s` at both ends is no error of a model.
 fn compared<'a>(
-    models: &[&ArmModel],
+    models: &[&dyn Predicts],
     recordings: &'a [Recording],
     role: Role,
     cutoff_hz: Option<f64>,
+    edge_s: f64,
 ) -> Result<Vec<Compared<'a>>, Failure> {
-    let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
     recordings
         .iter()
         .map(|recording| {
             let predicted = models
                 .iter()
-                .map(|model| {
-                    let joints = model.chain.joint_names();
-                    let motion = Motion::from_recording(recording, &joints, &settings)?;
-                    let motion = model.motion_of(motion, recording);
-                    let efforts = model.predict(&motion)?;
-                    Ok(efforts.iter().map(|e| motion.at_stamps(e)).collect())
-                })
+                .map(|model| Ok(model.efforts(recording, cutoff_hz)?.efforts))
                 .collect::<Result<_, Failure>>()?;
-            // as many periods as a fit leaves out at the ends
-            let edge_s = cutoff_hz.map_or(0.0, |hz| EDGE_PERIODS / hz);
             Ok(Compared { recording, role, predicted, edge_s })
         })
         .collect()
@@ -139,18 +132,23 @@ fn compared<'a>(
 /// where nothing is wanted.
 pub(crate) fn of_models<'a>(
     pages: &PageArgs,
-    models: &[(&str, &ArmModel)],
+    chain: &DrivingAxisChain,
+    models: &[(&str, &dyn Predicts)],
     recorded: &[(&[Recording], Role)],
     cutoff_hz: Option<f64>,
     files: impl IntoIterator<Item = &'a PathBuf>,
 ) -> Result<Option<Drawing>, Failure> {
-    let Some((_, first)) = models.first().filter(|_| pages.wanted()) else { return Ok(None) };
-    let (names, arms): (Vec<&str>, Vec<&ArmModel>) = models.iter().copied().unzip();
+    if !pages.wanted() {
+        return Ok(None);
+    }
+    let (names, models): (Vec<&str>, Vec<&dyn Predicts>) = models.iter().copied().unzip();
+    // as many periods as a fit leaves out at the ends
+    let edge_s = cutoff_hz.map_or(0.0, |hz| EDGE_PERIODS / hz);
     let mut all = Vec::new();
     for &(recordings, role) in recorded {
-        all.extend(compared(&arms, recordings, role, cutoff_hz)?);
+        all.extend(compared(&models, recordings, role, cutoff_hz, edge_s)?);
     }
-    let canvas = Canvas::new(&first.chain, &names, &all)?;
+    let canvas = Canvas::new(chain, &names, &all)?;
     let (provenance, filters) = (provenance(pages, files), filters(cutoff_hz));
     Ok(Some(Drawing { provenance, filters, ..canvas.drawing() }))
 }
@@ -162,15 +160,9 @@ pub(crate) fn of_diagnosis(
     train: &[Recording],
     holdout: &[Recording],
 ) -> Result<Drawing, Failure> {
-    let models = [before, &diagnosis.rigid, &diagnosis.model];
-    let mut all = Vec::new();
-    for (recordings, role) in [(train, Role::Training), (holdout, Role::Holdout)] {
-        for recording in recordings {
-            let predicted =
-                models.iter().map(|m| m.predict(recording)).collect::<Result<_, _>>()?;
-            all.push(Compared { recording, role, predicted, edge_s: 0.0 });
-        }
-    }
+    let models: [&dyn Predicts; 3] = [before, &diagnosis.rigid, &diagnosis.model];
+    let mut all = compared(&models, train, Role::Training, None, 0.0)?;
+    all.extend(compared(&models, holdout, Role::Holdout, None, 0.0)?);
     let chain = &before.arm.chain;
     let canvas = Canvas::new(chain, &["before", "rigid", "after"], &all)?;
     let mut drawing = canvas.drawing();

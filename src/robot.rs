@@ -5,6 +5,7 @@ use std::path::Path;
 use armident_diagnose::{DiagnosedModel, Learned};
 use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_recording::{Motion, MotionSettings, Recording};
 
 use crate::args::ChainArgs;
 use crate::failure::Failure;
@@ -54,26 +55,99 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
     ArmModel::load(path).map_err(|error| Failure::model(path, &error))
 }
 
-/// Loads the arm with all that its file holds: of a model that a diagnosis wrote, what it learned too.
+/// The arm with all that its file holds: of a model that a diagnosis wrote, what it learned too.
+#[derive(Clone)]
+pub(crate) struct Robot {
+    /// Links, and effects on joints.
+    pub(crate) arm: ArmModel,
+    /// What a diagnosis learned beyond; none for a URDF and for a model that `identify` wrote.
+    pub(crate) learned: Option<Learned>,
+}
+
+/// Predicted efforts.
+pub(crate) struct Predicted {
+    /// Of every joint at every stamp of the recording \[N m or N\].
+    pub(crate) efforts: Vec<Vec<f64>>,
+    /// What the motion had to say.
+    pub(crate) notes: Vec<String>,
+}
+
+/// What says which efforts a motion takes.
+pub(crate) trait Predicts {
+    /// The efforts of a recorded motion. `cutoff_hz` is the low-pass of the positions; what a diagnosis wrote has
+    /// its own.
+    fn efforts(&self, recording: &Recording, cutoff_hz: Option<f64>) -> Result<Predicted, Failure>;
+}
+
+impl Predicts for ArmModel {
+    fn efforts(&self, recording: &Recording, cutoff_hz: Option<f64>) -> Result<Predicted, Failure> {
+        let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
+        let motion = Motion::from_recording(recording, &self.chain.joint_names(), &settings)?;
+        let motion = self.motion_of(motion, recording);
+        let efforts = self.predict(&motion)?.iter().map(|e| motion.at_stamps(e)).collect();
+        Ok(Predicted { efforts, notes: motion.notes })
+    }
+}
+
+impl Predicts for DiagnosedModel {
+    fn efforts(&self, recording: &Recording, _: Option<f64>) -> Result<Predicted, Failure> {
+        Ok(Predicted { efforts: self.predict(recording)?, notes: recording.notes.clone() })
+    }
+}
+
+impl Predicts for Robot {
+    fn efforts(&self, recording: &Recording, cutoff_hz: Option<f64>) -> Result<Predicted, Failure> {
+        match self.diagnosed() {
+            Some(diagnosed) => diagnosed.efforts(recording, cutoff_hz),
+            None => self.arm.efforts(recording, cutoff_hz),
+        }
+    }
+}
+
+impl Robot {
+    fn diagnosed(&self) -> Option<DiagnosedModel> {
+        let learned = self.learned.clone()?;
+        Some(DiagnosedModel { arm: self.arm.clone(), learned })
+    }
+
+    /// The arm with all that a diagnosis learned as effects on it, and what of it a simulated arm cannot hold.
+    pub(crate) fn as_simulated(&self) -> (ArmModel, Vec<String>) {
+        match self.diagnosed() {
+            Some(diagnosed) => diagnosed.as_simulated(),
+            None => (self.arm.clone(), Vec::new()),
+        }
+    }
+}
+
+/// Loads the arm for what starts from its links alone, and says what else its file holds.
+pub(crate) fn load_links(
+    path: &Path,
+    chain: &ChainArgs,
+    recorded: Option<&[String]>,
+) -> Result<(ArmModel, Option<String>), Failure> {
+    let robot = load_whole(path, chain, recorded)?;
+    let (simulated, mut beside) = robot.as_simulated();
+    let tilted = robot.learned.as_ref().is_some_and(|l| l.tilt_rad.iter().any(|x| *x != 0.0));
+    beside.extend(tilted.then(|| "the tilt of its base".to_owned()));
+    let mut slugs: Vec<String> = simulated.effects.into_iter().map(|e| e.effect).collect();
+    slugs.sort();
+    slugs.dedup();
+    slugs.extend(beside);
+    let note = (!slugs.is_empty()).then(|| {
+        format!("of {} only the links are used, not its {}", path.display(), slugs.join(", "))
+    });
+    Ok((robot.arm, note))
+}
+
+/// Loads the arm with all that its file holds.
 pub(crate) fn load_whole(
     path: &Path,
     chain: &ChainArgs,
     recorded: Option<&[String]>,
-) -> Result<(ArmModel, Option<Learned>), Failure> {
-    let model = load(path, chain, recorded)?;
-    let learned = learned(path, &model)?;
-    Ok((model, learned))
-}
-
-/// The arm with all that a diagnosis learned as effects on it, and what of it a simulated arm cannot hold.
-pub(crate) fn as_simulated(
-    path: &Path,
-    model: ArmModel,
-) -> Result<(ArmModel, Vec<String>), Failure> {
-    Ok(match learned(path, &model)? {
-        Some(learned) => DiagnosedModel { arm: model, learned }.as_simulated(),
-        None => (model, Vec::new()),
-    })
+) -> Result<Robot, Failure> {
+    let arm = load(path, chain, recorded)?;
+    let learned = learned(path, &arm)?;
+    Ok(Robot { arm, learned })
 }
 
 /// What a diagnosis learned, if the file is a model that holds it.

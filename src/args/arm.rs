@@ -18,7 +18,7 @@ Examples:
   armident params robot.urdf --tip left_tool0 --lock torso_lift_joint=0.2
   armident params robot.urdf --gravity 0,6.94,-6.94 --json minimal.json     (mounted on a 45 deg slope)")]
 pub(crate) struct ParamsArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
@@ -37,7 +37,7 @@ Writes plan/plan.json and one trajectory CSV per experiment, inside the joints' 
 effort limits. Record them on the arm, put the recordings beside a copy of plan.json, and run
 `armident identify robot.urdf FOLDER`.")]
 pub(crate) struct PlanArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Folder to write plan.json and the trajectories to
     #[arg(short, long, value_name = "FOLDER")]
@@ -88,7 +88,7 @@ Examples:
 
 Without --encoder-bits the exact accelerations are written too, and identify uses them.")]
 pub(crate) struct SimulateArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Folder of a plan, or trajectory files (CSV, MCAP, Parquet)
     #[arg(required = true)]
@@ -129,7 +129,7 @@ Examples:
   armident predict model.json motion.csv -o predicted.csv
   armident predict urdf/ur10.urdf motion.csv -o - --cutoff-hz 8")]
 pub(crate) struct PredictArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Motion (CSV, MCAP, Parquet) with the positions of the joints
     pub(crate) motion: PathBuf,
@@ -167,7 +167,7 @@ Examples:
 The chain with its links, limits and what the format holds of the joints' effects; what it cannot hold
 is said. Shapes and meshes are left out.")]
 pub(crate) struct ExportArgs {
-    /// Model written by identify, or a URDF
+    /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
     /// File to write; .urdf or .xml tells the format, - is stdout
     #[arg(short, long, value_name = "FILE")]

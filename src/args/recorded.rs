@@ -62,7 +62,7 @@ acceleration come from the position, low-passed forward and backward (4th-order 
 accelerations are recorded. Where motor currents are recorded in the place of efforts (<joint>/current),
 the gains of the drives are found with them: their ratios from any motion, their size from a known load.")]
 pub(crate) struct IdentifyArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
@@ -117,7 +117,7 @@ its negative, another unit or the motor side of a gear, without gravity, another
 effort and motion, and which constants the recordings determine. Each is ok, doubtful, wrong, or cannot
 be told; wrong ones are warnings. Currents and voltages are taken where there are no efforts.")]
 pub(crate) struct CheckArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Recordings (CSV) or folders of them
     #[arg(required = true)]
@@ -147,7 +147,7 @@ Examples:
 Every law of the effect library is tried on every joint, with the inertias of all links refitted beside
 it; what is named is material against the noise of the recordings. The hold-out is never fitted.")]
 pub(crate) struct DiagnoseArgs {
-    /// URDF, or a model written by identify
+    /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Recordings (CSV) or folders of them
     #[arg(required = true)]
@@ -195,7 +195,7 @@ Effort error per joint, on the low-passed effort and on the effort as recorded; 
 the model's 95 % band; whether the residual is white; and forward replay: the recorded efforts drive the
 simulated arm through windows of half a second, before (URDF) and after (model).")]
 pub(crate) struct ValidateArgs {
-    /// Model written by identify, or a URDF
+    /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
     /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]

@@ -9,6 +9,7 @@ use armident_report::CheckReport;
 use super::recordings;
 use crate::args::CheckArgs;
 use crate::failure::{Failure, Outcome};
+use crate::robot::Predicts;
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
@@ -19,7 +20,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     let read = recordings::read_quietly(&files, &args.reading)?;
     let (recorded, signals) = with_drive_signals(&read);
     let names = recordings::joints_with_position(&recorded);
-    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
+    let (model, unused) = robot::load_links(&args.robot, &args.chain, Some(&names))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let cutoff_hz = armident_recording::common_cutoff_hz(
@@ -35,14 +36,15 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
         warnings.push(format!("{joint}{}: {} [check-wrong]", wrong.topic.name(), wrong.message));
     }
     let sources = recorded.iter().map(|r| r.source.clone()).collect();
-    let notes = recordings::notes(&motions);
+    let mut notes = recordings::notes(&motions);
+    notes.extend(unused);
     let robot = model.chain.robot.clone();
     let report = CheckReport::new(&robot, sources, names, cutoff_hz, &found, warnings, notes);
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Training)];
-    let models = [("the robot as given", &model)];
-    let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
+    let models: [(&str, &dyn Predicts); 1] = [("the robot as given", &model)];
+    let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text();
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())

@@ -17,6 +17,7 @@ use super::recordings;
 use crate::args::DiagnoseArgs;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
+use crate::robot::{Predicts, Robot};
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
@@ -39,7 +40,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
     let reference = recordings::read_all(&reference_files, &args.reading, &args.output)?;
     let names = recordings::joints_with_position(&train);
-    let (model, learned) = robot::load_whole(&args.robot, &args.chain, Some(&names))?;
+    let Robot { arm: model, learned } = robot::load_whole(&args.robot, &args.chain, Some(&names))?;
     let given = DiagnosedModel::of_file(model.clone(), learned);
     // a reference shows all that a model of the same arm knows, as it is now
     let known = (reference.is_empty() && !given.is_links_alone()).then(|| Known::of(given));
@@ -90,10 +91,11 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         // the efforts against the robot show what the columns are
         let joints = model.chain.joint_names();
         let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
-        let models = [("the robot as given", &model)];
+        let models: [(&str, &dyn Predicts); 1] = [("the robot as given", &model)];
         let files = used(args, &train_files, &[], &[]);
         let recorded = [(train.as_slice(), Role::Training)];
-        let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
+        let drawing =
+            page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
         let text = report.text(output::bars());
         return page::write_result(
             &args.page,

@@ -14,6 +14,7 @@ use armident_report::{ConstantRow, FitRows, IdentifyReport};
 use super::recordings;
 use crate::args::IdentifyArgs;
 use crate::failure::{Failure, Outcome};
+use crate::robot::Predicts;
 use crate::{output, page};
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
@@ -46,11 +47,13 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let [train, holdout] = &read;
     let recorded = [(train.as_slice(), Role::Training), (holdout.as_slice(), Role::Holdout)];
-    let models = [("URDF alone", &model.before()), ("model", &model)];
+    let before = model.before();
+    let models: [(&str, &dyn Predicts); 2] = [("URDF alone", &before), ("model", &model)];
     let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
-    let drawing = page::of_models(&args.page, &models, &recorded, report.cutoff_hz, used)?
-        .map(|drawing| Drawing { correlation, ..drawing });
+    let drawing =
+        page::of_models(&args.page, &model.chain, &models, &recorded, report.cutoff_hz, used)?
+            .map(|drawing| Drawing { correlation, ..drawing });
     let text = report.text(output::bars());
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())

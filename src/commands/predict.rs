@@ -1,14 +1,13 @@
 //! `armident predict`.
 
-use armident_diagnose::DiagnosedModel;
-use armident_ident::ArmModel;
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_recording::{JointChannels, Recording};
 use serde::Serialize;
 
 use super::recordings;
 use crate::args::PredictArgs;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
+use crate::robot::{Predicted, Predicts};
 use crate::{output, robot};
 
 /// What was predicted, in short; the numbers are in the CSV.
@@ -42,37 +41,21 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
         recordings::read_all(std::slice::from_ref(&args.motion), &args.reading, &args.output)?;
     let recording = motions.remove(0);
     let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
-    let (model, learned) = robot::load_whole(&args.robot, &args.chain, Some(&recorded))?;
+    let robot = robot::load_whole(&args.robot, &args.chain, Some(&recorded))?;
+    let model = &robot.arm;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let progress = Progress::of(&args.output, "predicting");
-    let (result, cutoff_hz, notes) = match learned {
-        Some(learned) => {
-            let diagnosed = DiagnosedModel { arm: model.clone(), learned };
-            let efforts = diagnosed.predict(&recording)?;
-            let channels = names
-                .iter()
-                .zip(efforts)
-                .map(|(name, effort)| JointChannels {
-                    effort: Some(effort),
-                    ..JointChannels::new(name)
-                })
-                .collect();
-            let result = Recording::new("prediction", recording.time_s.clone(), channels)?;
-            (result, None, recording.notes.clone())
-        }
-        None => {
-            let cutoff_hz = armident_recording::common_cutoff_hz(
-                std::slice::from_ref(&recording),
-                &joints,
-                args.cutoff_hz.or(model.cutoff_hz),
-            )?;
-            let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
-            let motion = model
-                .motion_of(Motion::from_recording(&recording, &joints, &settings)?, &recording);
-            (predicted_efforts(&model, &motion)?, cutoff_hz, motion.notes)
-        }
+    // what a diagnosis wrote has its own low-pass
+    let cutoff_hz = match robot.learned {
+        Some(_) => None,
+        None => armident_recording::common_cutoff_hz(
+            std::slice::from_ref(&recording),
+            &model.chain.joint_names(),
+            args.cutoff_hz.or(model.cutoff_hz),
+        )?,
     };
+    let Predicted { efforts, notes } = robot.efforts(&recording, cutoff_hz)?;
+    let result = as_recording(&names, &recording, efforts)?;
     drop(progress);
     let bytes = recordings::encoded(&result, &args.output_file, &args.output)?;
 
@@ -106,17 +89,16 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     output::write_result(&args.output, &text, &report, &warnings)
 }
 
-/// `t` and the effort of every joint at every stamp of the motion.
-pub(crate) fn predicted_efforts(model: &ArmModel, motion: &Motion) -> Result<Recording, Failure> {
-    let predicted = model.predict(motion)?;
-    let channels = motion
-        .joints
-        .iter()
-        .zip(&predicted)
-        .map(|(name, effort)| JointChannels {
-            effort: Some(motion.at_stamps(effort)),
-            ..JointChannels::new(name)
-        })
-        .collect();
-    Ok(Recording::new("prediction", motion.stamps_s.clone(), channels)?)
+/// `t` and the effort of every joint at every stamp of a motion.
+pub(crate) fn as_recording(
+    joints: &[String],
+    motion: &Recording,
+    efforts: Vec<Vec<f64>>,
+) -> Result<Recording, Failure> {
+    let of_joint = |(name, effort): (&String, Vec<f64>)| JointChannels {
+        effort: Some(effort),
+        ..JointChannels::new(name)
+    };
+    let channels = joints.iter().zip(efforts).map(of_joint).collect();
+    Ok(Recording::new("prediction", motion.time_s.clone(), channels)?)
 }

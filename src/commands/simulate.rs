@@ -51,8 +51,8 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
             .map(|r| r.joint_names().into_iter().map(ToOwned::to_owned).collect())
             .unwrap_or_default(),
     };
-    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
-    let (model, lost) = robot::as_simulated(&args.robot, model)?;
+    let (model, lost) =
+        robot::load_whole(&args.robot, &args.chain, Some(&recorded))?.as_simulated();
     let lost: Vec<String> = lost.iter().map(|what| format!("not simulated: {what}")).collect();
     output::say_all(&args.output, "note", &lost);
     let joints: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();

@@ -6,13 +6,14 @@ use std::path::PathBuf;
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
 use armident_page::Role;
-use armident_recording::Motion;
+use armident_recording::{Motion, Recording};
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
 use crate::args::ValidateArgs;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
+use crate::robot::Predicts;
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
@@ -32,7 +33,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         ));
     }
     let names = recordings::joints_with_position(&recorded);
-    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
+    let robot = robot::load_whole(&args.robot, &args.chain, Some(&names))?;
+    let model = &robot.arm;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let cutoff_hz = armident_recording::common_cutoff_hz(
@@ -47,6 +49,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         .collect();
 
     let before = model.before();
+    let (simulated, lost) = robot.as_simulated();
     let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
     let mut replayed = |which: &str, model: &ArmModel| match replay(model, &motions) {
         Ok(replay) => Some(ReplayReport {
@@ -61,14 +64,18 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
             None
         }
     };
+    let mut notes = recordings::notes(&motions);
     let (replay_before, replay_after) = if args.no_replay {
         (None, None)
     } else {
         let _progress = Progress::of(&args.output, "driving the simulated arm");
-        (replayed("URDF", &before), replayed("model", &model))
+        notes.extend(lost.iter().map(|what| format!("not in the forward replay: {what}")));
+        (replayed("URDF", &before), replayed("model", &simulated))
     };
+    let efforts_before = efforts(&before, &recorded, cutoff_hz)?;
+    let efforts_after = efforts(&robot, &recorded, cutoff_hz)?;
     if let Some(path) = &args.predictions {
-        let predicted = predict::predicted_efforts(&model, &motions[0])?;
+        let predicted = predict::as_recording(&names, &recorded[0], efforts_after[0].clone())?;
         let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
     }
@@ -77,30 +84,39 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         robot: model.chain.robot.clone(),
         model: args.robot.display().to_string(),
         recordings: recorded.iter().map(|r| r.source.clone()).collect(),
-        before: errors(&names, &before, &motions)?,
-        after: errors(&names, &model, &motions)?,
+        before: errors(&before, &motions, &efforts_before),
+        after: errors(model, &motions, &efforts_after),
         replay_before,
         replay_after,
         joints: names,
         cutoff_hz,
         warnings,
-        notes: recordings::notes(&motions),
+        notes,
     };
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Holdout)];
-    let models = [("URDF alone", &before), ("model", &model)];
-    let drawing = page::of_models(&args.page, &models, &recorded, cutoff_hz, files)?;
+    let models: [(&str, &dyn Predicts); 2] = [("URDF alone", &before), ("model", &robot)];
+    let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());
     let warnings = &report.warnings;
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }
 
+/// Efforts of every recording at its stamps.
+fn efforts(
+    model: &dyn Predicts,
+    recordings: &[Recording],
+    cutoff_hz: Option<f64>,
+) -> Result<Vec<Vec<Vec<f64>>>, Failure> {
+    recordings.iter().map(|r| Ok(model.efforts(r, cutoff_hz)?.efforts)).collect()
+}
+
 fn errors(
-    names: &[String],
     model: &ArmModel,
     motions: &[Motion],
-) -> Result<BTreeMap<String, EffortErrorRow>, Failure> {
+    efforts: &[Vec<Vec<f64>>],
+) -> BTreeMap<String, EffortErrorRow> {
     let known = |x: f64| x.is_finite().then_some(x);
     let row = |e: &EffortError| EffortErrorRow {
         rmse: e.rmse,
@@ -110,8 +126,13 @@ fn errors(
         lag1_correlation: known(e.lag1_correlation),
         whiteness_p: known(e.whiteness_p),
     };
-    let all = effort_errors(model, motions)?;
-    Ok(names.iter().cloned().zip(all.iter().map(row)).collect())
+    let on_grid = |(motion, efforts): (&Motion, &Vec<Vec<f64>>)| -> Vec<Vec<f64>> {
+        efforts.iter().map(|effort| motion.on_grid(effort)).collect()
+    };
+    let on_grid: Vec<Vec<Vec<f64>>> = motions.iter().zip(efforts).map(on_grid).collect();
+    let all = effort_errors(model, motions, &on_grid);
+    let names = model.chain.joints.iter().map(|j| j.name.clone());
+    names.zip(all.iter().map(row)).collect()
 }
 
 fn by_joint(names: &[String], values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {

@@ -268,3 +268,41 @@ fn a_model_knows_its_effects() {
     assert!(of(&new, "after") < 0.5 * of(&new, "before"));
     assert!(of(&all, "before") < 1.02 * of(&new, "after"));
 }
+
+/// A model that a diagnosis wrote is validated whole: what only it can hold is in the errors, in their bands and in the
+/// predictions.
+#[test]
+fn a_model_is_validated_whole() {
+    let folder = recordings(
+        "diagnose_validate",
+        &["torque_scale:elbow_joint=1.2", "torque_offset:wrist_2_joint=0.5"],
+    );
+    let holdout = ["--holdout", "holdout.csv", "--save-model", "model.json"];
+    let diagnosis = diagnose(&folder, &holdout).fine().json();
+    let gain = ("torque_scale", "elbow_joint");
+    assert_eq!(named(&diagnosis), pairs(&[gain, ("torque_offset", "wrist_2_joint")]));
+    let args =
+        ["validate", "model.json", "holdout.csv", "-q", "--json", "-", "--predictions", "p.csv"];
+    let validated = run_in(&folder, &args).fine().json();
+    let mut coverage = 0.0;
+    for joint in JOINTS {
+        let of = |when: &str, what: &str| number(&validated[when][joint][what]);
+        let after = holdout_error(&diagnosis, "after", joint);
+        assert!((of("after", "rmse_raw") / after - 1.0).abs() < 0.02, "{joint}: {after}");
+        coverage += of("after", "band_coverage") / JOINTS.len() as f64;
+    }
+    assert!((0.93..=0.97).contains(&coverage), "{coverage}");
+    let replayed = |when: &str| number(&validated[when]["position_rms"]["elbow_joint"]);
+    assert!(replayed("replay_after") < 0.1 * replayed("replay_before"));
+    run_in(&folder, &["predict", "model.json", "holdout.csv", "-o", "q.csv", "-q"]).fine();
+    let [p, q] = ["p.csv", "q.csv"].map(|name| std::fs::read(folder.join(name)).unwrap());
+    assert!(p == q);
+
+    // what starts from the links says what else there is
+    for command in ["check", "identify"] {
+        let told = run_in(&folder, &[command, "model.json", "train.csv"]).fine();
+        let told = told.stderr.replace('\n', " ");
+        let note = "of model.json only the links are used, not its ";
+        assert!(told.contains(note) && told.contains("torque_scale"), "{command}: {told}");
+    }
+}

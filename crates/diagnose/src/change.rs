@@ -111,6 +111,10 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
         }
     }
     all.arm.effects = effects;
+    // the first model of the arm stays what a later one is compared with
+    if before.arm.prior_links.is_some() {
+        all.arm.prior_links.clone_from(&before.arm.prior_links);
+    }
     let (learned, earlier) = (&mut all.learned, &before.learned);
     learned.couplings = [earlier.couplings.clone(), learned.couplings.clone()].concat();
     learned.transmissions = [earlier.transmissions.clone(), learned.transmissions.clone()].concat();

@@ -171,7 +171,6 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
     }
     found.learned.gain.clone_from(gain);
     found.arm.prior_links = Some(evidence.chain.joints.iter().map(|j| j.link).collect());
-    found.arm.effort_noise = Some(evidence.rows.sample_deviation.clone());
     (found, distance_in_standard_errors)
 }
 
@@ -189,7 +188,7 @@ pub(crate) fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<D
 }
 
 /// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
-/// recordings.
+/// recordings; what is left of these is the noise of the model.
 pub(crate) fn choose_outputs(
     model: &mut DiagnosedModel,
     evidence: &Evidence<'_>,
@@ -230,9 +229,14 @@ pub(crate) fn choose_outputs(
             }
         }
     }
+    let mut noise = vec![0.0; n];
     for j in 0..n {
         let best = (0..OUTPUT_HZ.len()).min_by(|a, b| squares[j][*a].total_cmp(&squares[j][*b]));
-        model.learned.output_cutoff_hz[j] = best.and_then(|k| OUTPUT_HZ[k]);
+        let Some(best) = best else { continue };
+        model.learned.output_cutoff_hz[j] = OUTPUT_HZ[best];
+        let samples: usize = evidence.signals.iter().map(|s| s.effort[j].len()).sum();
+        noise[j] = (squares[j][best] / samples.max(1) as f64).sqrt();
     }
+    model.arm.effort_noise = Some(noise);
     Ok(())
 }

@@ -36,7 +36,8 @@ pub struct ArmModel {
     pub recorded_velocities: bool,
     /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\].
     pub speed_resolution: Option<Vec<f64>>,
-    /// Noise level of each joint's filtered effort in the fit \[N m or N\]; none for a URDF.
+    /// Noise level of each joint's effort in the fit \[N m or N\], after the low-pass of `cutoff_hz` or, without one,
+    /// as recorded; none for a URDF.
     pub effort_noise: Option<Vec<f64>>,
     /// The links before the fit, those of the URDF; none for a URDF itself.
     pub prior_links: Option<Vec<InertialParameters>>,

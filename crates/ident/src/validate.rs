@@ -14,6 +14,8 @@ use crate::rows::EDGE_PERIODS;
 /// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an
 /// unstable arm to stay near its recording.
 pub const REPLAY_WINDOW_S: f64 = 0.5;
+/// Half the width of a 95 % band in standard deviations of normal noise.
+const BAND_95: f64 = 1.96;
 /// Lags of the whiteness test.
 const WHITENESS_LAGS: usize = 10;
 /// Samples kept per second for the whiteness test, in cut-off frequencies: a low-passed white noise
@@ -29,7 +31,8 @@ pub struct EffortError {
     pub relative: f64,
     /// Root mean square on the effort as recorded, every sample of it \[N m or N\].
     pub rmse_raw: f64,
-    /// Share of filtered samples inside the model's 95 % band; NaN for a model without noise levels.
+    /// Share of samples inside the model's 95 % band: filtered ones, or as recorded for a model that was fitted to
+    /// those; NaN for a model without noise levels.
     pub band_coverage: f64,
     /// Correlation of neighbouring residuals, thinned to twice the cut-off.
     pub lag1_correlation: f64,
@@ -58,21 +61,20 @@ pub struct Replay {
     pub diverged: usize,
 }
 
-/// Effort errors of a model per joint, pooled over recordings with efforts.
+/// Effort errors per joint, pooled over recordings with efforts.
 ///
-/// # Errors
-/// When the model has an effect the library does not know.
+/// `predicted` are the efforts of the model on the grid of each motion, joint-major and not filtered.
 pub fn effort_errors(
     model: &ArmModel,
     motions: &[Motion],
-) -> Result<Vec<EffortError>, armident_effects::UnknownEffect> {
+    predicted: &[Vec<Vec<f64>>],
+) -> Vec<EffortError> {
     let n = model.chain.dof();
     let mut pools = vec![Pool::default(); n];
-    for motion in motions {
+    for (motion, predicted) in motions.iter().zip(predicted) {
         let (Some(raw), Some(filtered)) = (&motion.effort, &motion.effort_filtered) else {
             continue;
         };
-        let predicted = model.predict(motion)?;
         let mut smooth = predicted.clone();
         motion.filter_columns(&mut smooth);
         let (edge, stride) = match &motion.filter {
@@ -84,16 +86,23 @@ pub fn effort_errors(
             None => (0, 1),
         };
         for joint in 0..n {
-            let band = model.effort_noise.as_ref().map_or(f64::NAN, |s| 1.96 * s[joint]);
             let kept = edge..motion.len() - edge;
-            pools[joint].add(&filtered[joint][kept.clone()], &smooth[joint][kept], band, stride);
-            for (m, p) in raw[joint].iter().zip(&predicted[joint]) {
+            pools[joint].add(&filtered[joint][kept.clone()], &smooth[joint][kept.clone()], stride);
+            let pairs = || raw[joint].iter().zip(&predicted[joint]);
+            for (m, p) in pairs() {
                 pools[joint].raw_squares += (m - p).powi(2);
                 pools[joint].raw_count += 1.0;
             }
+            let Some(noise) = &model.effort_noise else { continue };
+            if model.cutoff_hz.is_some() {
+                let pairs = filtered[joint][kept.clone()].iter().zip(&smooth[joint][kept]);
+                pools[joint].count_inside(BAND_95 * noise[joint], pairs);
+            } else {
+                pools[joint].count_inside(BAND_95 * noise[joint], pairs());
+            }
         }
     }
-    Ok(pools.iter().map(Pool::error).collect())
+    pools.iter().map(Pool::error).collect()
 }
 
 #[derive(Debug, Clone, Default)]
@@ -103,7 +112,7 @@ struct Pool {
     squares: f64,
     residual_squares: f64,
     inside: f64,
-    has_band: bool,
+    beside_band: f64,
     raw_squares: f64,
     raw_count: f64,
     /// thinned residuals, one list per recording
@@ -111,14 +120,22 @@ struct Pool {
 }
 
 impl Pool {
-    fn add(&mut self, measured: &[f64], predicted: &[f64], band: f64, stride: usize) {
+    fn count_inside<'a>(&mut self, band: f64, pairs: impl Iterator<Item = (&'a f64, &'a f64)>) {
+        for (measured, predicted) in pairs {
+            if (measured - predicted).abs() <= band {
+                self.inside += 1.0;
+            } else {
+                self.beside_band += 1.0;
+            }
+        }
+    }
+
+    fn add(&mut self, measured: &[f64], predicted: &[f64], stride: usize) {
         let residual: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
-        self.has_band = band.is_finite();
         self.count += measured.len() as f64;
         self.sum += measured.iter().sum::<f64>();
         self.squares += measured.iter().map(|m| m * m).sum::<f64>();
         self.residual_squares += residual.iter().map(|r| r * r).sum::<f64>();
-        self.inside += residual.iter().filter(|r| r.abs() <= band).count() as f64;
         self.thinned.push(residual.iter().step_by(stride).copied().collect());
     }
 
@@ -129,7 +146,7 @@ impl Pool {
             rmse: (self.residual_squares / self.count).sqrt(),
             relative: (self.residual_squares / varying).sqrt(),
             rmse_raw: (self.raw_squares / self.raw_count).sqrt(),
-            band_coverage: if self.has_band { self.inside / self.count } else { f64::NAN },
+            band_coverage: self.inside / (self.inside + self.beside_band),
             lag1_correlation,
             whiteness_p,
         }

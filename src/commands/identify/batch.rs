@@ -27,7 +27,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     let mut train = recordings::read_all(&train_files, &args.reading, &args.output)?;
     let mut holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
     let recorded = recordings::joints_with_position(&train);
-    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
+    let (model, unused) = robot::load_links(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, args.cutoff_hz)?;
@@ -53,6 +53,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     };
     let method = args.method.method();
     let mut notes = recordings::notes(train_motions.iter().chain(&holdout_motions));
+    notes.extend(unused);
     let unreported = armident_ident::unreported(&train, &joints);
     problem = problem.with_unreported(unreported.iter().map(Option::is_some).collect());
     drop(progress);
