@@ -48,7 +48,8 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
 
     // gains of drives come from recordings of the arm as it is believed to be
     let mut books = match &known {
-        Some(known) => Books::of(known.arm(), &known.taken_out_of(&train)?)?,
+        // friction that a model has too much of, taken out, would look like a sign
+        Some(known) => Books::of(known.arm(), &train)?,
         None => Books::of(&model, if reference.is_empty() { &train } else { &reference })?,
     };
     let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
