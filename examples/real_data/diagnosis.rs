@@ -140,10 +140,9 @@ fn heard(
 ) -> Result<Option<Said>, Box<dyn Error>> {
     let mut placebo = Placebo::default();
     let heard = books.hear(model.chain.dof(), train, &[], |train, _| {
-        diagnose_with_placebo(model, train, PLACEBOS).map(|(diagnosis, tried)| {
-            placebo = tried;
-            (diagnosis.believed.clone(), diagnosis)
-        })
+        let (diagnosis, tried) = diagnose_with_placebo(model, train, Some(PLACEBOS))?;
+        placebo = tried.unwrap_or_default();
+        Ok((diagnosis.believed.clone(), diagnosis))
     });
     Ok(match heard {
         Some(heard) => Some(Said { diagnosis: heard?.1, placebo, books }),

@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_diagnose::{
-    Books, DiagnosedModel, Diagnosis, Errors, Known, diagnose, diagnose_change,
-    diagnose_with_placebo,
+    Books, DiagnosedModel, Diagnosis, Errors, Known, diagnose_change, diagnose_with_placebo,
 };
-use armident_ident::ArmModel;
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
 use armident_page::Role;
 use armident_recording::Recording;
@@ -69,23 +67,16 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     if args.trust_columns {
         books.faults.clear();
     }
-    let mut against = |arm: &ArmModel, train: &[Recording]| match args.placebo {
-        Some(terms) => diagnose_with_placebo(arm, train, terms).map(|(diagnosis, tried)| {
-            placebo = Some(tried);
-            diagnosis
-        }),
-        None => diagnose(arm, train),
-    };
     let heard = books.hear(model.chain.dof(), &train, &reference, |train, reference| {
         if !reference.is_empty() {
             return diagnose_change(&model, reference, train);
         }
-        let Some(known) = &known else {
-            return against(&model, train).map(|found| (found.believed.clone(), found));
+        let (found, tried) = match &known {
+            Some(known) => known.diagnose(train, args.placebo)?,
+            None => diagnose_with_placebo(&model, train, args.placebo)?,
         };
-        let mut found = against(known.arm(), &known.taken_out_of(train)?)?;
-        known.put_back_into(&mut found);
-        Ok((known.model.clone(), found))
+        placebo = tried;
+        Ok((found.believed.clone(), found))
     });
     let Some(heard) = heard else {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);

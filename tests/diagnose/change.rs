@@ -28,6 +28,81 @@ fn only_the_change_is_diagnosed() {
     assert!(error("after", "wrist_1_joint") < 0.3 * error("before", "wrist_1_joint"));
 }
 
+/// Friction falls when an arm warms up: that is said with its sign, and the load beside it is weighed all the same. The
+/// model is simulated with what is left, against the URDF as against the model of the arm before.
+#[test]
+fn friction_falls() {
+    let of = |viscous: f64, level: f64, more: &[&str]| -> Vec<String> {
+        let joints = ["elbow_joint", "shoulder_lift_joint"];
+        let friction = joints.iter().flat_map(|joint| {
+            [
+                format!("viscous_friction:{joint}={}", 10.0 * viscous),
+                format!("coulomb_friction:{joint}={}", 9.0 * level),
+            ]
+        });
+        friction.chain(more.iter().map(ToString::to_string)).collect()
+    };
+    let folder = |test: &str, effects: &[String]| {
+        recordings(test, &effects.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let before = folder("diagnose_cold", &of(1.0, 1.0, &[]));
+    let after = folder("diagnose_warm", &of(0.5, 0.6, &["payload:wrist_3_joint=0.8,0.02,0,0.05"]));
+    let reference = before.join("train.csv");
+    let model = before.join("model.json");
+    diagnose(&before, &["--save-model", "model.json"]).fine();
+    let against = |more: &[&str], robot: &std::path::Path| -> (Value, String) {
+        let args = ["diagnose", text(robot), "train.csv", "--holdout", "holdout.csv", "-q"];
+        let args = [&args, more].concat();
+        let json = run_in(&after, &[&args[..], &["--json", "-"]].concat()).fine().json();
+        (json, run_in(&after, &args).fine().stdout)
+    };
+    let urdf = super::urdf();
+    let since = against(&["--reference", text(&reference), "--save-model", "warm.json"], &urdf);
+    let known = against(&[], &model);
+    for (diagnosis, said) in [since, known] {
+        let findings = list(&diagnosis["findings"]);
+        assert!(findings.iter().all(|f| f["confirmed"] == true), "{said}");
+        let of = |effect: &str, joint: &str, parameter: &str| -> f64 {
+            let at = |f: &&Value| f["effect"] == effect && f["joints"][0] == joint;
+            let found = findings.iter().find(at).unwrap_or_else(|| panic!("{effect}: {said}"));
+            number(&found["parameters"][parameter]["value"])
+        };
+        for joint in ["elbow_joint", "shoulder_lift_joint"] {
+            let viscous = of("viscous_friction", joint, "coefficient");
+            let level = of("coulomb_friction", joint, "level");
+            assert!((viscous + 5.0).abs() < 0.5 && (level + 3.6).abs() < 0.4, "{viscous} {level}");
+            for law in ["viscous", "Coulomb"] {
+                assert!(said.contains(&format!("less {law} friction on {joint}")), "{said}");
+            }
+        }
+        assert_eq!(findings.len(), 5, "{said}");
+        let mass = of("payload", "wrist_3_joint", "mass");
+        assert!((mass - 0.8).abs() < 0.05, "{mass}");
+        let replayed = |when: &str| number(&diagnosis["replay"][when]["elbow_joint"]);
+        assert!(replayed("after") < 0.2 * replayed("before"), "{said}");
+    }
+    // a model file like any other
+    let args = ["validate", "warm.json", "holdout.csv", "-q", "--json", "-"];
+    let validated = run_in(&after, &args).fine().json();
+    assert!(validated["replay_after"].is_object());
+    // without a reference there is nothing to be less of
+    let least = recordings("diagnose_less", &[]);
+    changed(&least, "train.csv", |h, row| {
+        let value = |name: &str| -> f64 {
+            let place = h.iter().position(|x| *x == name).unwrap();
+            row[place].parse().unwrap()
+        };
+        let effort = value("elbow_joint/effort") - 3.0 * value("elbow_joint/velocity");
+        Some(set(h, row, "elbow_joint/effort", &effort.to_string()))
+    });
+    let alone = diagnose(&least, &[]).fine().json();
+    assert_eq!(alone["verdict"], "mismatch");
+    for finding in list(&alone["findings"]) {
+        let level = &finding["parameters"]["coefficient"]["value"];
+        assert!(level.as_f64().is_none_or(|level| level >= 0.0), "{finding}");
+    }
+}
+
 /// A pendulum whose efforts follow a curve that no law of the library has, before and after: what is left
 /// unexplained is said, and a heavier bob is found all the same. Its mass by itself is not: a pendulum shows
 /// its moment. Its friction bends at speeds that the reference does not reach: no change either.

@@ -5,8 +5,10 @@ use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
-use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose, diagnose_from};
+use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose_beside, diagnose_from, model_of};
 use crate::model::DiagnosedModel;
+use crate::placebo::Placebo;
+use crate::signals::Signals;
 
 /// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
 /// beyond the believed model is learned first and is no finding.
@@ -20,13 +22,11 @@ pub fn diagnose_change(
     reference: &[Recording],
     after: &[Recording],
 ) -> Result<(DiagnosedModel, Diagnosis), DiagnoseError> {
-    let of_reference = diagnose(model, reference)?;
-    let known = Known::of(of_reference.model);
+    let (before, band) = model_of(model, reference)?;
+    let known = Known::of(before);
     let all = [reference, after].concat();
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
-    let corrected = known.taken_out_of(&all)?;
-    let band = of_reference.narrowed_to_hz;
-    let mut difference = diagnose_from(&known.body.arm, &corrected, reference.len(), band)?;
+    let mut difference = diagnose_from(&known, &all, reference.len(), band)?;
     known.put_back_into(&mut difference);
     Ok((known.model, difference))
 }
@@ -35,7 +35,7 @@ pub fn diagnose_change(
 /// its body alone.
 pub struct Known {
     /// The whole of it.
-    pub model: DiagnosedModel,
+    model: DiagnosedModel,
     /// Its links under its gravity and nothing else.
     body: DiagnosedModel,
 }
@@ -58,33 +58,41 @@ impl Known {
         &self.body.arm
     }
 
-    /// Recordings without the efforts that the model knows beyond those of its body.
+    /// Effects on single joints that it knows.
+    pub(crate) fn effects(&self) -> &[EffectOnJoint] {
+        &self.model.arm.effects
+    }
+
+    /// A recording without the efforts that the model knows beyond those of its body. The low-passes of the predictions
+    /// are no effects.
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub fn taken_out_of(&self, recordings: &[Recording]) -> Result<Vec<Recording>, RecordingError> {
-        // effects and nothing else: what the low-passes do to the rigid body is none
-        let mut effects = self.model.clone();
-        effects.learned.output_cutoff_hz.fill(None);
-        let corrected = |recording: &Recording| {
-            let all = effects.predict(recording)?;
-            let body = self.body.predict(recording)?;
-            let mut corrected = recording.clone();
-            let names = self.model.arm.chain.joint_names();
-            for (joint, (all, body)) in names.iter().zip(all.iter().zip(&body)) {
-                let channels = corrected.joints.iter_mut().find(|j| j.name == *joint);
-                let efforts = channels.into_iter().filter_map(|c| c.effort.as_mut()).flatten();
-                for (effort, (all, body)) in efforts.zip(all.iter().zip(body)) {
-                    *effort -= all - body;
-                }
-            }
-            Ok(corrected)
+    pub(crate) fn taken_out_of(&self, signals: Signals) -> Result<Signals, RecordingError> {
+        let (all, body) = (self.model.on_grid(&signals)?, self.body.on_grid(&signals)?);
+        let less = |(all, body): (&Vec<f64>, &Vec<f64>)| {
+            all.iter().zip(body).map(|(all, body)| all - body).collect()
         };
-        recordings.iter().map(corrected).collect()
+        Ok(signals.without(all.iter().zip(&body).map(less).collect()))
+    }
+
+    /// Diagnoses what the model leaves out of recordings, with so many wrong terms
+    /// ([`diagnose_with_placebo`](crate::diagnose_with_placebo)). The models that come of it have what is known as well.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`].
+    pub fn diagnose(
+        &self,
+        train: &[Recording],
+        wrong_terms: Option<usize>,
+    ) -> Result<(Diagnosis, Option<Placebo>), DiagnoseError> {
+        let (mut diagnosis, placebo) = diagnose_beside(self, train, wrong_terms)?;
+        self.put_back_into(&mut diagnosis);
+        Ok((diagnosis, placebo))
     }
 
     /// What the model knows becomes part of all models of a diagnosis of such recordings.
-    pub fn put_back_into(&self, diagnosis: &mut Diagnosis) {
+    fn put_back_into(&self, diagnosis: &mut Diagnosis) {
         let beside = diagnosis.without.iter_mut().flatten();
         let rivals = diagnosis.rivals.iter_mut().flatten();
         let own = [&mut diagnosis.model, &mut diagnosis.rigid, &mut diagnosis.believed];

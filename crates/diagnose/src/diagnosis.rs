@@ -12,6 +12,7 @@ use crate::atlas::{JointAtlas, atlas, character};
 use crate::band::BAND_HZ;
 use crate::bands::{NARROW_HZ, is_off_in};
 use crate::books::DriveGain;
+use crate::change::Known;
 use crate::constants::{ConstantEstimates, constants};
 use crate::crossval::{Predictor, predictor};
 use crate::evidence::Evidence;
@@ -101,9 +102,29 @@ pub enum DiagnoseError {
 /// # Errors
 /// [`DiagnoseError`].
 pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, DiagnoseError> {
-    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let selected = selected(&model.chain, &names, train)?;
-    selected.told(model, &names)
+    diagnose_with_placebo(model, train, None).map(|(diagnosis, _)| diagnosis)
+}
+
+/// The same of what a known model leaves out.
+pub(crate) fn diagnose_beside(
+    known: &Known,
+    train: &[Recording],
+    wrong_terms: Option<usize>,
+) -> Result<(Diagnosis, Option<Placebo>), DiagnoseError> {
+    told(Some(known), known.arm(), train, wrong_terms)
+}
+
+fn told(
+    known: Option<&Known>,
+    model: &ArmModel,
+    train: &[Recording],
+    wrong_terms: Option<usize>,
+) -> Result<(Diagnosis, Option<Placebo>), DiagnoseError> {
+    let names = names_of(model);
+    let mut selected = selected(known, &model.chain, &names, train)?;
+    let diagnosis = selected.told(model, &names)?;
+    let Selected { evidence, selection, .. } = &mut selected;
+    Ok((diagnosis, wrong_terms.map(|terms| placebo(evidence, selection, terms))))
 }
 
 /// The diagnosis, and what its selection makes of so many wrong terms beside what it found
@@ -114,30 +135,45 @@ pub fn diagnose(model: &ArmModel, train: &[Recording]) -> Result<Diagnosis, Diag
 pub fn diagnose_with_placebo(
     model: &ArmModel,
     train: &[Recording],
-    terms: usize,
-) -> Result<(Diagnosis, Placebo), DiagnoseError> {
-    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let mut selected = selected(&model.chain, &names, train)?;
-    let diagnosis = selected.told(model, &names)?;
-    let placebo = placebo(&selected.evidence, &mut selected.selection, terms);
-    Ok((diagnosis, placebo))
+    wrong_terms: Option<usize>,
+) -> Result<(Diagnosis, Option<Placebo>), DiagnoseError> {
+    told(None, model, train, wrong_terms)
 }
 
-/// The same of what changed in the recordings from `changed_from` on, in the band that those before it had.
-pub(crate) fn diagnose_from(
+/// The model alone, of which nothing needs to be said, and the narrow band if it is of that.
+pub(crate) fn model_of(
     model: &ArmModel,
+    train: &[Recording],
+) -> Result<(DiagnosedModel, Option<f64>), DiagnoseError> {
+    let selected = selected(None, &model.chain, &names_of(model), train)?;
+    let Selected { evidence, selection, best, narrowed_to_hz } = &selected;
+    let metric = selection.problem.whitened(best.scale, &selection.wide);
+    let view = View::new(evidence, &metric, &best.answer, &selection.point);
+    let (mut learned, _) = learned(model, &view);
+    choose_outputs(&mut learned, evidence)?;
+    Ok((learned, *narrowed_to_hz))
+}
+
+/// The diagnosis of what changed in the recordings from `changed_from` on, in the band that those before it had.
+pub(crate) fn diagnose_from(
+    known: &Known,
     train: &[Recording],
     changed_from: usize,
     narrowed_to_hz: Option<f64>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
-    let signals = usable_signals(&names, train, narrowed_to_hz.unwrap_or(BAND_HZ))?;
-    let mut evidence = Evidence::new(&model.chain, signals);
+    let model = known.arm();
+    let names = names_of(model);
+    let band_hz = narrowed_to_hz.unwrap_or(BAND_HZ);
+    let mut evidence = evidence_of(Some(known), &model.chain, &names, train, band_hz)?;
     let beyond_reference = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.answer);
     let selected = Selected { evidence, selection, best, narrowed_to_hz };
     Ok(Diagnosis { beyond_reference, ..selected.told(model, &names)? })
+}
+
+fn names_of(model: &ArmModel) -> Vec<String> {
+    model.chain.joints.iter().map(|j| j.name.clone()).collect()
 }
 
 /// A selection, what predicts best, and the recordings they are of.
@@ -150,22 +186,21 @@ struct Selected<'a> {
 
 /// The selection in the band, or in the narrow one where what it found does not hold there.
 fn selected<'a>(
+    known: Option<&'a Known>,
     chain: &'a DrivingAxisChain,
     names: &[String],
     train: &[Recording],
 ) -> Result<Selected<'a>, DiagnoseError> {
-    let mut evidence = Evidence::new(chain, usable_signals(names, train, BAND_HZ)?);
+    let mut evidence = evidence_of(known, chain, names, train, BAND_HZ)?;
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.answer);
     // longer kernels want longer recordings: without them the band stays
-    if let Ok(signals) = usable_signals(names, train, NARROW_HZ) {
-        let mut evidence = Evidence::new(chain, signals);
-        if is_off_in(&evidence, &selection, &best)
-            && let Some(selection) = select(&mut evidence)
-        {
-            let best = predictor(&selection.metric(), &selection.answer);
-            return Ok(Selected { evidence, selection, best, narrowed_to_hz: Some(NARROW_HZ) });
-        }
+    if let Ok(mut evidence) = evidence_of(known, chain, names, train, NARROW_HZ)
+        && is_off_in(&evidence, &selection, &best)
+        && let Some(selection) = select(&mut evidence)
+    {
+        let best = predictor(&selection.metric(), &selection.answer);
+        return Ok(Selected { evidence, selection, best, narrowed_to_hz: Some(NARROW_HZ) });
     }
     Ok(Selected { evidence, selection, best, narrowed_to_hz: None })
 }
@@ -251,6 +286,20 @@ impl Selected<'_> {
                 .collect(),
         })
     }
+}
+
+/// The recordings without what is known, and the arm they are compared with.
+fn evidence_of<'a>(
+    known: Option<&'a Known>,
+    chain: &'a DrivingAxisChain,
+    names: &[String],
+    recordings: &[Recording],
+    band_hz: f64,
+) -> Result<Evidence<'a>, DiagnoseError> {
+    let mut signals = usable_signals(names, recordings, band_hz)?;
+    let Some(known) = known else { return Ok(Evidence::new(chain, signals)) };
+    signals = signals.into_iter().map(|s| known.taken_out_of(s)).collect::<Result<_, _>>()?;
+    Ok(Evidence::new(chain, signals).beside(known.effects()))
 }
 
 /// The recordings on even grids, if they say something.

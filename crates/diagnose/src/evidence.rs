@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 
 use armident_dynamics::{ArmAngles, ParameterColumns, RigidArm, inertia_matrix};
 use armident_effects::{
-    ArmMotion, EVERYDAY, Effect, JointMotion, LIBRARY, MotionScale, Place, Scope, effect, tilted,
+    ArmMotion, EVERYDAY, Effect, EffectOnJoint, JointMotion, LIBRARY, MotionScale, Place, Scope,
+    effect, tilted,
 };
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_numeric::{Mat, symmetric_eigen};
@@ -56,6 +57,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) rows: Rows,
     /// size of each joint's motion
     pub(crate) scale: Vec<MotionScale>,
+    /// effects that were taken out of the recordings
+    pub(crate) known: &'a [EffectOnJoint],
 }
 
 /// One recording at an operating point.
@@ -66,6 +69,8 @@ pub(crate) struct At<'a> {
     pub(crate) rigid: Vec<Vec<f64>>,
     /// of joints that rest somewhere: with their held acceleration
     answered: Vec<Option<Vec<f64>>>,
+    /// rigid effort and what is known of the rest, where there is some
+    with_known: Vec<Option<Vec<f64>>>,
     /// directions of joints whose friction fades
     faded: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
@@ -100,17 +105,33 @@ impl<'a> At<'a> {
             (others, OnceLock::new())
         });
         let delay_s = point.delay_s;
-        let answered = Vec::new();
+        let (answered, with_known) = (Vec::new(), Vec::new());
         let fades = |(j, speed): (usize, &f64)| {
             (*speed > 0.0 && signals.rests[j].is_empty())
                 .then(|| faded(&signals.direction[j], &signals.velocity[j], *speed))
         };
         let faded = point.fading.iter().enumerate().map(fades).collect();
-        let mut at =
-            Self { signals, arm, position, rigid, answered, faded, delay_s, angles, others, loads };
+        let mut at = Self {
+            signals,
+            arm,
+            position,
+            rigid,
+            answered,
+            with_known,
+            faded,
+            delay_s,
+            angles,
+            others,
+            loads,
+        };
         at.rigid = at.motion().efforts(&at.arm);
         let held = &signals.held_acceleration;
         at.answered = (0..held.len()).map(|j| at.of_own(j, held)).collect();
+        let with_known = |(j, taken): (usize, &Vec<f64>)| {
+            let any = taken.iter().any(|x| *x != 0.0);
+            any.then(|| at.answered(j).iter().zip(taken).map(|(e, x)| e + x).collect())
+        };
+        at.with_known = signals.taken.iter().enumerate().map(with_known).collect();
         at
     }
 
@@ -164,6 +185,16 @@ impl<'a> At<'a> {
         }
     }
 
+    /// What a law sees of a joint: a gain of the channel sees all that is known of its effort, others the load of the
+    /// rigid body.
+    pub(crate) fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
+        let is_gain = law.law().places.contains(&Place::Gain);
+        match self.with_known[j].as_deref().filter(|_| is_gain) {
+            Some(rigid_effort) => JointMotion { rigid_effort, ..self.joint(j) },
+            None => self.joint(j),
+        }
+    }
+
     pub(crate) fn arm_motion<'b>(
         &'b self,
         chain: &DrivingAxisChain,
@@ -208,7 +239,12 @@ impl<'a> Evidence<'a> {
             })
             .collect();
         let names = chain.joints.iter().map(|j| j.name.clone()).collect();
-        Self { chain, names, signals, rows, scale }
+        Self { chain, names, signals, rows, scale, known: &[] }
+    }
+
+    /// The same of recordings from which these effects were taken.
+    pub(crate) fn beside(self, known: &'a [EffectOnJoint]) -> Self {
+        Self { known, ..self }
     }
 
     pub(crate) fn joints(&self) -> usize {
@@ -306,6 +342,9 @@ impl<'a> Evidence<'a> {
             background.extend(&deviations);
         }
         let mut problem = Problem::new(self.rows.clone(), effort, rigid, background);
+        for (known, name) in problem.known.iter_mut().zip(&self.names) {
+            known.extend(self.known.iter().filter(|effect| effect.joint == *name).cloned());
+        }
         let of_scope = |scope: Scope, sites: usize| -> Vec<(&dyn Effect, usize, Vec<f64>)> {
             let laws = move || LIBRARY.iter().filter(move |law| law.law().scope == scope);
             let at_site = |j: usize| {
@@ -408,7 +447,7 @@ impl<'a> Evidence<'a> {
         shape: &[f64],
     ) -> Vec<Blocks> {
         let by_recording: Vec<Vec<Vec<f64>>> =
-            at.iter().map(|at| law.columns(shape, &at.joint(joint))).collect();
+            at.iter().map(|at| law.columns(shape, &at.joint_seen_by(law, joint))).collect();
         let count = by_recording.first().map_or(0, Vec::len);
         (0..count)
             .map(|k| {
@@ -482,7 +521,8 @@ impl<'a> Evidence<'a> {
                     .map(|(at, effort)| {
                         // the clock shifts all that is recorded, not the rigid body alone
                         let shifted = law.law().places == [Place::Time];
-                        let effort = if shifted { effort } else { &at.rigid };
+                        let all = shifted.then(|| at.signals.with_taken(effort.clone()));
+                        let effort = all.as_ref().unwrap_or(&at.rigid);
                         law.arm_columns(j, &at.arm_motion(self.chain, effort))
                     })
                     .collect();

@@ -113,19 +113,21 @@ fn nearest(
 }
 
 /// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and
-/// those with something left over.
+/// those with something left over. A joint that has become soft looks like links that changed: where these leave
+/// something over, their joints as well.
 fn suspects(problem: &Problem, found: &Best, residual: &[Vec<f64>]) -> Vec<usize> {
+    let left = excess(problem, residual);
+    let mut worst: Vec<usize> = (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
+    worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
+    let links_changed = problem.rows.changed_from > 0 && !worst.is_empty();
     let mut joints: Vec<usize> = found
         .answer
         .set
         .iter()
         .map(|g| &problem.groups[*g])
-        .filter(|g| g.places == [Place::Inertia])
+        .filter(|g| g.places == [Place::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.site.joints[0])
         .collect();
-    let left = excess(problem, residual);
-    let mut worst: Vec<usize> = (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
-    worst.sort_by(|a, b| left[*b].total_cmp(&left[*a]));
     joints.extend(worst.iter().take(DESCRIBED_JOINTS));
     joints.sort_unstable();
     joints.dedup();

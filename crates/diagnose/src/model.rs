@@ -1,7 +1,7 @@
 //! What was learned, in a form that predicts.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{EffectOnJoint, Scope, effect, tilted};
+use armident_effects::{EffectOnJoint, Scope, effect, joined_where_inadmissible, tilted};
 use armident_ident::ArmModel;
 use armident_recording::{EvenGrid, Recording, RecordingError};
 use nalgebra::Vector3;
@@ -183,6 +183,14 @@ impl DiagnosedModel {
                 arm.effects.push(EffectOnJoint::new("torque_scale", name, vec![*gain]));
             }
         }
+        arm.effects = joined_where_inadmissible(arm.effects);
+        arm.effects.retain(|on| {
+            let has_place = on.has_admissible_signs();
+            if !has_place {
+                lost.push(format!("{} of {}, which is below zero", on.effect, on.joint));
+            }
+            has_place
+        });
         if self.learned.delay_s != 0.0 {
             lost.push(format!("the lag of the efforts, {:.4} s", self.learned.delay_s));
         }

@@ -1,6 +1,6 @@
 //! The weighted linear problem: columns, their products, and the groups of columns that are laws.
 
-use armident_effects::Place;
+use armident_effects::{EffectOnJoint, Place};
 use armident_numeric::{dot, products_of_columns};
 use rayon::prelude::*;
 
@@ -107,6 +107,8 @@ pub(crate) struct Problem {
     pub(crate) square: f64,
     pub(crate) background: Background,
     pub(crate) groups: Vec<Group>,
+    /// `[joint]`: effects that were taken out of the recordings; what is found may be less of them
+    pub(crate) known: Vec<Vec<EffectOnJoint>>,
 }
 
 impl Problem {
@@ -118,6 +120,7 @@ impl Problem {
     ) -> Self {
         let square = effort.iter().flatten().map(|x| x * x).sum();
         let mut problem = Self {
+            known: vec![Vec::new(); rows.joints()],
             rows,
             columns: Vec::new(),
             rigid: rigid.len(),
@@ -243,6 +246,7 @@ impl Problem {
             square: self.square,
             background: self.background.clone(),
             groups,
+            known: self.known.clone(),
         };
         let ids = (0..set.len()).collect();
         (problem, ids)
@@ -260,7 +264,8 @@ impl Problem {
         let mut problem =
             Self::new(self.rows.clone(), cut(&self.effort), columns, self.background.clone());
         problem.rigid = self.rigid;
-        problem.groups = self.groups.clone();
+        problem.groups.clone_from(&self.groups);
+        problem.known.clone_from(&self.known);
         problem
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use armident_effects::{Scope, effect};
+use armident_effects::{EffectOnJoint, Scope, admitted_beside, effect};
 use rayon::prelude::*;
 
 use crate::problem::{Group, Meaning, Problem};
@@ -25,14 +25,22 @@ pub(crate) struct Answer {
 }
 
 /// Whether the coefficients of a group may carry its name.
-fn admissible(group: &Group, fit: &Fit) -> bool {
+fn admissible(problem: &Problem, group: &Group, fit: &Fit) -> bool {
     let Meaning::Law(slug) = group.meaning else { return true };
     let Some(law) = effect(slug) else { return false };
     let coefficients = fit.of_group(group);
     match law.law().scope {
-        Scope::Joint | Scope::Neighbours => {
-            law.admits(&law.parameters(&group.shape, &coefficients))
+        Scope::Joint => {
+            let parameters = law.parameters(&group.shape, &coefficients);
+            match group.site.joints.first().map(|j| &problem.known[*j][..]) {
+                None | Some([]) => law.admits(&parameters),
+                Some(known) => admitted_beside(
+                    known,
+                    &EffectOnJoint::new(slug, known[0].joint.as_str(), parameters),
+                ),
+            }
         }
+        Scope::Neighbours => law.admits(&law.parameters(&group.shape, &coefficients)),
         // the columns are those of a small tilt: what asks for more than a quarter turn is none
         Scope::Arm if group.slug() == "gravity_direction" => {
             coefficients.iter().all(|c| c.abs() < std::f64::consts::FRAC_PI_2)
@@ -53,7 +61,7 @@ fn admissible(group: &Group, fit: &Fit) -> bool {
 
 /// Whether all groups of a set are admissible with its fit.
 pub(crate) fn all_admissible(problem: &Problem, set: &[usize], fit: &Fit) -> bool {
-    set.iter().all(|g| admissible(&problem.groups[*g], fit))
+    set.iter().all(|g| admissible(problem, &problem.groups[*g], fit))
 }
 
 /// Fits a set; none where it cannot be fitted or is not admissible.

@@ -116,6 +116,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
     }
     drop(first);
     let mut last = None;
+    let mut is_right = false;
     for pass in 0..PASSES {
         let evidence: &Evidence<'_> = owner;
         let at = evidence.at(&point);
@@ -132,7 +133,9 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         // what is dear to try waits until the configuration is right
         let metric = problem.whitened(best.scale, &best.wide);
         let pruned = prune(&metric, best.answer.clone(), &point);
-        if is_still(&moves(&problem, &pruned, &point), &point) || pass + 1 == PASSES {
+        let all =
+            is_right || is_still(&moves(&problem, &pruned, &point), &point) || pass + 1 == PASSES;
+        if all {
             best = with_hidden_motion(evidence, &at, &contact, &mut problem, starts, &memory, best);
             best.answer = with_held(&problem, &best, &point);
         }
@@ -173,7 +176,9 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .min(problem.rows.share);
         let reweighted =
             reweighted || (!seeks_change && share < FEWER_SAMPLES * problem.rows.share);
-        let done = (still && !again && !reweighted) || pass + 1 == PASSES;
+        // moves that were not confirmed must not end the search before all was tried
+        is_right = still && !again && !reweighted;
+        let done = (is_right && all) || pass + 1 == PASSES;
         // with other weights another scale may be right
         memory.scale = (!reweighted).then_some(scale);
         last = Some(Selection { problem, answer: found, scale, wide, point: point.clone() });

@@ -58,6 +58,8 @@ pub(crate) struct Signals {
     pub(crate) rests: Vec<Vec<(usize, usize)>>,
     /// empty for a joint whose effort is not recorded
     pub(crate) effort: Vec<Vec<f64>>,
+    /// what of the recorded effort is known and no longer in `effort`
+    pub(crate) taken: Vec<Vec<f64>>,
     /// noise of the effort of one recorded sample, and in the band \[N m or N\]
     pub(crate) effort_noise: Vec<f64>,
     pub(crate) effort_noise_in_band: Vec<f64>,
@@ -150,6 +152,7 @@ impl Signals {
             rests: Vec::new(),
             own_acceleration: Vec::new(),
             held_acceleration: Vec::new(),
+            taken: effort.iter().map(|e| vec![0.0; e.len()]).collect(),
             effort,
         };
         for effort in &signals.effort {
@@ -233,7 +236,8 @@ impl Signals {
             *values = every(step, values);
         }
         // directions jump, as efforts do
-        let jumping = [&mut self.recorded_position, &mut self.direction, &mut self.effort];
+        let jumping =
+            [&mut self.recorded_position, &mut self.direction, &mut self.effort, &mut self.taken];
         for values in jumping.into_iter().flatten() {
             *values = means(step, values);
         }
@@ -345,7 +349,31 @@ impl Signals {
     /// The efforts as they were before a delay \[s\]: at every instant, what is recorded that much
     /// later.
     pub(crate) fn effort_before(&self, delay_s: f64) -> Vec<Vec<f64>> {
-        self.effort.iter().map(|e| later(e, delay_s * self.rate_hz)).collect()
+        // what was recorded is late, what is known is not
+        let before = |(all, taken): (Vec<f64>, &Vec<f64>)| {
+            let before = later(&all, delay_s * self.rate_hz);
+            before.iter().zip(taken).map(|(e, taken)| e - taken).collect()
+        };
+        self.with_taken(self.effort.clone()).into_iter().zip(&self.taken).map(before).collect()
+    }
+
+    /// Efforts with what was taken out of the recorded ones.
+    pub(crate) fn with_taken(&self, mut effort: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        for (effort, taken) in effort.iter_mut().zip(&self.taken) {
+            effort.iter_mut().zip(taken).for_each(|(e, taken)| *e += taken);
+        }
+        effort
+    }
+
+    /// The same with a known part of the efforts taken out.
+    pub(crate) fn without(mut self, known: Vec<Vec<f64>>) -> Self {
+        for ((effort, taken), known) in self.effort.iter_mut().zip(&mut self.taken).zip(known) {
+            for ((effort, taken), known) in effort.iter_mut().zip(taken).zip(known) {
+                *effort -= known;
+                *taken += known;
+            }
+        }
+        self
     }
 }
 

@@ -40,6 +40,10 @@ impl Effect for JointSpring {
         vec![motion.position.to_vec(), vec![1.0; motion.position.len()]]
     }
 
+    fn contained_column(&self) -> usize {
+        1
+    }
+
     fn parameters(&self, _shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
         vec![coefficients[0], -coefficients[1] / coefficients[0]]
     }

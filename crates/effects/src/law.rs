@@ -331,6 +331,11 @@ pub trait Effect: Sync {
         Vec::new()
     }
 
+    /// Which of its columns is the one of the law that it contains.
+    fn contained_column(&self) -> usize {
+        0
+    }
+
     /// Parameters from a shape and the coefficients of its columns.
     fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
         [coefficients, shape].concat()

@@ -27,6 +27,7 @@ mod encoder_offset;
 mod external_contact;
 mod friction_drift;
 mod gravity_direction;
+mod joined;
 mod joint_coupling;
 mod joint_elasticity;
 mod joint_spring;
@@ -53,6 +54,7 @@ pub use encoder_offset::EncoderOffset;
 pub use external_contact::ExternalContact;
 pub use friction_drift::FrictionDrift;
 pub use gravity_direction::{GravityDirection, tilted};
+pub use joined::{admitted_beside, is_less, joined, joined_where_inadmissible};
 pub use joint_coupling::JointCoupling;
 pub use joint_elasticity::JointElasticity;
 pub use joint_spring::JointSpring;
@@ -143,6 +145,12 @@ impl EffectOnJoint {
             parameters: parameters.into(),
             ..Self::default()
         }
+    }
+
+    /// Whether each parameter has a sign that it may have.
+    pub fn has_admissible_signs(&self) -> bool {
+        let parameters = effect(&self.effect).map_or(&[][..], |law| law.law().parameters);
+        parameters.iter().zip(&self.parameters).all(|(p, value)| p.admissible.allows(*value))
     }
 
     /// The library's entry.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use armident_diagnose::{
     Books, ConstantEstimate, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion, Placebo,
 };
-use armident_effects::effect;
+use armident_effects::{effect, is_less};
 use armident_ident::check::Check;
 use armident_kinematics::DrivingAxisChain;
 use serde::Serialize;
@@ -570,7 +570,10 @@ impl DiagnoseReport {
 }
 
 fn paragraph(finding: &Finding) -> String {
-    let mut text = format!("\n{}", titled(&finding.effect, &finding.joints, finding.link.as_ref()));
+    let value = |name: &str| finding.parameters.get(name).map(|v| v.value);
+    let less = if is_less(&finding.effect, value) { "less " } else { "" };
+    let title = titled(&finding.effect, &finding.joints, finding.link.as_ref());
+    let mut text = format!("\n{less}{title}");
     let confirmed = match finding.confirmed {
         Some(true) => ", confirmed",
         Some(false) => ", NOT confirmed by the hold-out",

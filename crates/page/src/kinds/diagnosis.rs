@@ -9,7 +9,7 @@ use armident_report::{SmallTerm, uncertain};
 use serde::Deserialize;
 
 use self::say::{
-    capital, headline, look_alikes, next, place, proof, sentences, size, sure, title, written,
+    capital, headline, look_alikes, next, place, proof, sentences, size, sure, title_of, written,
 };
 use super::constants::{self, Constant};
 use super::{ByJoint, counted, joints};
@@ -397,7 +397,7 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
     }
     Card {
         id: format!("finding-card-{k}"),
-        what: title(&finding.effect),
+        what: title_of(finding),
         place: where_it_is,
         size: size(finding),
         sure: format!("{}, {}", size(finding), sure(finding.confidence)),

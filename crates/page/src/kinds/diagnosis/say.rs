@@ -1,6 +1,6 @@
 //! What the page of a diagnosis says in words: the verdict, what to do next, why not a look-alike.
 
-use armident_effects::{Place, effect};
+use armident_effects::{Place, effect, is_less};
 use armident_report::{small_terms_text, uncertain};
 
 use super::{Diagnosis, Errors, Fault, Finding, NextMotion, Number, OPEN, WHITE};
@@ -30,6 +30,13 @@ pub(super) fn title(slug: &str) -> String {
         },
         |e| e.law().title.to_owned(),
     )
+}
+
+/// The title of what was found; of friction that falls, for one, that it is less.
+pub(super) fn title_of(finding: &Finding) -> String {
+    let value = |name: &str| finding.parameters.get(name).map(|number| number.value);
+    let less = if is_less(&finding.effect, value) { "less " } else { "" };
+    format!("{less}{}", title(&finding.effect))
 }
 
 pub(super) fn place(finding: &Finding) -> String {
@@ -89,7 +96,7 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         .map(|f| {
             let place = place(f);
             let on = if place.is_empty() { String::new() } else { format!(" on {place}") };
-            format!("{}{on} ({}, {})", title(&f.effect), size(f), sure(f.confidence))
+            format!("{}{on} ({}, {})", title_of(f), size(f), sure(f.confidence))
         })
         .collect();
     if !largest.is_empty() {
@@ -143,7 +150,7 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         .findings
         .iter()
         .filter(|f| f.confirmed == Some(false))
-        .map(|f| format!("{} on {}", title(&f.effect), place(f)))
+        .map(|f| format!("{} on {}", title_of(f), place(f)))
         .collect();
     let confirmed = of.findings.iter().filter(|f| f.confirmed == Some(true)).count();
     if !unconfirmed.is_empty() {
@@ -259,7 +266,7 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
             let place = effect(&f.effect).and_then(|e| e.law().places.first().copied());
             matches!(place, Some(Place::Gain | Place::Zero | Place::Time))
         })
-        .map(|f| format!("{} {}", title(&f.effect), f.joints.join(", ")).trim().to_owned())
+        .map(|f| format!("{} {}", title_of(f), f.joints.join(", ")).trim().to_owned())
         .collect();
     if !channel.is_empty() {
         steps.push(Step::new(format!(
@@ -293,7 +300,7 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
             let names: Vec<String> = rivals
                 .iter()
                 .take(OPEN)
-                .map(|f| format!("{} on {}", title(&f.effect), place(f)))
+                .map(|f| format!("{} on {}", title_of(f), place(f)))
                 .collect();
             steps.push(
                 Step::new(format!(
