@@ -105,7 +105,7 @@ fn wrong_command_lines() {
     insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @r"
     error: there is no effect `viscous_friction` to conceal in a case of this kind
        in: effects of the case
-     hint: give a slug of the effect library or `unlisted`; field cases have viscous and Coulomb friction anyway
+     hint: give a slug of the effect library or `unlisted`; field and change cases have viscous and Coulomb friction anyway, and in a change no other friction law takes their place
     ");
     insta::assert_snapshot!(said(&["--study", "nulls", "--kind", "field"]), @r"
     error: this study has its own kinds of cases

@@ -16,6 +16,8 @@ pub(crate) enum KindArg {
     Null,
     /// clean and field in turn
     Mixed,
+    /// field arms before and after: what is concealed came between, and friction that warmth changes
+    Change,
 }
 
 /// Questions that a table answers.
@@ -29,6 +31,8 @@ pub(crate) enum StudyArg {
     Perturbed,
     /// clean and field cases in turn
     Mixed,
+    /// what changed between two sets of recordings of one arm
+    Change,
 }
 
 /// What makes a challenge end with code 3.
@@ -48,6 +52,7 @@ Examples:
   armident challenge --cases 20 --seed 7 --kind null --fail-on false-alarm
   armident challenge --cases 4 --seed 7 --kind field --effect backlash --robot urdf/ur5.urdf --keep cases/
   armident challenge --cases 24 --seed 7 --only 5 --keep one/           (the fifth of 24 alone)
+  armident challenge --cases 20 --seed 7 --kind change                  (what changed since before?)
   armident challenge --study nulls --seed 2026                          (a table in Markdown)
   armident challenge --cases 48 --seed 7 --report board.html            (the scoreboard as a page)
   armident challenge --score cases/cases cases/results                  (results of another program)
@@ -55,7 +60,7 @@ Examples:
 Every case is simulated in closed loop by a robot of which the diagnosis knows only the believed URDF
 and two training recordings; the hold-out and the exam are predicted before the answer is opened.")]
 pub(crate) struct ChallengeArgs {
-    /// How many cases [default: 24; of a study 200 nulls, 2 for each cell of power, 24 perturbed, 96 mixed]
+    /// How many cases [default: 24; of a study 200 nulls, 2 for each cell of power, 24 perturbed, 96 mixed, 40 changes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub(crate) cases: Option<u64>,
     /// Everything that is left to chance follows from it

@@ -71,6 +71,7 @@ impl StudyArg {
             Self::Power => Study::Power,
             Self::Perturbed => Study::Perturbed,
             Self::Mixed => Study::Mixed,
+            Self::Change => Study::Change,
         }
     }
 }
@@ -96,6 +97,7 @@ fn series(args: &ChallengeArgs) -> Result<Series, Failure> {
         Some(KindArg::Field) => SeriesKind::Field,
         Some(KindArg::Null) => SeriesKind::Null,
         Some(KindArg::Mixed) => SeriesKind::Mixed,
+        Some(KindArg::Change) => SeriesKind::Change,
         None if args.effect.is_empty() => SeriesKind::Mixed,
         None => SeriesKind::Clean,
     };

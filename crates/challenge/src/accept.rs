@@ -120,7 +120,7 @@ fn joint_columns(
         kind: arm.joints[joint].kind,
         speed_rms: rms(&motions[0].velocity[joint]),
         position_deviation: rms(&off),
-        duration_s: scene.durations_s[0],
+        duration_s: scene.duration_s,
     };
     law.shapes(&scale)
         .iter()
@@ -164,7 +164,7 @@ fn arm_columns(
                     arm: &arm,
                     base_from_e0: scene.chain.base_from_e0,
                     tip_in_last_m: scene.chain.tip_in_e.translation.vector,
-                    rate_hz: motion.time_s.len() as f64 / scene.durations_s[0],
+                    rate_hz: motion.time_s.len() as f64 / scene.duration_s,
                     position: &motion.position,
                     velocity: &motion.velocity,
                     acceleration: &motion.acceleration,

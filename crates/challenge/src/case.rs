@@ -7,11 +7,13 @@ use armident_recording::{Recording, write_csv, write_whole};
 use crate::error::ChallengeError;
 use crate::truth::Truth;
 
-/// A robot, four recordings and the answer.
+/// A robot, its recordings and the answer.
 #[derive(Debug, Clone)]
 pub struct Case {
     /// The believed robot.
     pub robot_urdf: String,
+    /// Recordings from before a change, if the case is one.
+    pub before: Vec<Recording>,
     /// Recordings to fit.
     pub train_1: Recording,
     /// Recordings to fit.
@@ -40,6 +42,9 @@ impl Case {
             ("exam", &self.exam),
         ] {
             write_csv(folder.join(name).with_extension("csv"), recording)?;
+        }
+        for (k, recording) in self.before.iter().enumerate() {
+            write_csv(folder.join(format!("before_{}.csv", k + 1)), recording)?;
         }
         let path = folder.join("truth.json");
         let text = serde_json::to_string_pretty(&self.truth)

@@ -44,6 +44,18 @@ impl Context<'_> {
     }
 }
 
+/// Everyday friction that an effect contains.
+pub(crate) fn replaces(slug: &str) -> Option<&'static str> {
+    match slug {
+        "stribeck_friction"
+        | "load_dependent_friction"
+        | "asymmetric_coulomb_friction"
+        | "presliding_hysteresis" => Some("coulomb_friction"),
+        "friction_drift" => Some("viscous_friction"),
+        _ => None,
+    }
+}
+
 /// An effect up to its size.
 pub(crate) struct Draft {
     /// Slug of the library, or `unlisted`.
@@ -282,14 +294,7 @@ impl Draft {
 
     /// Everyday friction that the effect contains.
     pub(crate) fn replaces(&self) -> Option<&'static str> {
-        match self.slug {
-            "stribeck_friction"
-            | "load_dependent_friction"
-            | "asymmetric_coulomb_friction"
-            | "presliding_hysteresis" => Some("coulomb_friction"),
-            "friction_drift" => Some("viscous_friction"),
-            _ => None,
-        }
+        replaces(self.slug)
     }
 
     /// Parameters whose error is scored.

@@ -95,8 +95,8 @@ impl ChallengeError {
                 Some("give a folder whose folders hold a `truth.json` each".to_owned())
             }
             Self::UnknownEffect { .. } => Some(
-                "give a slug of the effect library or `unlisted`; field cases have viscous and \
-                 Coulomb friction anyway"
+                "give a slug of the effect library or `unlisted`; field and change cases have viscous and \
+                 Coulomb friction anyway, and in a change no other friction law takes their place"
                     .to_owned(),
             ),
             Self::Invisible { .. } => Some("take another robot or another seed".to_owned()),

@@ -8,7 +8,7 @@ use armident_simulation::{SimulatedArm, Trajectory, inverse, track};
 
 use crate::background::changed_links;
 use crate::case::Case;
-use crate::draft::{Context, Draft};
+use crate::draft::{Context, Draft, replaces};
 use crate::error::ChallengeError;
 use crate::excitation::{Workspace, exciting, gains};
 use crate::floors::{Taken, floors};
@@ -26,6 +26,20 @@ pub enum CaseKind {
     Clean,
     /// Everyday friction on every joint, errors of every inertial, dirty recordings.
     Field,
+    /// A field arm recorded before and after: what is concealed came between, and the friction of an arm that has warmed
+    /// up or cooled down.
+    Change,
+}
+
+impl CaseKind {
+    /// Name in tables and answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Field => "field",
+            Self::Change => "change",
+        }
+    }
 }
 
 /// A case to be made. The same request gives the same case.
@@ -39,7 +53,7 @@ pub struct CaseRequest {
     pub robot_urdf: String,
     /// Everything that is left to chance follows from it.
     pub seed: u64,
-    /// Clean or field.
+    /// Clean, field or change.
     pub kind: CaseKind,
     /// Slugs of the effects to conceal, or `unlisted`; none for a null.
     pub effects: Vec<String>,
@@ -55,18 +69,26 @@ pub struct CaseRequest {
 pub fn concealable(kind: CaseKind) -> Vec<&'static str> {
     let mut slugs: Vec<&str> = LIBRARY.iter().map(|effect| effect.law().slug).collect();
     slugs.push("unlisted");
-    if kind == CaseKind::Field {
-        slugs.retain(|slug| !matches!(*slug, "viscous_friction" | "coulomb_friction"));
+    match kind {
+        CaseKind::Clean => {}
+        CaseKind::Field => slugs.retain(|slug| !is_everyday(slug)),
+        // a law in the place of another one is a change of two
+        CaseKind::Change => slugs.retain(|slug| replaces(slug).is_none()),
     }
     slugs
 }
 
-/// Effects of a case that follow from its seed: mostly one, sometimes two, and in field cases sometimes
+/// Friction that every joint of a field case has.
+fn is_everyday(slug: &str) -> bool {
+    matches!(slug, "viscous_friction" | "coulomb_friction")
+}
+
+/// Effects of a case that follow from its seed: mostly one, sometimes two, and in field and change cases sometimes
 /// none; slugs take turns.
 pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
     let mut random = Draw::new(seed ^ 0x5eed);
     let slugs = concealable(kind);
-    if kind == CaseKind::Field && random.chance(0.1) {
+    if kind != CaseKind::Clean && random.chance(0.1) {
         return Vec::new();
     }
     let first = slugs[(seed % slugs.len() as u64) as usize];
@@ -81,7 +103,10 @@ pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
 }
 
 /// The files of a case.
-pub(crate) const FILES: [&str; 4] = ["train_1", "train_2", "holdout", "exam"];
+pub(crate) const FILES: [&str; 6] =
+    ["train_1", "train_2", "holdout", "exam", "before_1", "before_2"];
+/// Of these, those of a case without a change.
+const AFTER: usize = 4;
 /// Draws of joints and sizes before an effect counts as invisible on this arm.
 const MOST_DRAWS: usize = 60;
 /// The same where each draw is several integrations.
@@ -94,6 +119,11 @@ const UNSEEN_STICK_PHASES: f64 = 1.3;
 const MOST_LAG: f64 = 0.45;
 /// Share of the effort range that controllers meet unprepared.
 const UNKNOWN_SHARE: f64 = 0.08;
+/// Share of change cases in which the friction of all joints is another one after, the factors of its viscous part,
+/// and how much these differ between joints.
+const WARMED: f64 = 0.5;
+const WARMTH: [f64; 2] = [0.6, 1.2];
+const UNEVEN_WARMTH: f64 = 0.05;
 
 /// Makes a case.
 ///
@@ -117,7 +147,7 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
         let mut random = random.branch();
         let drafts = draw_effects(&scene, request, &slugs, &noise, &mut random)?;
         let Some(drafts) = drafts else { continue };
-        let simulated = simulate(&scene, &drafts, request.kind, &mut random);
+        let simulated = simulate(&scene, &drafts, &mut random);
         let made = match simulated {
             Ok(made) => made,
             // a motion that runs away is another draw
@@ -131,7 +161,8 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
         if let Some(truth) = truth_of(&scene, &drafts, &made, &noise, request)? {
             let [train_1, train_2, holdout, exam] = made.recorded;
             let robot_urdf = robot.urdf.clone();
-            return Ok(Case { robot_urdf, train_1, train_2, holdout, exam, truth });
+            let before = made.before;
+            return Ok(Case { robot_urdf, before, train_1, train_2, holdout, exam, truth });
         }
     }
     Err(last.unwrap_or_else(|| ChallengeError::Invisible {
@@ -141,14 +172,13 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
 }
 
 fn known_slug(slug: &str, kind: CaseKind) -> Result<&'static str, ChallengeError> {
-    let everyday = matches!(slug, "viscous_friction" | "coulomb_friction");
     let known = match armident_effects::effect(slug) {
         Some(effect) => Some(effect.law().slug),
         None if slug == "unlisted" => Some("unlisted"),
         None => None,
     };
     known
-        .filter(|_| !(everyday && kind == CaseKind::Field))
+        .filter(|slug| concealable(kind).contains(slug))
         .ok_or_else(|| ChallengeError::UnknownEffect { effect: slug.to_owned() })
 }
 
@@ -156,25 +186,29 @@ fn known_slug(slug: &str, kind: CaseKind) -> Result<&'static str, ChallengeError
 pub(crate) struct Scene<'a> {
     pub(crate) robot: &'a Robot,
     pub(crate) field: bool,
+    pub(crate) kind: CaseKind,
     pub(crate) background: f64,
     /// The true links.
     pub(crate) chain: DrivingAxisChain,
     pub(crate) plans: Vec<Trajectory>,
     /// The plans at a sample rate.
     pub(crate) planned: Vec<Exact>,
-    pub(crate) durations_s: [f64; 4],
-    pub(crate) rates_hz: [f64; 4],
+    pub(crate) duration_s: f64,
+    /// Samples per second of each of [`FILES`].
+    pub(crate) rates_hz: [f64; FILES.len()],
     pub(crate) sensing: Sensing,
     pub(crate) noise_share: f64,
     pub(crate) level: Vec<f64>,
     pub(crate) viscous: Vec<f64>,
+    /// By what viscous friction is another one after than before.
+    pub(crate) warmth: Vec<f64>,
     /// Effort range of each joint as believed \[N m or N\].
     pub(crate) range: Vec<f64>,
 }
 
 impl<'a> Scene<'a> {
     fn draw(robot: &'a Robot, request: &CaseRequest, random: &mut Draw) -> Self {
-        let field = request.kind == CaseKind::Field;
+        let field = request.kind != CaseKind::Clean;
         let workspace = Workspace::draw(robot, random);
         let (rate_hz, duration_s) = if field {
             (random.one_of(&[100.0, 125.0, 200.0, 200.0, 250.0, 500.0]), random.between(12.0, 18.0))
@@ -182,15 +216,13 @@ impl<'a> Scene<'a> {
             (random.one_of(&[200.0, 200.0, 250.0, 400.0, 500.0]), random.between(15.0, 20.0))
         };
         let duration_s = duration_s.round();
-        let mut rates_hz = [rate_hz; 4];
+        let mut rates_hz = [rate_hz; FILES.len()];
         if field && random.chance(0.5) {
-            rates_hz[random.index(4)] = random.one_of(&[100.0, 125.0, 200.0, 250.0, 400.0]);
+            rates_hz[random.index(AFTER)] = random.one_of(&[100.0, 125.0, 200.0, 250.0, 400.0]);
         }
-        let durations_s = [duration_s; 4];
-        let plans: Vec<Trajectory> = durations_s
-            .iter()
-            .map(|duration_s| exciting(robot, &workspace, *duration_s, random))
-            .collect();
+        let files = if request.kind == CaseKind::Change { FILES.len() } else { AFTER };
+        let plans: Vec<Trajectory> =
+            (0..files).map(|_| exciting(robot, &workspace, duration_s, random)).collect();
         let believed = robot.arm();
         let range: Vec<f64> = effort_range(&believed, &plans[0]);
         let noise_share = random.log_between(0.003, if field { 0.012 } else { 0.02 });
@@ -210,41 +242,62 @@ impl<'a> Scene<'a> {
             viscous.push(dry * random.log_between(0.5, 2.7) / speed);
         }
         let planned = plans.iter().map(|plan| planned_at(plan, duration_s)).collect();
+        let mut warmth = vec![1.0; robot.dof()];
+        if request.kind == CaseKind::Change && random.chance(WARMED) {
+            let of_arm = random.log_between(WARMTH[0], WARMTH[1]);
+            let uneven = [1.0 - UNEVEN_WARMTH, 1.0 + UNEVEN_WARMTH];
+            warmth.fill_with(|| of_arm * random.log_between(uneven[0], uneven[1]));
+        }
         Self {
             robot,
             field,
+            kind: request.kind,
             background,
             chain,
             plans,
             planned,
-            durations_s,
+            duration_s,
             rates_hz,
             sensing,
             noise_share,
             level,
             viscous,
+            warmth,
             range,
         }
     }
 
-    /// Everyday friction that no special law contains.
-    pub(crate) fn everyday(&self, drafts: &[Sized]) -> Vec<EffectOnJoint> {
+    /// Everyday friction during a recording that no special law contains.
+    fn everyday(&self, drafts: &[Sized], file: usize) -> Vec<EffectOnJoint> {
         if !self.field {
             return Vec::new();
         }
         let mut list = Vec::new();
         for (j, name) in self.robot.names.iter().enumerate() {
-            for (slug, value) in
-                [("viscous_friction", self.viscous[j]), ("coulomb_friction", self.level[j])]
-            {
+            for slug in ["viscous_friction", "coulomb_friction"] {
                 let contained =
                     drafts.iter().any(|d| d.draft.joint == j && d.draft.replaces() == Some(slug));
                 if !contained {
-                    list.push(EffectOnJoint::new(slug, name, [value]));
+                    list.push(EffectOnJoint::new(
+                        slug,
+                        name,
+                        [self.friction(drafts, slug, j, file)],
+                    ));
                 }
             }
         }
         list
+    }
+
+    /// Everyday friction of a joint during a recording: viscous coefficient or dry level. Dry friction changes with
+    /// the square root of what viscous friction changes by, and neither where a change of it is concealed.
+    pub(crate) fn friction(&self, drafts: &[Sized], slug: &str, joint: usize, file: usize) -> f64 {
+        let concealed = drafts.iter().any(|d| d.draft.joint == joint && d.draft.slug == slug);
+        let warmth = if file < AFTER && !concealed { self.warmth[joint] } else { 1.0 };
+        match slug {
+            "viscous_friction" => self.viscous[joint] * warmth,
+            _ => self.level[joint] * warmth.sqrt(),
+        }
     }
 
     /// The true arm during a recording; without one of the effects if told so.
@@ -254,9 +307,11 @@ impl<'a> Scene<'a> {
         file: usize,
         without: Option<usize>,
     ) -> Result<SimulatedArm, ChallengeError> {
-        let mut effects = self.everyday(drafts);
+        let mut effects = self.everyday(drafts, file);
         let there = drafts.iter().enumerate().filter(|(k, sized)| {
-            Some(*k) != without && sized.draft.recording.is_none_or(|recording| recording == file)
+            file < AFTER
+                && Some(*k) != without
+                && sized.draft.recording.is_none_or(|recording| recording == file)
         });
         let there: Vec<&Sized> = there.map(|(_, sized)| sized).collect();
         let names = &self.robot.names;
@@ -368,7 +423,7 @@ fn draw_effects(
         sigma: &scene.sensing.sigma,
         level: &scene.level,
         viscous: &scene.viscous,
-        duration_s: scene.durations_s[0],
+        duration_s: scene.duration_s,
     };
     let sizing = Sizing::new(scene, noise);
     let mut chosen: Vec<Sized> = Vec::new();
@@ -406,14 +461,13 @@ fn draw_effects(
 fn simulate(
     scene: &Scene<'_>,
     drafts: &[Sized],
-    kind: CaseKind,
     random: &mut Draw,
 ) -> Result<Made, ChallengeError> {
     let robot = scene.robot;
     let believed = robot.arm();
     let unknown: Vec<f64> = (0..robot.dof())
         .map(|j| {
-            let dry = if kind == CaseKind::Field { 2.0 * scene.level[j] } else { 0.0 };
+            let dry = if scene.field { 2.0 * scene.level[j] } else { 0.0 };
             let special: f64 = drafts.iter().map(|sized| sized.torque[j]).sum();
             UNKNOWN_SHARE * scene.range[j] + dry + special
         })
@@ -424,7 +478,7 @@ fn simulate(
     for (file, plan) in scene.plans.iter().enumerate() {
         let arm = scene.arm(drafts, file, None)?;
         let motion = track(&arm, &believed, plan, &gains)?;
-        let (rate_hz, duration_s) = (scene.rates_hz[file], scene.durations_s[file]);
+        let (rate_hz, duration_s) = (scene.rates_hz[file], scene.duration_s);
         let at = instants(rate_hz, duration_s, &scene.sensing, random);
         exact.push(exact_at(&motion, &at));
         moved.push(motion);
@@ -446,10 +500,16 @@ fn simulate(
         let taken = Taken::new(&exact[file], &recorded[file], whole);
         floors(&taken, &scene.arm(drafts, file, None)?, &believed, names)
     };
-    let (holdout, exam) = (floor(2, true)?, floor(3, false)?);
-    let recorded: [Recording; 4] = <[Recording; 4]>::try_from(recorded)
+    let (mut holdout, exam) = (floor(2, true)?, floor(3, false)?);
+    if scene.kind == CaseKind::Change {
+        // what the arm was before is no URDF
+        holdout.urdf_rmse.clear();
+        holdout.urdf_rmse_practical.clear();
+    }
+    let before = recorded.split_off(AFTER);
+    let recorded: [Recording; AFTER] = <[Recording; AFTER]>::try_from(recorded)
         .map_err(|_| ChallengeError::Robot { reason: "a recording is missing".to_owned() })?;
-    Ok(Made { exact, recorded, holdout, exam, effort_lag_s: lag_s, lag_over_noise })
+    Ok(Made { exact, recorded, before, holdout, exam, effort_lag_s: lag_s, lag_over_noise })
 }
 
 /// RMS change by the lag of the effort channel over noise, on the most affected joint.

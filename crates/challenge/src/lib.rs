@@ -11,7 +11,8 @@
 //! effects from a seed; drives the true arm along the trajectories by the feed-forward of the believed one
 //! and a controller of each joint (2 kHz); and records positions by encoders, velocities lagged or noisy,
 //! efforts with coloured noise. A [field](CaseKind::Field) case adds friction on every joint, errors of
-//! every inertial, uneven clocks and lost samples.
+//! every inertial, uneven clocks and lost samples. A [change](CaseKind::Change) case is a field arm with two more
+//! recordings from before what is concealed came, and before it warmed up or cooled down.
 //!
 //! An effect is as large as makes its *naming margin* a number drawn between two and eleven: the RMS of its
 //! torque over noise on the most affected joint, after least squares have taken away what the rigid-body

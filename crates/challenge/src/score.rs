@@ -9,6 +9,7 @@ use crate::answer::{Answer, Finding, Verdict};
 use crate::case::Case;
 use crate::error::{ChallengeError, read_json};
 use crate::exam::{ExamScore, Table, score_exam};
+use crate::generate::CaseKind;
 use crate::holdout::{HoldoutScore, score_holdout};
 use crate::place::{Blame, Place, is_body, of_finding, of_named, of_truth, tolerated_by};
 use crate::scoreboard::Scoreboard;
@@ -27,8 +28,8 @@ pub struct CaseScore {
     pub case: String,
     /// Name of its robot.
     pub robot: String,
-    /// Whether it is a field case.
-    pub field: bool,
+    /// `clean`, `field` or `change`.
+    pub kind: &'static str,
     /// Why there is no answer.
     pub unanswered: Option<String>,
     /// Slugs of the concealed effects.
@@ -175,14 +176,14 @@ struct Judged<'a> {
     found: BTreeSet<Blame>,
     right: BTreeSet<Blame>,
     tolerated: BTreeSet<Blame>,
-    field: bool,
+    everyday: BTreeSet<Blame>,
 }
 
 impl Judged<'_> {
     fn of(&self, blame: &Blame) -> Judgement {
         if self.right.contains(blame) {
             Judgement::Right
-        } else if self.field && blame.is_everyday() {
+        } else if self.everyday.contains(blame) {
             Judgement::Everyday
         } else if self.tolerated.contains(blame) {
             Judgement::Tolerated
@@ -239,7 +240,12 @@ fn judge<'a>(truth: &Truth, findings: &'a [Finding]) -> Judged<'a> {
             tolerated.insert(blame.clone());
         }
     }
-    Judged { findings, found, right, tolerated, field: truth.is_field() }
+    let everyday = |blame: &&Blame| {
+        blame.is_everyday()
+            && blame.joints().iter().all(|joint| truth.is_everyday(&blame.effect, joint))
+    };
+    let everyday = found.iter().filter(everyday).cloned().collect();
+    Judged { findings, found, right, tolerated, everyday }
 }
 
 /// The blames of the first entry of `accept` that is wholly found.
@@ -258,7 +264,7 @@ fn score_names(truth: &Truth, answer: Option<&Answer>) -> CaseScore {
     let mut score = CaseScore {
         case: truth.case.clone(),
         robot: truth.robot.clone(),
-        field: truth.is_field(),
+        kind: truth.kind().name(),
         effects: truth.effects.iter().map(|effect| effect.effect.clone()).collect(),
         naming_margins: truth.effects.iter().filter_map(|effect| effect.naming_margin).collect(),
         false_names: false_names.iter().map(ToString::to_string).collect(),
@@ -330,15 +336,19 @@ fn score_verdict(
 ) {
     let mismatch = answer.is_some_and(|answer| answer.verdict == Verdict::Mismatch);
     if truth.effects.is_empty() {
-        let exact = truth.background_inertial_error == 0.0 && !truth.is_field();
+        let exact = truth.background_inertial_error == 0.0 && truth.kind() == CaseKind::Clean;
         score.false_alarm = Some(!score.false_names.is_empty() || (exact && mismatch));
         return;
     }
     let wrong_body = truth.effects.iter().any(|effect| is_body(&effect.effect));
-    let special = |blame: &Blame| !blame.is_everyday() && (wrong_body || !blame.is_body());
-    score.detected = Some(match truth.is_field() {
-        true => judged.found.iter().any(special),
-        false => mismatch,
+    let special = |blame: &Blame| match truth.kind() {
+        // what is concealed may be friction
+        CaseKind::Change => !judged.everyday.contains(blame),
+        _ => !blame.is_everyday() && (wrong_body || !blame.is_body()),
+    };
+    score.detected = Some(match truth.kind() {
+        CaseKind::Clean => mismatch,
+        CaseKind::Field | CaseKind::Change => judged.found.iter().any(special),
     });
     let counts = |(_, blames): &&(&Finding, BTreeSet<Blame>)| {
         matches!(judged.of_finding(blames), Judgement::Right | Judgement::False)

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
 
+use crate::generate::CaseKind;
 use crate::score::{CaseScore, EverydayScore};
 
 /// Bins of confidence.
 const BINS: usize = 5;
 
-/// The scores of all cases, and their sums for clean and for field cases.
+/// The scores of all cases, and their sums for cases of each kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scoreboard {
     /// `armident.scoreboard/1`.
@@ -133,7 +134,7 @@ pub struct Bin {
 /// The sums over cases of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GroupScore {
-    /// `clean` or `field`.
+    /// `clean`, `field` or `change`.
     pub kind: &'static str,
     /// Cases, nulls among them.
     pub cases: usize,
@@ -203,9 +204,10 @@ pub struct GroupScore {
 impl Scoreboard {
     /// Sums up.
     pub fn new(cases: Vec<CaseScore>) -> Self {
-        let groups = [("clean", false), ("field", true)]
+        let groups = [CaseKind::Clean, CaseKind::Field, CaseKind::Change]
+            .map(CaseKind::name)
             .into_iter()
-            .map(|(kind, field)| (kind, cases.iter().filter(|c| c.field == field).collect()))
+            .map(|kind| (kind, cases.iter().filter(|c| c.kind == kind).collect()))
             .filter(|(_, cases): &(_, Vec<&CaseScore>)| !cases.is_empty())
             .map(|(kind, cases)| GroupScore::new(kind, &cases))
             .collect();

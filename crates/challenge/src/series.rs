@@ -20,8 +20,9 @@ use crate::sitting::{Paper, Sitting, sit};
 const MOST_ARMS: usize = 5;
 /// Errors of every inertial of a null that has some.
 const NULL_BACKGROUND: [f64; 2] = [0.02, 0.05];
-/// Keeps the draws of field cases apart from those of clean ones.
+/// Keep the draws of field and change cases apart from those of clean ones.
 const FIELD_SEEDS: u64 = 500_000;
+const CHANGE_SEEDS: u64 = 700_000;
 /// Keeps the seeds of two series apart.
 const SERIES_SEEDS: u64 = 1_000_003;
 
@@ -36,6 +37,8 @@ pub enum SeriesKind {
     Null,
     /// Clean and field cases in turn.
     Mixed,
+    /// Arms before and after a change.
+    Change,
 }
 
 /// A series of cases. The same series gives the same cases.
@@ -64,15 +67,21 @@ impl Series {
     }
 
     fn order(&self, k: u64) -> Order {
-        let (field, turn) = match self.kind {
-            SeriesKind::Clean => (false, k),
-            SeriesKind::Field => (true, k),
-            SeriesKind::Null => (k % 4 >= 2, k),
-            SeriesKind::Mixed => (k % 2 == 1, k / 2),
+        let of = |field: bool| if field { CaseKind::Field } else { CaseKind::Clean };
+        let (kind, turn) = match self.kind {
+            SeriesKind::Clean => (CaseKind::Clean, k),
+            SeriesKind::Field => (CaseKind::Field, k),
+            SeriesKind::Null => (of(k % 4 >= 2), k),
+            SeriesKind::Mixed => (of(k % 2 == 1), k / 2),
+            SeriesKind::Change => (CaseKind::Change, k),
         };
-        let kind = if field { CaseKind::Field } else { CaseKind::Clean };
+        let field = kind == CaseKind::Field;
         let seed = self.seed.wrapping_mul(SERIES_SEEDS).wrapping_add(turn);
-        let seed = seed.wrapping_add(if field { FIELD_SEEDS } else { 0 });
+        let seed = seed.wrapping_add(match kind {
+            CaseKind::Clean => 0,
+            CaseKind::Field => FIELD_SEEDS,
+            CaseKind::Change => CHANGE_SEEDS,
+        });
         let mut random = Draw::new(seed ^ 0xa12b);
         let effects = if self.kind == SeriesKind::Null {
             Vec::new()
@@ -91,10 +100,12 @@ impl Series {
             let drawn = random.between(NULL_BACKGROUND[0], NULL_BACKGROUND[1]);
             if k % 2 == 1 { drawn } else { 0.0 }
         });
-        let letter = match (self.kind, field) {
+        let letter = match (self.kind, kind) {
             (SeriesKind::Null, _) => 'n',
-            (_, true) => 'f',
-            (_, false) => 'c',
+            (_, CaseKind::Field) => 'f',
+            (_, CaseKind::Clean) => 'c',
+            // what is it now?
+            (_, CaseKind::Change) => 'w',
         };
         Order {
             name: format!("{letter}{:04}", k + 1),
@@ -126,7 +137,7 @@ pub struct Order {
     pub name: String,
     /// Everything that is left to chance follows from it.
     pub seed: u64,
-    /// Clean or field.
+    /// Clean, field or change.
     pub kind: CaseKind,
     /// What it conceals.
     pub effects: Vec<String>,

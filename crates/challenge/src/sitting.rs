@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use armident_diagnose::{Books, diagnose};
+use armident_diagnose::{Books, diagnose, diagnose_change};
 use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_recording::{JointChannels, Recording};
@@ -14,6 +14,7 @@ use crate::case::Case;
 #[derive(Debug, Clone)]
 pub struct Paper {
     robot_urdf: String,
+    before: Vec<Recording>,
     train: [Recording; 2],
     holdout: Recording,
     exam_motion: Recording,
@@ -26,6 +27,7 @@ impl Paper {
         let joints = case.exam.joints.iter().map(motion).collect();
         Self {
             robot_urdf: case.robot_urdf.clone(),
+            before: case.before.clone(),
             train: [case.train_1.clone(), case.train_2.clone()],
             holdout: case.holdout.clone(),
             exam_motion: Recording { joints, ..case.exam.clone() },
@@ -66,13 +68,17 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     let selection = ChainSelection { recorded_joints: Some(recorded), ..ChainSelection::default() };
     let chain = SerialChain::from_description(&description, &selection).map_err(|e| told(&e))?;
     let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-    let mut books = Books::of(&believed, &paper.train).map_err(|e| told(&e))?;
-    let train: Vec<Recording> = paper.train.iter().map(|r| books.in_effort(r)).collect();
+    let as_believed = if paper.before.is_empty() { &paper.train[..] } else { &paper.before };
+    let mut books = Books::of(&believed, as_believed).map_err(|e| told(&e))?;
+    let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
+        recordings.iter().map(|r| books.in_effort(r)).collect()
+    };
+    let (train, before) = (in_effort(&paper.train), in_effort(&paper.before));
     let holdout = books.in_effort(&paper.holdout);
     let inputs = DiagnoseInputs {
         recordings: train.iter().map(|recording| recording.source.clone()).collect(),
         holdout_recordings: vec![holdout.source.clone()],
-        reference_recordings: Vec::new(),
+        reference_recordings: before.iter().map(|recording| recording.source.clone()).collect(),
         warnings: believed.chain.warnings.iter().map(ToString::to_string).collect(),
         ..DiagnoseInputs::default()
     };
@@ -80,7 +86,10 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         let out_json = serde_json::to_string_pretty(report).map_err(|e| told(&e))? + "\n";
         Ok(Sitting { out_json, learned, seconds: started.elapsed().as_secs_f64() })
     };
-    let heard = books.hear(believed.chain.dof(), &train, &[], |train, _| {
+    let heard = books.hear(believed.chain.dof(), &train, &before, |train, before| {
+        if !before.is_empty() {
+            return diagnose_change(&believed, before, train);
+        }
         let diagnosis = diagnose(&believed, train)?;
         Ok((diagnosis.believed.clone(), diagnosis))
     });

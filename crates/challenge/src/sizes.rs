@@ -4,7 +4,7 @@ use armident_simulation::SimulatedArm;
 
 use crate::draft::Draft;
 use crate::error::ChallengeError;
-use crate::generate::{Scene, efforts_of};
+use crate::generate::{CaseKind, Scene, efforts_of};
 use crate::observe::{Observer, Plain, Projection};
 use crate::random::Draw;
 use crate::recorder::{Exact, rms};
@@ -69,9 +69,10 @@ pub(crate) fn is_body(draft: &Draft) -> bool {
     matches!(draft.slug, "payload" | "link_inertia_error")
 }
 
-/// Noise of a wrong body in a field case: the torque of all other inertial errors is some.
+/// Noise of a wrong body in a field case: the torque of all other inertial errors is some. The same before and after a
+/// change, they are none.
 pub(crate) fn with_background(scene: &Scene<'_>, motions: &[&Exact], sigma: &[f64]) -> Vec<f64> {
-    if scene.background == 0.0 {
+    if scene.background == 0.0 || scene.kind == CaseKind::Change {
         return sigma.to_vec();
     }
     let efforts = |arm: &armident_dynamics::RigidArm, motion: &Exact| {

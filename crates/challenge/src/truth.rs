@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::generate::CaseKind;
+
 /// Names a number per joint.
 pub(crate) type PerJoint = BTreeMap<String, f64>;
 
@@ -12,7 +14,7 @@ pub(crate) type PerJoint = BTreeMap<String, f64>;
 pub struct Truth {
     /// `armident.challenge/1`.
     pub schema: String,
-    /// `field` for a field case, nothing for a clean one.
+    /// `field` or `change`, nothing for a clean case.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// Name of the case.
@@ -23,7 +25,7 @@ pub struct Truth {
     pub tip_link: String,
     /// The concealed effects.
     pub effects: Vec<TrueEffect>,
-    /// Friction that every joint of a field case has.
+    /// Friction that every joint of a field case has; of a change, by what it is another one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub everyday: Vec<EverydayFriction>,
     /// Standard scale of the relative errors of every inertial; 0: the URDF is exact.
@@ -57,9 +59,23 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Whether this is a field case.
-    pub fn is_field(&self) -> bool {
-        self.kind.as_deref() == Some("field")
+    /// What kind of case this is.
+    pub fn kind(&self) -> CaseKind {
+        match self.kind.as_deref() {
+            Some("field") => CaseKind::Field,
+            Some("change") => CaseKind::Change,
+            _ => CaseKind::Clean,
+        }
+    }
+
+    /// Whether friction of a joint that is or has become another one may be named beside what is concealed.
+    pub(crate) fn is_everyday(&self, effect: &str, joint: &str) -> bool {
+        let here = |term: &EverydayFriction| term.effect == effect && term.joints == [joint];
+        match self.kind() {
+            CaseKind::Clean => false,
+            CaseKind::Field => true,
+            CaseKind::Change => self.everyday.iter().any(here),
+        }
     }
 
     /// The joint that moves a link.

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::accept::accepted;
 use crate::error::ChallengeError;
-use crate::generate::{CaseRequest, FILES, Scene, efforts_of};
+use crate::generate::{CaseKind, CaseRequest, FILES, Scene, efforts_of};
 use crate::observe::{Observer, Plain, Projection};
 use crate::recorder::{Exact, rms};
 use crate::sizes::{Sized, effect_torque, is_body, kept, visibility, with_background};
@@ -25,6 +25,8 @@ const AFFECTED: f64 = 0.3;
 pub(crate) struct Made {
     pub(crate) exact: Vec<Exact>,
     pub(crate) recorded: [Recording; 4],
+    /// From before a change.
+    pub(crate) before: Vec<Recording>,
     pub(crate) holdout: Floors,
     pub(crate) exam: Floors,
     pub(crate) effort_lag_s: f64,
@@ -82,13 +84,17 @@ pub(crate) fn truth_of(
     let rates = FILES.iter().zip(scene.rates_hz).map(|(file, rate)| ((*file).to_owned(), rate));
     Ok(Some(Truth {
         schema: "armident.challenge/1".to_owned(),
-        kind: scene.field.then(|| "field".to_owned()),
+        kind: scene.field.then(|| scene.kind.name().to_owned()),
         case: request.name.clone(),
         robot: request.robot.clone(),
         tip_link: tip.clone(),
         effects,
         everyday: everyday(scene, drafts, &observer, &motions),
-        background_inertial_error: scene.background,
+        // errors that were there before are no change
+        background_inertial_error: match scene.kind {
+            CaseKind::Change => 0.0,
+            _ => scene.background,
+        },
         affected_joints: affected(scene, made),
         bodies: scene.robot.bodies(),
         noise: NoiseTruth {
@@ -194,10 +200,15 @@ fn everyday(
             let special = drafts
                 .iter()
                 .find(|sized| sized.draft.joint == j && sized.draft.replaces() == Some(slug));
-            let value = match which {
-                Plain::Viscous => scene.viscous[j],
-                _ => scene.level[j],
+            // of a change, by what the friction is another one
+            let before = match scene.kind {
+                CaseKind::Change => scene.friction(drafts, slug, j, FILES.len() - 1),
+                _ => 0.0,
             };
+            let value = scene.friction(drafts, slug, j, 0) - before;
+            if value == 0.0 {
+                continue;
+            }
             let seen = special.is_none().then(|| {
                 let torque: Vec<Vec<Vec<f64>>> = motions
                     .iter()

@@ -78,7 +78,7 @@ fn a_clean_case_keeps_its_contract() {
 fn a_field_case_is_dirty_and_rubs_everywhere() {
     let case = generate(&request(CaseKind::Field, 11, &["quadratic_drag"])).unwrap();
     let truth = &case.truth;
-    assert!(truth.is_field() && truth.background_inertial_error >= 0.02);
+    assert!(truth.kind() == CaseKind::Field && truth.background_inertial_error >= 0.02);
     assert_eq!(truth.everyday.len(), 8);
     assert!(truth.everyday.iter().filter(|term| term.counted).count() >= 3);
     let dirt = truth.dirt.as_ref().unwrap();
@@ -93,6 +93,41 @@ fn a_field_case_is_dirty_and_rubs_everywhere() {
     let uneven = steps.iter().filter(|step| (*step / median - 1.0).abs() > 0.02).count();
     assert!(uneven > steps.len() / 3);
     assert!(dirt["effort_lag_over_noise"].as_f64().unwrap() < 0.5);
+}
+
+/// The arm before has the friction of before and nothing that is concealed; what has changed by itself is in the answer.
+#[test]
+fn a_change_comes_between_two_sets_of_recordings() {
+    let make = |seed| generate(&request(CaseKind::Change, seed, &["torque_offset"])).unwrap();
+    let warmed = |case: &&Case| !case.truth.everyday.is_empty();
+    let cases: Vec<Case> = (20..28).map(make).collect();
+    assert!((1..8).contains(&cases.iter().filter(warmed).count()));
+    let case = cases.iter().find(warmed).unwrap();
+    let truth = &case.truth;
+    assert_eq!((case.before.len(), truth.kind()), (2, CaseKind::Change));
+    assert!(truth.background_inertial_error == 0.0 && truth.holdout.urdf_rmse.is_empty());
+    assert_eq!(truth.everyday.len(), 8);
+    // all warmer or all colder
+    let change = |term: &armident_challenge::EverydayFriction| {
+        term.parameters.values().next().copied().unwrap()
+    };
+    let first = change(&truth.everyday[0]);
+    assert!(first != 0.0 && truth.everyday.iter().all(|term| change(term) * first > 0.0));
+    // an offset is in the mean of the effort after; before and after, gravity pulls a SCARA's first joint nowhere
+    let joint = &truth.effects[0].joints[0];
+    let offset = truth.effects[0].parameters["offset"];
+    let mean = |recording: &Recording| {
+        let effort = recording.joint(joint).unwrap().effort.clone().unwrap();
+        effort.iter().sum::<f64>() / effort.len() as f64
+    };
+    let before = 0.5 * (mean(&case.before[0]) + mean(&case.before[1]));
+    let after = 0.5 * (mean(&case.train_1) + mean(&case.train_2));
+    assert!(((after - before) / offset - 1.0).abs() < 0.5, "{before} {after} {offset}");
+    let folder = folder("change");
+    case.write(&folder).unwrap();
+    assert!(folder.join("before_2.csv").is_file());
+    let refused = generate(&request(CaseKind::Change, 1, &["stribeck_friction"])).unwrap_err();
+    assert!(refused.hint().unwrap().contains("no other friction law"), "{refused}");
 }
 
 #[test]

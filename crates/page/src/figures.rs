@@ -619,13 +619,11 @@ pub(crate) fn confusion(
 }
 
 /// Errors over their floors: what is compared, kind of case, effect, where, ratio.
-pub(crate) fn over_floors(
-    ratios: &[(&'static str, &'static str, String, String, f64)],
-) -> Option<Figure> {
+pub(crate) fn over_floors(ratios: &[(&'static str, &str, String, String, f64)]) -> Option<Figure> {
     let mut views = Vec::new();
     for what in ["hold-out / reachable", "prediction / noise"] {
         let mut data = Vec::new();
-        for (kind, colour) in [("clean", "@after"), ("field", "@before")] {
+        for (kind, colour) in [("clean", "@after"), ("field", "@before"), ("change", "@rigid")] {
             let of: Vec<_> = ratios.iter().filter(|r| r.0 == what && r.1 == kind).collect();
             if of.is_empty() {
                 continue;

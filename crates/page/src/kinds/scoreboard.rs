@@ -78,7 +78,7 @@ struct Effect {
 struct Case {
     case: String,
     robot: String,
-    field: bool,
+    kind: String,
     unanswered: Option<String>,
     effects: Vec<String>,
     pairs: Vec<String>,
@@ -109,12 +109,6 @@ impl Rate {
 
     fn said(self) -> String {
         if self.of == 0 { "-".to_owned() } else { format!("{} of {}", self.count, self.of) }
-    }
-}
-
-impl Case {
-    fn kind(&self) -> &'static str {
-        if self.field { "field" } else { "clean" }
     }
 }
 
@@ -242,7 +236,7 @@ fn overview(of: &Scoreboard) -> Vec<figures::Figure> {
             let mut add = |what: &'static str, values: &BTreeMap<String, f64>| {
                 for (joint, ratio) in values {
                     let place = format!("{}, {joint}", case.case);
-                    ratios.push((what, case.kind(), effect.clone(), place, *ratio));
+                    ratios.push((what, case.kind.as_str(), effect.clone(), place, *ratio));
                 }
             };
             add("hold-out / reachable", &case.holdout.after_over_reachable);
@@ -332,7 +326,7 @@ fn cases(of: &Scoreboard) -> Section {
             vec![
                 case.case.clone(),
                 case.robot.clone(),
-                case.kind().to_owned(),
+                case.kind.clone(),
                 case.pairs.join(", "),
                 verdict,
                 case.missed.join(", "),
