@@ -53,7 +53,8 @@ fn friction_falls() {
     let against = |more: &[&str], robot: &std::path::Path| -> (Value, String) {
         let args = ["diagnose", text(robot), "train.csv", "--holdout", "holdout.csv", "-q"];
         let args = [&args, more].concat();
-        let json = run_in(&after, &[&args[..], &["--json", "-"]].concat()).fine().json();
+        let json = [&args[..], &["--json", "-", "--traces"]].concat();
+        let json = run_in(&after, &json).fine().json();
         (json, run_in(&after, &args).fine().stdout)
     };
     let urdf = super::urdf();
@@ -76,6 +77,15 @@ fn friction_falls() {
             }
         }
         assert_eq!(findings.len(), 5, "{said}");
+        // what is left without the finding is the change, not all of the friction: it drives
+        let viscous =
+            |f: &Value| f["effect"] == "viscous_friction" && f["joints"][0] == "elbow_joint";
+        let k = findings.iter().position(viscous).unwrap();
+        let view = &diagnosis["drawing"]["findings"][k]["views"][0];
+        assert!(string(&view["over"]).starts_with("speed of elbow_joint"), "{view}");
+        let (speed, left) = (list(&view["x"]), list(&view["without"]));
+        let fastest = number(&left[left.len() - 1]) / number(&speed[speed.len() - 1]);
+        assert!((fastest + 5.0).abs() < 1.0, "{fastest}");
         let mass = of("payload", "wrist_3_joint", "mass");
         assert!((mass - 0.8).abs() < 0.05, "{mass}");
         let replayed = |when: &str| number(&diagnosis["replay"][when]["elbow_joint"]);

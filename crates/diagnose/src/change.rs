@@ -28,7 +28,7 @@ pub fn diagnose_change(
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
     let mut difference = diagnose_from(&known, &all, reference.len(), band)?;
     known.put_back_into(&mut difference);
-    Ok((known.model, difference))
+    Ok((difference.believed.clone(), difference))
 }
 
 /// A model that holds more than a rigid body: what it knows is taken out of recordings, and they are compared with

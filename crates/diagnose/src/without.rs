@@ -1,5 +1,7 @@
 //! The model without one of its findings: what the finding explains is the difference.
 
+use armident_effects::EffectOnJoint;
+
 use crate::findings::Finding;
 use crate::model::DiagnosedModel;
 
@@ -12,10 +14,16 @@ impl DiagnosedModel {
         let is_on = |joint: &str| finding.joints.first().is_some_and(|j| j == joint);
         let index = model.arm.chain.joints.iter().position(|j| is_on(&j.name));
         let slug = finding.effect.as_str();
-        // what was known before stands first
-        for effects in [&mut model.arm.effects, &mut model.learned.couplings] {
-            if let Some(k) = effects.iter().rposition(|e| e.effect == slug && is_on(&e.joint)) {
-                effects.remove(k);
+        let is_it = |e: &EffectOnJoint| e.effect == slug && is_on(&e.joint);
+        // what was known before stands first, or is one with what was found
+        let known = before.arm.effects.iter().filter(|e| is_it(e)).count();
+        for (effects, known) in [(&mut model.arm.effects, known), (&mut model.learned.couplings, 0)]
+        {
+            let Some(k) = effects.iter().rposition(is_it) else { continue };
+            let found = finding.parameters.values().next().map(|number| number.value);
+            match (effects.iter().filter(|e| is_it(e)).count(), found) {
+                (all, Some(found)) if all == known => effects[k].parameters[0] -= found,
+                _ => drop(effects.remove(k)),
             }
         }
         let (learned, earlier) = (&mut model.learned, &before.learned);
