@@ -155,11 +155,11 @@ pub(crate) fn of_models<'a>(
 
 /// What is drawn of a diagnosis.
 pub(crate) fn of_diagnosis(
-    before: &DiagnosedModel,
     diagnosis: &Diagnosis,
     train: &[Recording],
     holdout: &[Recording],
 ) -> Result<Drawing, Failure> {
+    let before = &diagnosis.believed;
     let models: [&dyn Predicts; 3] = [before, &diagnosis.rigid, &diagnosis.model];
     let mut all = compared(&models, train, Role::Training, None, 0.0)?;
     all.extend(compared(&models, holdout, Role::Holdout, None, 0.0)?);

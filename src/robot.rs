@@ -56,7 +56,6 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
 }
 
 /// The arm with all that its file holds: of a model that a diagnosis wrote, what it learned too.
-#[derive(Clone)]
 pub(crate) struct Robot {
     /// Links, and effects on joints.
     pub(crate) arm: ArmModel,
@@ -105,6 +104,22 @@ impl Predicts for Robot {
 }
 
 impl Robot {
+    /// Efforts of recordings whose motions are formed already, on the grids of these.
+    pub(crate) fn on_grids(
+        &self,
+        motions: &[Motion],
+        recordings: &[Recording],
+    ) -> Result<Vec<Vec<Vec<f64>>>, Failure> {
+        let Some(diagnosed) = self.diagnosed() else {
+            return Ok(motions.iter().map(|m| self.arm.predict(m)).collect::<Result<_, _>>()?);
+        };
+        let on_grid = |(motion, recording): (&Motion, &Recording)| {
+            let at_stamps = diagnosed.predict(recording)?;
+            Ok(at_stamps.iter().map(|effort| motion.on_grid(effort)).collect())
+        };
+        motions.iter().zip(recordings).map(on_grid).collect()
+    }
+
     fn diagnosed(&self) -> Option<DiagnosedModel> {
         let learned = self.learned.clone()?;
         Some(DiagnosedModel { arm: self.arm.clone(), learned })

@@ -110,7 +110,7 @@ fn print_set(
             let said = match heard {
                 None => "columns in doubt".to_owned(),
                 Some(heard) => {
-                    let mut diagnosis = heard?.1;
+                    let mut diagnosis = heard?;
                     diagnosis.doubt_gains(&books.drive_gains);
                     said(&diagnosis)
                 }

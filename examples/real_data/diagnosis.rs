@@ -142,10 +142,10 @@ fn heard(
     let heard = books.hear(model.chain.dof(), train, &[], |train, _| {
         let (diagnosis, tried) = diagnose_with_placebo(model, train, Some(PLACEBOS))?;
         placebo = tried.unwrap_or_default();
-        Ok((diagnosis.believed.clone(), diagnosis))
+        Ok(diagnosis)
     });
     Ok(match heard {
-        Some(heard) => Some(Said { diagnosis: heard?.1, placebo, books }),
+        Some(heard) => Some(Said { diagnosis: heard?, placebo, books }),
         None => None,
     })
 }

@@ -76,7 +76,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
             None => diagnose_with_placebo(&model, train, args.placebo)?,
         };
         placebo = tried;
-        Ok((found.believed.clone(), found))
+        Ok(found)
     });
     let Some(heard) = heard else {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
@@ -98,7 +98,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
             drawing.as_ref(),
         );
     };
-    let (before, mut diagnosis) = heard?;
+    let mut diagnosis = heard?;
     diagnosis.doubt_gains(&books.drive_gains);
     if !holdout.is_empty() {
         diagnosis.confirm(&holdout)?;
@@ -123,15 +123,12 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         }
         None => None,
     };
-    let fits = Fits {
-        train: pooled(&diagnosis, &before, &train)?,
-        holdout: pooled(&diagnosis, &before, &holdout)?,
-    };
+    let fits = Fits { train: pooled(&diagnosis, &train)?, holdout: pooled(&diagnosis, &holdout)? };
     let whiteness = diagnosis.whiteness(&holdout)?;
     let replay = if holdout.is_empty() || args.no_replay {
         None
     } else {
-        replayed(&before, &diagnosis.model, &holdout)
+        replayed(&diagnosis.believed, &diagnosis.model, &holdout)
     };
     let report = DiagnoseReport::new(&model.chain, &diagnosis, inputs, fits)
         .with_proof(whiteness, replay)
@@ -139,7 +136,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         .with_placebo(placebo)
         .with_next_motion(args.next_motion.is_some(), next);
     let drawing = if args.page.wanted() {
-        let mut drawing = page::of_diagnosis(&before, &diagnosis, &train, &holdout)?;
+        let mut drawing = page::of_diagnosis(&diagnosis, &train, &holdout)?;
         let files = used(args, &train_files, &holdout_files, &reference_files);
         drawing.provenance = page::provenance(&args.page, files);
         Some(drawing)
@@ -194,16 +191,12 @@ fn replayed(
 }
 
 /// Errors over several recordings, by their numbers of samples; none without recordings.
-fn pooled(
-    diagnosis: &Diagnosis,
-    before: &DiagnosedModel,
-    recordings: &[Recording],
-) -> Result<Option<Errors>, Failure> {
+fn pooled(diagnosis: &Diagnosis, recordings: &[Recording]) -> Result<Option<Errors>, Failure> {
     if recordings.is_empty() {
         return Ok(None);
     }
     let errors: Vec<Errors> =
-        recordings.iter().map(|r| diagnosis.errors(before, r)).collect::<Result<_, _>>()?;
+        recordings.iter().map(|r| diagnosis.errors(r)).collect::<Result<_, _>>()?;
     let total: usize = recordings.iter().map(Recording::len).sum();
     let pool = |of: &dyn Fn(&Errors) -> &BTreeMap<String, f64>| -> BTreeMap<String, f64> {
         let mut squares: BTreeMap<String, f64> = BTreeMap::new();

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
 use armident_page::Role;
-use armident_recording::{Motion, Recording};
+use armident_recording::Motion;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
@@ -72,10 +72,12 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         notes.extend(lost.iter().map(|what| format!("not in the forward replay: {what}")));
         (replayed("URDF", &before), replayed("model", &simulated))
     };
-    let efforts_before = efforts(&before, &recorded, cutoff_hz)?;
-    let efforts_after = efforts(&robot, &recorded, cutoff_hz)?;
+    let without_effects: Vec<_> =
+        motions.iter().map(|motion| before.predict(motion)).collect::<Result<_, _>>()?;
+    let whole = robot.on_grids(&motions, &recorded)?;
     if let Some(path) = &args.predictions {
-        let predicted = predict::as_recording(&names, &recorded[0], efforts_after[0].clone())?;
+        let efforts = robot.efforts(&recorded[0], cutoff_hz)?.efforts;
+        let predicted = predict::as_recording(&names, &recorded[0], efforts)?;
         let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
     }
@@ -84,8 +86,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         robot: model.chain.robot.clone(),
         model: args.robot.display().to_string(),
         recordings: recorded.iter().map(|r| r.source.clone()).collect(),
-        before: errors(&before, &motions, &efforts_before),
-        after: errors(model, &motions, &efforts_after),
+        before: errors(&before, &motions, &without_effects),
+        after: errors(model, &motions, &whole),
         replay_before,
         replay_after,
         joints: names,
@@ -103,15 +105,6 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }
 
-/// Efforts of every recording at its stamps.
-fn efforts(
-    model: &dyn Predicts,
-    recordings: &[Recording],
-    cutoff_hz: Option<f64>,
-) -> Result<Vec<Vec<Vec<f64>>>, Failure> {
-    recordings.iter().map(|r| Ok(model.efforts(r, cutoff_hz)?.efforts)).collect()
-}
-
 fn errors(
     model: &ArmModel,
     motions: &[Motion],
@@ -126,11 +119,7 @@ fn errors(
         lag1_correlation: known(e.lag1_correlation),
         whiteness_p: known(e.whiteness_p),
     };
-    let on_grid = |(motion, efforts): (&Motion, &Vec<Vec<f64>>)| -> Vec<Vec<f64>> {
-        efforts.iter().map(|effort| motion.on_grid(effort)).collect()
-    };
-    let on_grid: Vec<Vec<Vec<f64>>> = motions.iter().zip(efforts).map(on_grid).collect();
-    let all = effort_errors(model, motions, &on_grid);
+    let all = effort_errors(model, motions, efforts);
     let names = model.chain.joints.iter().map(|j| j.name.clone());
     names.zip(all.iter().map(row)).collect()
 }

@@ -32,6 +32,11 @@ pub enum CaseKind {
 }
 
 impl CaseKind {
+    /// Whether joints rub, clocks are uneven and inertials are wrong.
+    pub(crate) fn is_field(self) -> bool {
+        self != Self::Clean
+    }
+
     /// Name in tables and answers.
     pub fn name(self) -> &'static str {
         match self {
@@ -88,7 +93,7 @@ fn is_everyday(slug: &str) -> bool {
 pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
     let mut random = Draw::new(seed ^ 0x5eed);
     let slugs = concealable(kind);
-    if kind != CaseKind::Clean && random.chance(0.1) {
+    if kind.is_field() && random.chance(0.1) {
         return Vec::new();
     }
     let first = slugs[(seed % slugs.len() as u64) as usize];
@@ -141,7 +146,7 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
     let scene = Scene::draw(&robot, request, &mut random);
     let mut last = None;
     // stick phases are not known before the first simulation
-    let margin = if scene.field { UNSEEN_STICK_PHASES } else { 1.0 };
+    let margin = if scene.kind.is_field() { UNSEEN_STICK_PHASES } else { 1.0 };
     let mut noise: Vec<f64> = scene.sensing.sigma.iter().map(|sigma| margin * sigma).collect();
     for _ in 0..MOST_SIMULATIONS {
         let mut random = random.branch();
@@ -185,7 +190,6 @@ fn known_slug(slug: &str, kind: CaseKind) -> Result<&'static str, ChallengeError
 /// What is drawn before the effects.
 pub(crate) struct Scene<'a> {
     pub(crate) robot: &'a Robot,
-    pub(crate) field: bool,
     pub(crate) kind: CaseKind,
     pub(crate) background: f64,
     /// The true links.
@@ -208,7 +212,7 @@ pub(crate) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn draw(robot: &'a Robot, request: &CaseRequest, random: &mut Draw) -> Self {
-        let field = request.kind != CaseKind::Clean;
+        let field = request.kind.is_field();
         let workspace = Workspace::draw(robot, random);
         let (rate_hz, duration_s) = if field {
             (random.one_of(&[100.0, 125.0, 200.0, 200.0, 250.0, 500.0]), random.between(12.0, 18.0))
@@ -250,7 +254,6 @@ impl<'a> Scene<'a> {
         }
         Self {
             robot,
-            field,
             kind: request.kind,
             background,
             chain,
@@ -269,7 +272,7 @@ impl<'a> Scene<'a> {
 
     /// Everyday friction during a recording that no special law contains.
     fn everyday(&self, drafts: &[Sized], file: usize) -> Vec<EffectOnJoint> {
-        if !self.field {
+        if !self.kind.is_field() {
             return Vec::new();
         }
         let mut list = Vec::new();
@@ -467,7 +470,7 @@ fn simulate(
     let believed = robot.arm();
     let unknown: Vec<f64> = (0..robot.dof())
         .map(|j| {
-            let dry = if scene.field { 2.0 * scene.level[j] } else { 0.0 };
+            let dry = if scene.kind.is_field() { 2.0 * scene.level[j] } else { 0.0 };
             let special: f64 = drafts.iter().map(|sized| sized.torque[j]).sum();
             UNKNOWN_SHARE * scene.range[j] + dry + special
         })

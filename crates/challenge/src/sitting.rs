@@ -90,16 +90,15 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         if !before.is_empty() {
             return diagnose_change(&believed, before, train);
         }
-        let diagnosis = diagnose(&believed, train)?;
-        Ok((diagnosis.believed.clone(), diagnosis))
+        diagnose(&believed, train)
     });
     let Some(heard) = heard else {
         return handed_in(&DiagnoseReport::of_wrong_books(&believed.chain, &books, inputs), None);
     };
-    let (before, mut diagnosis) = heard.map_err(|e| told(&e))?;
+    let mut diagnosis = heard.map_err(|e| told(&e))?;
     diagnosis.doubt_gains(&books.drive_gains);
     diagnosis.confirm(std::slice::from_ref(&holdout)).map_err(|e| told(&e))?;
-    let on_holdout = diagnosis.errors(&before, &holdout).map_err(|e| told(&e))?;
+    let on_holdout = diagnosis.errors(&holdout).map_err(|e| told(&e))?;
     let model_json = diagnosis.model.to_json().map_err(|e| told(&e))?;
     let efforts = diagnosis.model.predict(&paper.exam_motion).map_err(|e| told(&e))?;
     let channels = diagnosis

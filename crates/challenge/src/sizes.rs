@@ -204,7 +204,7 @@ pub(crate) fn visibility(
     let nothing = Projection { base: false, plain: Box::new(|_, _| false) };
     let naming_margin = observer.visible(&rows, &strict, active);
     Visibility {
-        observability: if scene.field {
+        observability: if scene.kind.is_field() {
             naming_margin
         } else {
             observer.visible(&rows, &plain, active)

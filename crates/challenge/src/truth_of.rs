@@ -36,7 +36,7 @@ pub(crate) struct Made {
 /// What noise and stick phases leave to a careful user \[N m or N\].
 pub(crate) fn effective_noise(scene: &Scene<'_>, made: &Made) -> Vec<f64> {
     let of_joint = |(name, sigma): (&String, &f64)| match made.holdout.attainable_rmse.get(name) {
-        Some(attainable) if scene.field => attainable.max(*sigma),
+        Some(attainable) if scene.kind.is_field() => attainable.max(*sigma),
         _ => *sigma,
     };
     scene.robot.names.iter().zip(&scene.sensing.sigma).map(of_joint).collect()
@@ -58,8 +58,11 @@ pub(crate) fn truth_of(
     let motions: Vec<&Exact> = made.exact[..2].iter().collect();
     let arm = RigidArm::from_chain(&scene.chain);
     let observer = Observer::new(&arm, &motions, effective);
-    let body_noise =
-        if scene.field { with_background(scene, &motions, effective) } else { effective.to_vec() };
+    let body_noise = if scene.kind.is_field() {
+        with_background(scene, &motions, effective)
+    } else {
+        effective.to_vec()
+    };
     let bodies = Observer::new(&arm, &motions, &body_noise);
     let mut effects = Vec::new();
     let [least, most] = kept(request.margin);
@@ -84,7 +87,7 @@ pub(crate) fn truth_of(
     let rates = FILES.iter().zip(scene.rates_hz).map(|(file, rate)| ((*file).to_owned(), rate));
     Ok(Some(Truth {
         schema: "armident.challenge/1".to_owned(),
-        kind: scene.field.then(|| scene.kind.name().to_owned()),
+        kind: scene.kind.is_field().then(|| scene.kind.name().to_owned()),
         case: request.name.clone(),
         robot: request.robot.clone(),
         tip_link: tip.clone(),
@@ -99,18 +102,18 @@ pub(crate) fn truth_of(
         bodies: scene.robot.bodies(),
         noise: NoiseTruth {
             effort_sigma: named(sigma),
-            effective_sigma: if scene.field { named(effective) } else { BTreeMap::new() },
+            effective_sigma: if scene.kind.is_field() { named(effective) } else { BTreeMap::new() },
             effort_fraction: scene.noise_share,
             effort_colour: scene.sensing.colour,
             encoder_resolution: named(&scene.sensing.count),
             velocity: scene.sensing.velocity.clone(),
         },
-        sample_rate: if scene.field {
+        sample_rate: if scene.kind.is_field() {
             SampleRate::PerFile(rates.collect())
         } else {
             SampleRate::All(scene.rates_hz[0])
         },
-        dirt: scene.field.then(|| {
+        dirt: scene.kind.is_field().then(|| {
             json!({
                 "clock_jitter_of_step": scene.sensing.jitter,
                 "lost_samples": scene.sensing.lost,
@@ -189,7 +192,7 @@ fn everyday(
     motions: &[&Exact],
 ) -> Vec<EverydayFriction> {
     let mut list = Vec::new();
-    if !scene.field {
+    if !scene.kind.is_field() {
         return list;
     }
     for (j, name) in scene.robot.names.iter().enumerate() {

@@ -12,7 +12,6 @@ use crate::atlas::JointAtlas;
 use crate::band::BAND_HZ;
 use crate::diagnosis::{DiagnoseError, Diagnosis, usable_signals};
 use crate::findings::Finding;
-use crate::model::DiagnosedModel;
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
@@ -46,8 +45,8 @@ impl DriveGain {
     }
 }
 
-/// The model believed before, and a diagnosis against it.
-pub type Heard = Result<(DiagnosedModel, Diagnosis), DiagnoseError>;
+/// A diagnosis, or why there is none.
+pub type Heard = Result<Diagnosis, DiagnoseError>;
 
 /// What recordings say of their own columns.
 #[derive(Debug, Clone, Default)]
@@ -164,7 +163,7 @@ impl Books {
         mut run: impl FnMut(&[Recording], &[Recording]) -> Heard,
     ) -> Option<Heard> {
         let heard = run(recordings, reference);
-        if let Ok((_, diagnosis)) = &heard {
+        if let Ok(diagnosis) = &heard {
             self.take_back(diagnosis);
         }
         if self.faults.is_empty() {

@@ -11,9 +11,7 @@ use crate::placebo::Placebo;
 use crate::signals::Signals;
 
 /// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
-/// beyond the believed model is learned first and is no finding.
-///
-/// Gives what was learned of the reference, and the diagnosis of the difference.
+/// beyond the believed model is learned first and is no finding. The models of the diagnosis have it as well.
 ///
 /// # Errors
 /// [`DiagnoseError`].
@@ -21,14 +19,14 @@ pub fn diagnose_change(
     model: &ArmModel,
     reference: &[Recording],
     after: &[Recording],
-) -> Result<(DiagnosedModel, Diagnosis), DiagnoseError> {
+) -> Result<Diagnosis, DiagnoseError> {
     let (before, band) = model_of(model, reference)?;
     let known = Known::of(before);
     let all = [reference, after].concat();
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
     let mut difference = diagnose_from(&known, &all, reference.len(), band)?;
     known.put_back_into(&mut difference);
-    Ok((difference.believed.clone(), difference))
+    Ok(difference)
 }
 
 /// A model that holds more than a rigid body: what it knows is taken out of recordings, and they are compared with

@@ -47,8 +47,8 @@ pub struct Diagnosis {
     pub model: DiagnosedModel,
     /// The believed model with its rigid body identified again.
     pub rigid: DiagnosedModel,
-    /// The believed model, with the low-passes of the diagnosed one: what these take of the noise of encoders
-    /// is no physics.
+    /// The model before: the believed one, with what is known of a reference or of a model, and the low-passes of the
+    /// diagnosed one: what these take of the noise of encoders is no physics.
     pub believed: DiagnosedModel,
     /// for each finding, the model that does without it
     pub(crate) without: Vec<Option<DiagnosedModel>>,
@@ -344,16 +344,12 @@ impl Diagnosis {
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub fn errors(
-        &self,
-        before: &DiagnosedModel,
-        recording: &Recording,
-    ) -> Result<Errors, RecordingError> {
+    pub fn errors(&self, recording: &Recording) -> Result<Errors, RecordingError> {
         let of = |model: &DiagnosedModel| -> Result<BTreeMap<String, f64>, RecordingError> {
             let squares = self.squares(model, recording)?.into_iter();
             Ok(squares.map(|(name, s)| (name, (s / recording.len() as f64).sqrt())).collect())
         };
-        Ok(Errors { before: of(before)?, rigid: of(&self.rigid)?, after: of(&self.model)? })
+        Ok(Errors { before: of(&self.believed)?, rigid: of(&self.rigid)?, after: of(&self.model)? })
     }
 
     /// Marks every finding as confirmed or not by recordings that the model was not fitted to: whether
