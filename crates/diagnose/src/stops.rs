@@ -6,7 +6,7 @@
 //! friction reverses is told by the rests in which the joint turns back.
 
 use armident_recording::{
-    Continuation, QUARTIC_TERMS, ZeroPhaseLowPass, differentiate, quartic_through,
+    Continuation, QUARTIC_TERMS, Quartics, ZeroPhaseLowPass, differentiate,
 };
 
 /// A speed below this many standard deviations of its noise has no sign...
@@ -432,8 +432,9 @@ fn rests(
 
 /// Whether a quartic leaves no more than that.
 fn is_smooth(position: &[f64], noise: f64) -> bool {
-    let Some(quartic) = quartic_through(position, 0.0) else { return true };
     let n = position.len();
+    let Some(quartics) = Quartics::of_length(n, 0.0) else { return true };
+    let quartic = quartics.through(position);
     let squares = position.iter().enumerate().map(|(k, q)| (q - quartic(k as f64)).powi(2));
     squares.sum::<f64>() <= (n - QUARTIC_TERMS) as f64 * noise * noise
 }

@@ -88,7 +88,7 @@ impl ZeroPhaseLowPass {
     }
 
     /// Signals of one length, forward and backward, continued at both ends by odd extension.
-    fn filter_together<const W: usize>(&self, mut signals: [&mut [f64]; W]) {
+    pub(crate) fn filter_together<const W: usize>(&self, mut signals: [&mut [f64]; W]) {
         let n = signals[0].len();
         let Some(last) = n.checked_sub(1) else { return };
         let pad = self.default_pad().min(last);
@@ -122,7 +122,7 @@ impl ZeroPhaseLowPass {
     }
 
     /// Samples of extension at each end: three times the number of coefficients.
-    fn default_pad(&self) -> usize {
+    pub(crate) fn default_pad(&self) -> usize {
         let first_order_sections = self.order % 2;
         3 * (2 * self.steady_sections.len() + 1 - first_order_sections)
     }

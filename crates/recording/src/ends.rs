@@ -26,6 +26,8 @@ const FEWEST_CUTS: usize = 16;
 const BEFORE_PERIODS: f64 = 8.0;
 const AFTER_PERIODS: f64 = 4.0;
 const COUNTED_PERIODS: f64 = 1.0;
+/// Samples on one side that a derivative is formed of, at most.
+const REACH: usize = 4;
 
 /// How a motion goes on past the ends of its recording: along a quartic through what is recorded there, so that a
 /// recording that is cut out of a motion has its speed and acceleration up to the cut; held where the last tenth of
@@ -53,10 +55,10 @@ impl Continuation {
         if room == 0 {
             return Self { e_folds: USUAL };
         }
-        let derivative = |values: &[f64]| -> Vec<f64> {
-            let smooth = low_pass.filter(values);
-            (0..order).fold(smooth, |values, _| differentiate(&values, rate_hz))
-        };
+        let ahead = E_FOLDS.map(|e_folds| Ahead::of(Self { e_folds }, before, low_pass));
+        // all of it is linear: off is what the difference after the cut makes of nothing before it, of which as much
+        // counts as formulas reach
+        let first = before.saturating_sub(counted + low_pass.default_pad() + REACH * order);
         let cuts = (TRIED_SAMPLES / (before + after)).max(FEWEST_CUTS).min(room);
         let mut squares = [0.0; E_FOLDS.len()];
         for cut in 0..cuts {
@@ -66,12 +68,17 @@ impl Continuation {
             if cut % 2 == 1 {
                 piece.reverse();
             }
-            let whole = derivative(&piece);
-            for (square, e_folds) in squares.iter_mut().zip(E_FOLDS) {
-                let after = Self { e_folds }.next(&piece[..before], after, low_pass);
-                let cut = derivative(&[&piece[..before], &after].concat());
-                let off = cut.iter().zip(&whole).take(before).skip(before - counted);
-                *square += off.map(|(cut, whole)| (cut - whole).powi(2)).sum::<f64>();
+            let (before_cut, after_cut) = piece.split_at(before);
+            let mut off = ahead.each_ref().map(|ahead| {
+                let next = ahead.next(before_cut, after);
+                let off = next.iter().zip(after_cut).map(|(next, x)| next - x);
+                std::iter::repeat_n(0.0, before - first).chain(off).collect::<Vec<f64>>()
+            });
+            low_pass.filter_together(off.each_mut().map(|off| &mut off[..]));
+            for (square, off) in squares.iter_mut().zip(off) {
+                let off = (0..order).fold(off, |values, _| differentiate(&values, rate_hz));
+                let counted = &off[before - counted - first..before - first];
+                *square += counted.iter().map(|x| x * x).sum::<f64>();
             }
         }
         let least = (0..E_FOLDS.len()).min_by(|a, b| squares[*a].total_cmp(&squares[*b]));
@@ -87,49 +94,89 @@ impl Continuation {
         // over more than that a polynomial goes astray
         let margin = margin.min(2 * values.len() / 3);
         let reversed: Vec<f64> = values.iter().rev().copied().collect();
-        let before = self.next(&reversed, margin, low_pass);
-        let after = self.next(values, margin, low_pass);
+        let ahead = Ahead::of(self, values.len(), low_pass);
+        let before = ahead.next(&reversed, margin);
+        let after = ahead.next(values, margin);
         let all = before.iter().rev().chain(values).chain(&after).copied().collect();
         (all, margin)
     }
+}
+
+/// What continues series of one length.
+struct Ahead {
+    /// how many of the last values are looked at
+    fitted: usize,
+    quartics: Option<Quartics>,
+}
+
+impl Ahead {
+    /// For series of so many values.
+    fn of(continuation: Continuation, count: usize, low_pass: &ZeroPhaseLowPass) -> Self {
+        let periods = FITTED_PERIODS * low_pass.rate_hz() / low_pass.cutoff_hz();
+        let fitted = (periods.round() as usize).max(FEWEST).min(count);
+        let enough = fitted >= 2 * QUARTIC_TERMS;
+        let quartics = enough.then(|| Quartics::of_length(fitted, continuation.e_folds)).flatten();
+        Self { fitted, quartics }
+    }
 
     /// The next values of a series.
-    fn next(self, values: &[f64], count: usize, low_pass: &ZeroPhaseLowPass) -> Vec<f64> {
-        let fitted = (FITTED_PERIODS * low_pass.rate_hz() / low_pass.cutoff_hz()).round() as usize;
-        let values = &values[values.len().saturating_sub(fitted.max(FEWEST))..];
+    fn next(&self, values: &[f64], count: usize) -> Vec<f64> {
+        let values = &values[values.len() - self.fitted..];
         let n = values.len();
         let last = values[n - 1];
-        if n < 2 * QUARTIC_TERMS || values[n - (n / 10).max(3)..].iter().all(|x| *x == last) {
-            return vec![last; count];
-        }
-        match quartic_through(values, self.e_folds) {
-            Some(quartic) => (n..n + count).map(|k| quartic(k as f64)).collect(),
-            None => vec![last; count],
+        match &self.quartics {
+            Some(quartics) if values[n - (n / 10).max(3)..].iter().any(|x| *x != last) => {
+                let quartic = quartics.through(values);
+                (n..n + count).map(|k| quartic(k as f64)).collect()
+            }
+            _ => vec![last; count],
         }
     }
 }
 
-/// The least-squares quartic of the index; the square of the last error counts `e_folds` times e more than that of
-/// the first. None through five values or fewer.
-pub fn quartic_through(values: &[f64], e_folds: f64) -> Option<impl Fn(f64) -> f64> {
-    let n = values.len();
-    if n <= QUARTIC_TERMS {
-        return None;
+/// Least-squares quartics of the index through series of one length.
+#[derive(Debug, Clone)]
+pub struct Quartics {
+    length: usize,
+    /// powers of the index, each row times its weight
+    weighted: Vec<[f64; QUARTIC_TERMS]>,
+    cholesky: Cholesky,
+}
+
+impl Quartics {
+    /// The square of the last error counts `e_folds` times e more than that of the first. None for five values or
+    /// fewer.
+    pub fn of_length(length: usize, e_folds: f64) -> Option<Self> {
+        if length <= QUARTIC_TERMS {
+            return None;
+        }
+        let rows: Vec<_> = (0..length).map(|k| powers(k as f64, length)).collect();
+        let weighted: Vec<_> =
+            rows.iter().map(|row| row.map(|x| (e_folds * row[1]).exp() * x)).collect();
+        let product =
+            |a: usize, b: usize| weighted.iter().zip(&rows).map(|(w, row)| w[a] * row[b]).sum();
+        let cholesky = Cholesky::of(QUARTIC_TERMS, product)?;
+        Some(Self { length, weighted, cholesky })
     }
-    // index from the last value, in lengths of the series
-    let powers = move |k: f64| -> [f64; QUARTIC_TERMS] {
-        let x = (k - (n - 1) as f64) / n as f64;
-        std::array::from_fn(|p| x.powi(p as i32))
-    };
-    let rows: Vec<[f64; QUARTIC_TERMS]> = (0..n).map(|k| powers(k as f64)).collect();
-    let weights: Vec<f64> = rows.iter().map(|row| (e_folds * row[1]).exp()).collect();
-    let weighted = || rows.iter().zip(&weights);
-    let product = |a: usize, b: usize| weighted().map(|(row, w)| w * row[a] * row[b]).sum::<f64>();
-    let rhs: Vec<f64> = (0..QUARTIC_TERMS)
-        .map(|a| weighted().zip(values).map(|((row, w), x)| w * row[a] * x).sum())
-        .collect();
-    let c = Cholesky::of(QUARTIC_TERMS, product)?.solve(&rhs);
-    Some(move |k: f64| c.iter().zip(powers(k)).map(|(c, p)| c * p).sum())
+
+    /// The quartic through values, as many as the length.
+    pub fn through(&self, values: &[f64]) -> impl Fn(f64) -> f64 + use<> {
+        let mut rhs = [0.0; QUARTIC_TERMS];
+        for (row, x) in self.weighted.iter().zip(values) {
+            for (sum, w) in rhs.iter_mut().zip(row) {
+                *sum += w * x;
+            }
+        }
+        let (c, length) = (self.cholesky.solve(&rhs), self.length);
+        move |k: f64| c.iter().zip(powers(k, length)).map(|(c, p)| c * p).sum()
+    }
+}
+
+/// Powers of an index, counted from the last value in lengths of the series.
+fn powers(k: f64, length: usize) -> [f64; QUARTIC_TERMS] {
+    let x = (k - (length - 1) as f64) / length as f64;
+    let square = x * x;
+    [1.0, x, square, x * square, square * square]
 }
 
 impl ZeroPhaseLowPass {

@@ -131,7 +131,7 @@ pub use cutoff::{
 };
 pub use differentiate::differentiate;
 pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
-pub use ends::{Continuation, QUARTIC_TERMS, quartic_through};
+pub use ends::{Continuation, QUARTIC_TERMS, Quartics};
 pub use error::{Fault, RecordingError};
 pub use finding::{Action, Finding, FindingKind, Span};
 pub use mapping::Mapping;
