@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_diagnose::{DiagnosedModel, Diagnosis, Finding};
+use armident_diagnose::{DiagnosedModel, Diagnosis, Finding, Seen};
 use armident_kinematics::DrivingAxisChain;
 use armident_page::{
     Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
@@ -156,26 +156,26 @@ pub(crate) fn of_models<'a>(
 /// What is drawn of a diagnosis.
 pub(crate) fn of_diagnosis(
     diagnosis: &Diagnosis,
-    train: &[Recording],
-    holdout: &[Recording],
+    train: &[Seen<'_>],
+    holdout: &[Seen<'_>],
 ) -> Result<Drawing, Failure> {
     let before = &diagnosis.believed;
-    let models: [&dyn Predicts; 3] = [before, &diagnosis.rigid, &diagnosis.model];
-    let mut all = compared(&models, train, Role::Training, None, 0.0)?;
-    all.extend(compared(&models, holdout, Role::Holdout, None, 0.0)?);
+    let models = [before, &diagnosis.rigid, &diagnosis.model];
+    let mut all = Vec::new();
+    let kept_out = holdout.iter().map(|seen| (seen, Role::Holdout));
+    for (seen, role) in train.iter().map(|seen| (seen, Role::Training)).chain(kept_out) {
+        let predicted = models.iter().map(|m| m.predict_seen(seen)).collect::<Result<_, _>>()?;
+        all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });
+    }
     let chain = &before.arm.chain;
     let canvas = Canvas::new(chain, &["before", "rigid", "after"], &all)?;
     let mut drawing = canvas.drawing();
     for finding in &diagnosis.findings {
         let model = diagnosis.model.without(finding, before);
         // a finding is looked at on what it was found in
-        let without = all
-            .iter()
-            .map(|c| match c.role {
-                Role::Training => model.predict(c.recording),
-                Role::Holdout => Ok(Vec::new()),
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut without =
+            train.iter().map(|seen| model.predict_seen(seen)).collect::<Result<Vec<_>, _>>()?;
+        without.resize(all.len(), Vec::new());
         drawing.findings.push(canvas.finding(&place(finding, before), &without));
     }
     drawing.correlation = diagnosis.constants.as_ref().map(|found| Correlation {

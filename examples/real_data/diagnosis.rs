@@ -59,7 +59,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
             println!("| {} | all | - | - | - | columns in doubt |", set.folder);
             continue;
         };
-        diagnosis.confirm(&holdout)?;
+        diagnosis.confirm(&diagnosis.see(&holdout)?)?;
         let plain = plain_errors(&data, &train, &holdout)?;
         let identified = identified_errors(&data, &train, &holdout)?;
         let after = diagnosed_errors(&diagnosis.model, &holdout)?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_diagnose::{
-    Books, DiagnosedModel, Diagnosis, Errors, Known, diagnose_change, diagnose_with_placebo,
+    Books, DiagnosedModel, Errors, Known, Seen, diagnose_change, diagnose_with_placebo,
 };
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
 use armident_page::Role;
@@ -100,9 +100,8 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     };
     let mut diagnosis = heard?;
     diagnosis.doubt_gains(&books.drive_gains);
-    if !holdout.is_empty() {
-        diagnosis.confirm(&holdout)?;
-    }
+    let (seen_train, seen_holdout) = (diagnosis.see(&train)?, diagnosis.see(&holdout)?);
+    diagnosis.confirm(&seen_holdout)?;
     drop(progress);
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
@@ -123,8 +122,11 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         }
         None => None,
     };
-    let fits = Fits { train: pooled(&diagnosis, &train)?, holdout: pooled(&diagnosis, &holdout)? };
-    let whiteness = diagnosis.whiteness(&holdout)?;
+    let errors = |of: &[Seen<'_>]| -> Result<Option<Errors>, Failure> {
+        Ok(if of.is_empty() { None } else { Some(diagnosis.errors(of)?) })
+    };
+    let fits = Fits { train: errors(&seen_train)?, holdout: errors(&seen_holdout)? };
+    let whiteness = diagnosis.whiteness(&seen_holdout)?;
     let replay = if holdout.is_empty() || args.no_replay {
         None
     } else {
@@ -136,7 +138,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         .with_placebo(placebo)
         .with_next_motion(args.next_motion.is_some(), next);
     let drawing = if args.page.wanted() {
-        let mut drawing = page::of_diagnosis(&diagnosis, &train, &holdout)?;
+        let mut drawing = page::of_diagnosis(&diagnosis, &seen_train, &seen_holdout)?;
         let files = used(args, &train_files, &holdout_files, &reference_files);
         drawing.provenance = page::provenance(&args.page, files);
         Some(drawing)
@@ -188,28 +190,4 @@ fn replayed(
         Some(joints.iter().map(ToString::to_string).zip(errors).collect())
     };
     Some(ReplayPair { window_s: REPLAY_WINDOW_S, before: of(before)?, after: of(after)? })
-}
-
-/// Errors over several recordings, by their numbers of samples; none without recordings.
-fn pooled(diagnosis: &Diagnosis, recordings: &[Recording]) -> Result<Option<Errors>, Failure> {
-    if recordings.is_empty() {
-        return Ok(None);
-    }
-    let errors: Vec<Errors> =
-        recordings.iter().map(|r| diagnosis.errors(r)).collect::<Result<_, _>>()?;
-    let total: usize = recordings.iter().map(Recording::len).sum();
-    let pool = |of: &dyn Fn(&Errors) -> &BTreeMap<String, f64>| -> BTreeMap<String, f64> {
-        let mut squares: BTreeMap<String, f64> = BTreeMap::new();
-        for (errors, recording) in errors.iter().zip(recordings) {
-            for (joint, rmse) in of(errors) {
-                *squares.entry(joint.clone()).or_default() += rmse * rmse * recording.len() as f64;
-            }
-        }
-        squares.into_iter().map(|(joint, s)| (joint, (s / total as f64).sqrt())).collect()
-    };
-    Ok(Some(Errors {
-        before: pool(&|e| &e.before),
-        rigid: pool(&|e| &e.rigid),
-        after: pool(&|e| &e.after),
-    }))
 }

@@ -97,8 +97,9 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     };
     let mut diagnosis = heard.map_err(|e| told(&e))?;
     diagnosis.doubt_gains(&books.drive_gains);
-    diagnosis.confirm(std::slice::from_ref(&holdout)).map_err(|e| told(&e))?;
-    let on_holdout = diagnosis.errors(&holdout).map_err(|e| told(&e))?;
+    let seen = diagnosis.see(std::slice::from_ref(&holdout)).map_err(|e| told(&e))?;
+    diagnosis.confirm(&seen).map_err(|e| told(&e))?;
+    let on_holdout = diagnosis.errors(&seen).map_err(|e| told(&e))?;
     let model_json = diagnosis.model.to_json().map_err(|e| told(&e))?;
     let efforts = diagnosis.model.predict(&paper.exam_motion).map_err(|e| told(&e))?;
     let channels = diagnosis

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use armident_effects::EVERYDAY;
 use armident_numeric::dot;
+use rayon::prelude::*;
 
 use crate::evidence::OperatingPoint;
 use crate::material::{held, unnamed_rest};
@@ -402,7 +403,7 @@ impl Scatter {
         let (small, ids) = problem.restricted(&of.set);
         let starts = &rows.starts[rows.changed_from..];
         let fits: Vec<_> = stretches(starts, LEFT_OUT_PER_RECORDING)
-            .into_iter()
+            .into_par_iter()
             .filter_map(|inside| {
                 let fitted = small.of_rows(|row| !inside.contains(&row));
                 let metric = fitted.whitened(metric.scale, &metric.wide);
@@ -494,7 +495,7 @@ fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {
         fitted: problem.of_rows(|row| !inside.contains(&row)),
         predicted: problem.of_rows(|row| inside.contains(&row)),
     };
-    stretches(starts, blocks).into_iter().map(fold).collect()
+    stretches(starts, blocks).into_par_iter().map(fold).collect()
 }
 
 /// Rows of so many stretches of each recording.
@@ -508,12 +509,12 @@ fn stretches(starts: &[usize], blocks: usize) -> Vec<Range<usize>> {
 
 /// What is fitted for each stretch, in a metric.
 fn metrics<'a>(folds: &'a [Fold], scale: f64, wide: &[WrongBody]) -> Vec<Whitened<'a>> {
-    folds.iter().map(|fold| fold.fitted.whitened(scale, wide)).collect()
+    folds.par_iter().map(|fold| fold.fitted.whitened(scale, wide)).collect()
 }
 
 /// Errors of every stretch, `[fold][joint]`, in the metrics of the others.
 fn all_errors(folds: &[Fold], metrics: &[Whitened<'_>], set: &[usize]) -> Vec<Vec<f64>> {
-    folds.iter().zip(metrics).map(|(fold, metric)| fold.errors(set, metric)).collect()
+    folds.par_iter().zip(metrics).map(|(fold, metric)| fold.errors(set, metric)).collect()
 }
 
 impl Fold {

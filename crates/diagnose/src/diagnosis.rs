@@ -6,6 +6,7 @@ use armident_ident::ArmModel;
 use armident_ident::validate::whiteness;
 use armident_kinematics::DrivingAxisChain;
 use armident_recording::{Recording, RecordingError};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::atlas::{JointAtlas, atlas, character};
@@ -23,6 +24,7 @@ use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
 use crate::placebo::{Placebo, placebo};
 use crate::search::Answer;
+use crate::seen::Seen;
 use crate::select::{Selection, select};
 use crate::signals::Signals;
 use crate::whitened::WrongBody;
@@ -192,10 +194,14 @@ fn selected<'a>(
     train: &[Recording],
 ) -> Result<Selected<'a>, DiagnoseError> {
     let mut evidence = evidence_of(known, chain, names, train, BAND_HZ)?;
-    let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
+    let (selection, narrow) = rayon::join(
+        || select(&mut evidence),
+        || evidence_of(known, chain, names, train, NARROW_HZ),
+    );
+    let selection = selection.ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.answer);
     // longer kernels want longer recordings: without them the band stays
-    if let Ok(mut evidence) = evidence_of(known, chain, names, train, NARROW_HZ)
+    if let Ok(mut evidence) = narrow
         && is_off_in(&evidence, &selection, &best)
         && let Some(selection) = select(&mut evidence)
     {
@@ -227,11 +233,11 @@ impl Selected<'_> {
             Some(model)
         };
         let without = claims
-            .iter()
+            .par_iter()
             .map(|claim| claim.without.as_ref().and_then(|(answer, wide)| model_of(answer, wide)))
             .collect();
         let rivals = claims
-            .iter()
+            .par_iter()
             .map(|claim| {
                 claim.rivals.iter().filter_map(|answer| model_of(answer, &selection.wide)).collect()
             })
@@ -340,16 +346,25 @@ fn is_constant(values: &[f64]) -> bool {
 }
 
 impl Diagnosis {
-    /// Errors on a recording that the model was not fitted to.
+    /// Recordings made ready for its models.
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub fn errors(&self, recording: &Recording) -> Result<Errors, RecordingError> {
-        let of = |model: &DiagnosedModel| -> Result<BTreeMap<String, f64>, RecordingError> {
-            let squares = self.squares(model, recording)?.into_iter();
-            Ok(squares.map(|(name, s)| (name, (s / recording.len() as f64).sqrt())).collect())
-        };
-        Ok(Errors { before: of(&self.believed)?, rigid: of(&self.rigid)?, after: of(&self.model)? })
+    pub fn see<'a>(&self, recordings: &'a [Recording]) -> Result<Vec<Seen<'a>>, RecordingError> {
+        recordings.iter().map(|recording| Seen::of(recording, &self.joints)).collect()
+    }
+
+    /// Errors on recordings, all samples together; without recordings nothing.
+    ///
+    /// # Errors
+    /// None but those of a prediction.
+    pub fn errors(&self, recordings: &[Seen<'_>]) -> Result<Errors, RecordingError> {
+        let of = |model| self.error_of(model, recordings);
+        let (before, (rigid, after)) = rayon::join(
+            || of(&self.believed),
+            || rayon::join(|| of(&self.rigid), || of(&self.model)),
+        );
+        Ok(Errors { before: before?, rigid: rigid?, after: after? })
     }
 
     /// Marks every finding as confirmed or not by recordings that the model was not fitted to: whether
@@ -357,28 +372,20 @@ impl Diagnosis {
     /// matters most. Changes neither names nor confidences nor the model.
     ///
     /// # Errors
-    /// A recording that cannot be used.
-    pub fn confirm(&mut self, kept_out: &[Recording]) -> Result<(), RecordingError> {
-        let total = |model: &DiagnosedModel| -> Result<BTreeMap<String, f64>, RecordingError> {
-            let mut sum: BTreeMap<String, f64> = BTreeMap::new();
-            for recording in kept_out {
-                for (name, squares) in self.squares(model, recording)? {
-                    *sum.entry(name).or_default() += squares;
-                }
-            }
-            Ok(sum)
-        };
-        let with = total(&self.model)?;
-        let mut confirmed = Vec::new();
-        for (finding, without) in self.findings.iter().zip(&self.without) {
+    /// None but those of a prediction.
+    pub fn confirm(&mut self, kept_out: &[Seen<'_>]) -> Result<(), RecordingError> {
+        let with = self.error_of(&self.model, kept_out)?;
+        let judged = |(finding, without): (&Finding, &Option<DiagnosedModel>)| {
             let joint = &finding.evidence.joint;
-            confirmed.push(match without {
+            match without {
                 Some(model) if finding.window.is_none() && with.contains_key(joint) => {
-                    Some(with[joint] < total(model)?[joint])
+                    Ok(Some(with[joint] < self.error_of(model, kept_out)?[joint]))
                 }
-                _ => None,
-            });
-        }
+                _ => Ok(None),
+            }
+        };
+        let findings = self.findings.par_iter().zip(&self.without);
+        let confirmed = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
         for (finding, confirmed) in self.findings.iter_mut().zip(confirmed) {
             finding.confirmed = confirmed;
         }
@@ -427,15 +434,14 @@ impl Diagnosis {
     /// with an effort.
     ///
     /// # Errors
-    /// A recording that cannot be used.
+    /// None but those of a prediction.
     pub fn whiteness(
         &self,
-        recordings: &[Recording],
+        recordings: &[Seen<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut left: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
-        for recording in recordings {
-            let signals = Signals::new(recording, &self.joints)?;
-            let predicted = self.model.on_grid(&signals)?;
+        for Seen { signals, .. } in recordings {
+            let predicted = self.model.on_grid(signals)?;
             for (j, name) in self.joints.iter().enumerate() {
                 let recorded = &signals.effort[j];
                 if recorded.is_empty() {
@@ -451,20 +457,25 @@ impl Diagnosis {
         Ok(left.into_iter().map(|(name, rows)| (name, whiteness(&rows).1)).collect())
     }
 
-    /// Sums of squared errors of a model on a recording, by joint with an effort.
-    fn squares(
+    /// Root mean square errors of a model on recordings, by joint with an effort in any of them.
+    fn error_of(
         &self,
         model: &DiagnosedModel,
-        recording: &Recording,
+        recordings: &[Seen<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
-        let predicted = model.predict(recording)?;
-        let mut squares = BTreeMap::new();
-        for (name, predicted) in self.joints.iter().zip(&predicted) {
-            if let Some(recorded) = recording.joint(name).and_then(|j| j.effort.as_ref()) {
-                let sum = predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).sum();
-                squares.insert(name.clone(), sum);
+        let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
+        for seen in recordings {
+            let predicted = model.predict_seen(seen)?;
+            for (name, predicted) in self.joints.iter().zip(&predicted) {
+                if let Some(recorded) = seen.recording.joint(name).and_then(|j| j.effort.as_ref()) {
+                    let (sum, samples) = squares.entry(name.clone()).or_default();
+                    *sum +=
+                        predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).sum::<f64>();
+                    *samples += recorded.len();
+                }
             }
         }
-        Ok(squares)
+        let error = |(sum, samples): (f64, usize)| (sum / samples as f64).sqrt();
+        Ok(squares.into_iter().map(|(name, squares)| (name, error(squares))).collect())
     }
 }

@@ -5,6 +5,7 @@ use std::cell::OnceCell;
 use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, effect};
 use armident_ident::ArmModel;
 use armident_recording::RecordingError;
+use rayon::prelude::*;
 
 use crate::evidence::{At, Evidence, OperatingPoint, changed};
 use crate::flexible::FlexibleTerm;
@@ -177,7 +178,7 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
 /// The believed arm with its rigid body identified again and nothing else.
 pub(crate) fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<DiagnosedModel> {
     const SCALE: f64 = 1.0;
-    let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
+    let problem = evidence.problem_without_trials(&OperatingPoint::of(evidence.joints()));
     let metric = problem.whitened(SCALE, &[]);
     let change = metric.inertial_errors(&answer(&metric, Vec::new())?.fit);
     let mut found = DiagnosedModel::believed(model);
@@ -194,10 +195,9 @@ pub(crate) fn choose_outputs(
     evidence: &Evidence<'_>,
 ) -> Result<(), RecordingError> {
     let n = evidence.joints();
-    let mut best = f64::INFINITY;
-    let mut chosen = model.learned.rigid_cutoff_hz;
-    for cutoff_hz in RIGID_HZ {
-        model.learned.rigid_cutoff_hz = cutoff_hz;
+    let misfit = |cutoff_hz: &f64| -> Result<(f64, f64), RecordingError> {
+        let mut model = model.clone();
+        model.learned.rigid_cutoff_hz = *cutoff_hz;
         let mut squares = vec![0.0; n];
         for signals in &evidence.signals {
             for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
@@ -206,12 +206,11 @@ pub(crate) fn choose_outputs(
             }
         }
         // each joint in its own unit: a product of errors, not a sum
-        let misfit: f64 = squares.iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).sum();
-        if misfit < best {
-            (best, chosen) = (misfit, cutoff_hz);
-        }
-    }
-    model.learned.rigid_cutoff_hz = chosen;
+        Ok((squares.iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).sum(), *cutoff_hz))
+    };
+    let misfits = RIGID_HZ.par_iter().map(misfit).collect::<Result<Vec<_>, _>>()?;
+    let least = misfits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    model.learned.rigid_cutoff_hz = least.map_or(model.learned.rigid_cutoff_hz, |(_, hz)| hz);
     let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
     for signals in &evidence.signals {
         let predicted = model.on_grid(signals)?;

@@ -20,7 +20,8 @@
 //! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
 //! let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
 //! let mut diagnosis = armident_diagnose::diagnose(&believed, &[read_csv(examples.join("train.csv"))?])?;
-//! diagnosis.confirm(&[read_csv(examples.join("holdout.csv"))?])?;
+//! let holdout = [read_csv(examples.join("holdout.csv"))?];
+//! diagnosis.confirm(&diagnosis.see(&holdout)?)?;
 //!
 //! // the forearm is 0.6 kg heavier than the URDF says
 //! let forearm = diagnosis.findings.iter().find(|f| f.link.as_deref() == Some("link_3")).unwrap();
@@ -64,6 +65,7 @@ mod refine;
 mod ripple;
 mod rows;
 mod search;
+mod seen;
 mod select;
 mod signals;
 mod stops;
@@ -82,6 +84,7 @@ pub use learned::{Learned, LearnedError};
 pub use model::DiagnosedModel;
 pub use next_motion::NextMotion;
 pub use placebo::Placebo;
+pub use seen::Seen;
 pub use transmission::{Transmission, TransmissionTerm};
 
 /// Name of a finding for structure that no law of the library explains.

@@ -4,6 +4,7 @@ use armident_dynamics::RigidArm;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_recording::{JointChannels, Recording};
 
+use crate::band::BAND_HZ;
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::signals::Signals;
 
@@ -33,7 +34,7 @@ pub(crate) fn evidence<'a>(
         });
         Recording::new("made", time.clone(), joints.collect()).unwrap()
     };
-    let moved = Signals::new(&recording(None), &names).unwrap();
+    let moved = Signals::below(&recording(None), &names, BAND_HZ).unwrap();
     let point = OperatingPoint::of(names.len());
     let mut efforts = At::new(other, &RigidArm::from_chain(other), &moved, &point).rigid;
     for (j, effort) in efforts.iter_mut().enumerate() {
@@ -42,5 +43,8 @@ pub(crate) fn evidence<'a>(
             *e += 0.1 * noise + added(j, moved.velocity[j][t]);
         }
     }
-    Evidence::new(believed, vec![Signals::new(&recording(Some(&efforts)), &names).unwrap()])
+    Evidence::new(
+        believed,
+        vec![Signals::below(&recording(Some(&efforts)), &names, BAND_HZ).unwrap()],
+    )
 }

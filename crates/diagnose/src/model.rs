@@ -3,12 +3,12 @@
 use armident_dynamics::RigidArm;
 use armident_effects::{EffectOnJoint, Scope, effect, joined_where_inadmissible, tilted};
 use armident_ident::ArmModel;
-use armident_recording::{EvenGrid, Recording, RecordingError};
+use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
-use crate::band::BAND_HZ;
 use crate::evidence::{At, OperatingPoint};
 use crate::learned::Learned;
+use crate::seen::Seen;
 use crate::signals::{Signals, later, low_pass};
 use crate::stops::{filter_between, held};
 use crate::transmission::Transmission;
@@ -78,18 +78,20 @@ impl DiagnosedModel {
     /// A motion without the positions of the joints, or mostly gaps.
     pub fn predict(&self, motion: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
         let names: Vec<String> = self.arm.chain.joints.iter().map(|j| j.name.clone()).collect();
-        let grid = EvenGrid::of(motion)?;
-        let signals = Signals::on(&grid, motion, &names, BAND_HZ)?;
-        let on_grid = self.on_grid(&signals)?;
-        let mut efforts = Vec::new();
-        for (effort, cutoff_hz) in on_grid.iter().zip(&self.learned.output_cutoff_hz) {
-            let smooth = match cutoff_hz {
-                Some(hz) => low_pass(*hz, signals.rate_hz)?.filter(effort),
-                None => effort.clone(),
-            };
-            efforts.push(grid.at_stamps(&smooth));
-        }
-        Ok(efforts)
+        self.predict_seen(&Seen::of(motion, &names)?)
+    }
+
+    /// The same of a motion that other models predict as well: most of the work is to see it.
+    ///
+    /// # Errors
+    /// None but those of a filter.
+    pub fn predict_seen(&self, motion: &Seen<'_>) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let Seen { grid, signals, .. } = motion;
+        let smoothed = |(effort, cutoff_hz): (&Vec<f64>, &Option<f64>)| match cutoff_hz {
+            Some(hz) => Ok(grid.at_stamps(&low_pass(*hz, signals.rate_hz)?.filter(effort))),
+            None => Ok(grid.at_stamps(effort)),
+        };
+        self.on_grid(signals)?.iter().zip(&self.learned.output_cutoff_hz).map(smoothed).collect()
     }
 
     /// The prediction on the grid, before the low-pass of the output.

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use armident_effects::{Scope, effect};
 use armident_numeric::dot;
+use rayon::prelude::*;
 
 use crate::alternatives::everyday_first;
 use crate::contact::ContactColumns;
@@ -391,13 +392,16 @@ fn with_wrong_bodies(
         let links = problem.background.links;
         while wide.len() < MOST_WRONG_BODIES {
             let right = (0..links).filter(|l| wide.iter().all(|body: &WrongBody| body.link != *l));
-            let bodies = right.flat_map(|link| TIMES.map(|times| WrongBody { link, times }));
-            let candidates = bodies.filter_map(|body| {
-                let trial = [wide.clone(), vec![body]].concat();
+            let bodies: Vec<WrongBody> =
+                right.flat_map(|link| TIMES.map(|times| WrongBody { link, times })).collect();
+            let judged = |body: &WrongBody| {
+                let trial = [&wide[..], &[*body]].concat();
                 let next = answer(&problem.whitened(scale, &trial), found.set.clone())?;
                 Some((next.score, trial))
-            });
-            let Some((score, trial)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            };
+            let candidates: Vec<_> = bodies.par_iter().filter_map(judged).collect();
+            let least = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((score, trial)) = least else { break };
             if score >= found.score {
                 break;
             }

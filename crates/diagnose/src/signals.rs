@@ -7,8 +7,9 @@ use armident_recording::{
     CUTOFF_SHARE_BOUND, Continuation, EvenGrid, Quantity, Recording, RecordingError,
     ZeroPhaseLowPass, differentiate,
 };
+use rayon::prelude::*;
 
-use crate::band::{BAND_HZ, Band};
+use crate::band::Band;
 use crate::noise::{Noise, noise_of};
 use crate::stops::{
     Channels, SmoothMotion, directions_and_stops, held, least_step, stands_at_ends,
@@ -78,14 +79,6 @@ struct VelocityNoise {
 }
 
 impl Signals {
-    /// At every sample.
-    ///
-    /// # Errors
-    /// A joint without position, or a recording that is mostly gaps.
-    pub(crate) fn new(recording: &Recording, joints: &[String]) -> Result<Self, RecordingError> {
-        Self::below(recording, joints, BAND_HZ)
-    }
-
     /// At every sample, to be compared below this frequency.
     ///
     /// # Errors
@@ -163,7 +156,7 @@ impl Signals {
         }
         let positions = signals.recorded_position.clone();
         let of_positions: Vec<Noise> = positions.iter().map(|q| noise_of(q, rate_hz)).collect();
-        let mut joints: Vec<Channels<'_>> = (positions.iter().zip(&steps))
+        let mut joints: Vec<Channels<'_>> = (positions.par_iter().zip(&steps))
             .map(|(position, &step)| Channels {
                 position,
                 velocity: None,
@@ -402,6 +395,7 @@ pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::{SEARCHED_SAMPLES, Signals, means};
+    use crate::band::BAND_HZ;
     use armident_recording::{JointChannels, Recording};
 
     /// What is compared in the band is the same of few samples as of all, friction that reverses among it; noise
@@ -416,7 +410,7 @@ mod tests {
         joint.effort = Some(time.iter().map(|t| rate(t).signum() + 4.0 * motion(t)).collect());
         let recording = Recording::new("made", time, vec![joint]).unwrap();
         let joints = ["a".to_owned()];
-        let all = Signals::new(&recording, &joints).unwrap();
+        let all = Signals::below(&recording, &joints, BAND_HZ).unwrap();
         let few = all.clone().thinned(recording.len());
         // just beyond the budget: half of them; and what is long enough goes down to 250 Hz
         assert_eq!(recording.len().div_ceil(SEARCHED_SAMPLES), 2);

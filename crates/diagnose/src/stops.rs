@@ -5,9 +5,7 @@
 //! from what it needed before to what it needs after. And what the drive follows goes on meanwhile: how far it runs while
 //! friction reverses is told by the rests in which the joint turns back.
 
-use armident_recording::{
-    Continuation, QUARTIC_TERMS, Quartics, ZeroPhaseLowPass, differentiate,
-};
+use armident_recording::{Continuation, QUARTIC_TERMS, Quartics, ZeroPhaseLowPass, differentiate};
 
 /// A speed below this many standard deviations of its noise has no sign...
 const SIGN_DEVIATIONS: f64 = 5.0;

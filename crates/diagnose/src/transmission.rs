@@ -389,6 +389,7 @@ pub(crate) fn offer(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::band::BAND_HZ;
     use crate::evidence::{OperatingPoint, changed};
     use armident_dynamics::RigidArm;
     use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
@@ -408,7 +409,7 @@ mod tests {
             JointChannels { position, ..JointChannels::new(name) }
         });
         let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
-        let signals = Signals::new(&recording, &names).unwrap();
+        let signals = Signals::below(&recording, &names, BAND_HZ).unwrap();
         let mut change = vec![0.0; 10 * names.len()];
         // 0.6 kg more on the forearm, and where it is
         change[20..24].copy_from_slice(&[0.6, 0.1, 0.02, -0.03]);

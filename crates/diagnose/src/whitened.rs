@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use armident_effects::{Onset, effect};
 use armident_numeric::{Cholesky, Mat, dot};
+use rayon::prelude::*;
 
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
@@ -62,6 +63,8 @@ pub(crate) struct Whitened<'a> {
     gram: Vec<Vec<f64>>,
     rhs: Vec<f64>,
     square: f64,
+    /// the sample size of fits
+    effective_rows: f64,
     log_determinant: f64,
     norm: Vec<f64>,
     prior: Option<Arc<Prior>>,
@@ -161,7 +164,7 @@ impl Whitened<'_> {
     /// A description length: misfit in units of its own size, a price for every column, every
     /// searched constant and every choice of a group.
     pub(crate) fn score(&self, sum_of_squares: f64, columns: usize, set: &[usize]) -> f64 {
-        let rows = self.problem.rows.effective();
+        let rows = self.effective_rows;
         let samples = rows * self.problem.rows.share;
         let searched: usize = set.iter().map(|g| self.problem.groups[*g].searched).sum();
         samples * (sum_of_squares / rows).ln()
@@ -360,7 +363,7 @@ impl Problem {
             .collect();
         // W'Y, then W'W
         let with_rigid: Vec<Vec<f64>> =
-            (0..self.rigid).map(|k| self.along(&directions, k)).collect();
+            (0..self.rigid).into_par_iter().map(|k| self.along(&directions, k)).collect();
         let w_w = |a: usize, b: usize| -> f64 {
             directions[b].iter().zip(&with_rigid).map(|(d, w)| d * w[a]).sum()
         };
@@ -390,7 +393,11 @@ impl Problem {
         let mut square = self.square;
         if let Some(prior) = &integral.prior {
             let Prior { weight, cholesky, w_y, directions } = &**prior;
-            reduced.extend((known..count).map(|k| cholesky.forward(&self.along(directions, k))));
+            let reduce = |k: usize| cholesky.forward(&self.along(directions, k));
+            match known {
+                0 => reduced.par_extend((0..count).into_par_iter().map(reduce)),
+                _ => reduced.extend((known..count).map(reduce)),
+            }
             if known == 0 {
                 let matrix = Mat::from_fn(directions.len(), count, |i, j| reduced[j][i]);
                 let correction = matrix.transpose() * &matrix;
@@ -420,6 +427,7 @@ impl Problem {
             gram: gram.clone(),
             rhs: rhs.clone(),
             square,
+            effective_rows: self.rows.effective(),
             log_determinant: integral.log_determinant,
             norm,
             prior: integral.prior.clone(),

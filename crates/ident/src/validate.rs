@@ -4,8 +4,11 @@
 //! replay, where the recorded efforts drive the simulated arm through short windows and the motions
 //! are compared.
 
+use std::ops::Range;
+
 use armident_recording::{JointChannels, Motion, Recording};
 use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
+use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::model::ArmModel;
@@ -185,42 +188,53 @@ pub fn replay(model: &ArmModel, motions: &[Motion]) -> Result<Replay, Simulation
     let names: Vec<&str> = model.chain.joint_names();
     let arm = SimulatedArm::on_chain(&model.chain, &model.effects)?;
     let n = names.len();
-    let mut squares = vec![(0.0, 0.0); n];
-    let (mut count, mut windows, mut diverged) = (0.0, 0, 0);
+    // squares of the errors of position and velocity, by joint; none where the arm diverged
+    let replayed = |(motion, effort, span): (&Motion, &Vec<Vec<f64>>, Range<usize>)| {
+        let joints = (0..n)
+            .map(|j| JointChannels {
+                effort: Some(effort[j][span.clone()].to_vec()),
+                ..JointChannels::new(names[j])
+            })
+            .collect();
+        let time: Vec<f64> = motion.time_s[span.clone()].to_vec();
+        let efforts = Recording::new(&motion.source, time, joints)?;
+        let state = ArmState {
+            position: (0..n).map(|j| motion.position[j][span.start]).collect(),
+            velocity: (0..n).map(|j| motion.velocity[j][span.start]).collect(),
+        };
+        let moved = match forward(&arm, &efforts, state, &ForwardSettings::default()) {
+            Ok(moved) => moved,
+            Err(SimulationError::Diverged { .. }) => return Ok(None),
+            Err(other) => return Err(other),
+        };
+        let off = |moved: &Option<Vec<f64>>, recorded: &[f64]| -> f64 {
+            let pairs = moved.iter().flatten().zip(&recorded[span.clone()]);
+            pairs.map(|(x, recorded)| (x - recorded).powi(2)).sum()
+        };
+        let of_joint = |(j, joint): (usize, &JointChannels)| {
+            let (position, velocity) = (&motion.position[j], &motion.velocity[j]);
+            [off(&joint.position, position), off(&joint.velocity, velocity)]
+        };
+        let squares: Vec<[f64; 2]> = moved.joints.iter().enumerate().map(of_joint).collect();
+        Ok(Some((span.len(), squares)))
+    };
+    let mut spans = Vec::new();
     for motion in motions {
         let Some(effort) = &motion.effort else { continue };
         let length = ((REPLAY_WINDOW_S * motion.rate_hz).round() as usize).max(8);
-        for start in (0..motion.len().saturating_sub(length)).step_by(length) {
-            let span = start..start + length;
-            let joints = (0..n)
-                .map(|j| JointChannels {
-                    effort: Some(effort[j][span.clone()].to_vec()),
-                    ..JointChannels::new(names[j])
-                })
-                .collect();
-            let time: Vec<f64> = motion.time_s[span.clone()].to_vec();
-            let efforts = Recording::new(&motion.source, time, joints)?;
-            let state = ArmState {
-                position: (0..n).map(|j| motion.position[j][start]).collect(),
-                velocity: (0..n).map(|j| motion.velocity[j][start]).collect(),
-            };
-            let moved = match forward(&arm, &efforts, state, &ForwardSettings::default()) {
-                Ok(moved) => moved,
-                Err(SimulationError::Diverged { .. }) => {
-                    diverged += 1;
-                    continue;
-                }
-                Err(other) => return Err(other),
-            };
-            windows += 1;
-            count += length as f64;
-            for (j, joint) in moved.joints.iter().enumerate() {
-                let (Some(q), Some(v)) = (&joint.position, &joint.velocity) else { continue };
-                for (k, at) in span.clone().enumerate() {
-                    squares[j].0 += (q[k] - motion.position[j][at]).powi(2);
-                    squares[j].1 += (v[k] - motion.velocity[j][at]).powi(2);
-                }
-            }
+        let starts = (0..motion.len().saturating_sub(length)).step_by(length);
+        spans.extend(starts.map(|start| (motion, effort, start..start + length)));
+    }
+    let tried = spans.len();
+    let of_windows =
+        spans.into_par_iter().map(replayed).collect::<Result<Vec<_>, SimulationError>>()?;
+    let mut squares = vec![(0.0, 0.0); n];
+    let (mut count, mut windows) = (0.0, 0);
+    for (length, of_window) in of_windows.into_iter().flatten() {
+        windows += 1;
+        count += length as f64;
+        for (sum, [position, velocity]) in squares.iter_mut().zip(of_window) {
+            *sum = (sum.0 + position, sum.1 + velocity);
         }
     }
     let joints = squares
@@ -230,7 +244,7 @@ pub fn replay(model: &ArmModel, motions: &[Motion]) -> Result<Replay, Simulation
             velocity_rms: (v / count).sqrt(),
         })
         .collect();
-    Ok(Replay { joints, windows, diverged })
+    Ok(Replay { joints, windows, diverged: tried - windows })
 }
 
 #[cfg(test)]

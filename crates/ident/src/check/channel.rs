@@ -2,6 +2,7 @@
 
 use armident_effects::Admissible;
 use armident_numeric::NumericError;
+use rayon::prelude::*;
 
 use super::Verdict;
 use super::likelihood::{JointModel, Relation};
@@ -131,6 +132,7 @@ pub(super) fn channels(
         .flat_map(|&doubt| LOADS.iter().map(move |&load| LinkBelief::of(problem, doubt, load)))
         .collect();
     let models: Vec<Vec<JointModel>> = (0..n)
+        .into_par_iter()
         .map(|j| {
             let terms = JointTerms::of(problem, j);
             beliefs.iter().map(|belief| terms.model(&rows[j], belief)).collect()
@@ -139,6 +141,7 @@ pub(super) fn channels(
     // as likely as each other, to begin with
     let even = vec![-(beliefs.len() as f64).ln(); beliefs.len()];
     let profiles: Vec<Vec<Profile>> = (0..n)
+        .into_par_iter()
         .map(|j| {
             let of_model = |m: &JointModel| Profile::of(m, j, &rows[j], rows[j].urdf_sd, FINE);
             models[j].iter().map(of_model).collect()
@@ -148,6 +151,7 @@ pub(super) fn channels(
         (0..n).map(|j| ChannelEvidence::of(&profiles[j], &even, &rows[j]).0).collect();
 
     let cost: Vec<Vec<f64>> = (0..n)
+        .into_par_iter()
         .map(|j| {
             (0..n)
                 .map(|k| {

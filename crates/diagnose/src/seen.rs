@@ -1,0 +1,30 @@
+//! A recording made ready once, for the predictions of many models.
+
+use armident_recording::{EvenGrid, Recording, RecordingError};
+
+use crate::band::BAND_HZ;
+use crate::signals::Signals;
+
+/// A recording as models of one arm see it.
+pub struct Seen<'a> {
+    pub(crate) recording: &'a Recording,
+    pub(crate) grid: EvenGrid,
+    pub(crate) signals: Signals,
+}
+
+impl<'a> Seen<'a> {
+    /// By models with these joints, base to tip.
+    ///
+    /// # Errors
+    /// A recording without the positions of the joints, or mostly gaps.
+    pub fn of(recording: &'a Recording, joints: &[String]) -> Result<Self, RecordingError> {
+        let grid = EvenGrid::of(recording)?;
+        let signals = Signals::on(&grid, recording, joints, BAND_HZ)?;
+        Ok(Self { recording, grid, signals })
+    }
+
+    /// The recording.
+    pub fn recording(&self) -> &'a Recording {
+        self.recording
+    }
+}
