@@ -77,15 +77,19 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
     }
 }
 
-/// Logarithms of the error of stretches without a group over that with it, on the joints where it acts: as
-/// a ratio, so that no stretch outweighs the others.
+/// Logarithms of the error of stretches without a group over that with it, at the mean of the joints where it acts:
+/// as a ratio, so that no stretch outweighs the others, and joint by joint, so that none does that is badly
+/// modelled.
 fn gains(group: &Group, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
-    let total = |errors: &Vec<f64>| match acts_everywhere(group) {
-        true => errors.iter().sum::<f64>(),
-        false => group.site.joints.iter().map(|j| errors[*j]).sum(),
+    let of_stretch = |(without, with): (&Vec<f64>, &Vec<f64>)| {
+        let joints = match acts_everywhere(group) {
+            true => (0..with.len()).filter(|j| with[*j] > 0.0).collect(),
+            false => group.site.joints.clone(),
+        };
+        let sum: f64 = joints.iter().map(|j| (without[*j] / with[*j]).ln()).sum();
+        sum / joints.len() as f64
     };
-    let pairs = without.iter().zip(with);
-    pairs.map(|(w, o)| (total(w) / total(o)).ln()).filter(|gain| gain.is_finite()).collect()
+    without.iter().zip(with).map(of_stretch).filter(|gain| gain.is_finite()).collect()
 }
 
 /// Whether a group loads other joints than those it is named by.
