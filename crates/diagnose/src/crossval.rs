@@ -1,7 +1,6 @@
 //! Blocked cross-validation: what an effect explains must also be explained in stretches of the
 //! recordings that its coefficients have not seen.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use armident_effects::EVERYDAY;
@@ -381,96 +380,6 @@ pub(crate) fn imperfection(problem: &Problem, scale: f64) -> Option<Blocks> {
     Some(left_over)
 }
 
-/// Stretches of a recording that are left out one after the other for a standard error.
-const LEFT_OUT_PER_RECORDING: usize = 5;
-
-/// How coefficients scatter when stretches of the recordings are left out: what a model leaves over lasts longer
-/// than noise, and is more. And what the clocks are not known by does to them.
-pub(crate) struct Scatter {
-    /// by column: variance of a delete-a-block jackknife
-    variance: BTreeMap<usize, f64>,
-    /// by how much more is left over than the weights say
-    left_over: f64,
-    /// the problem of the answer's groups, in their order, with efforts that are later by what is not known of it;
-    /// none where the lag is part of the answer
-    pub(crate) late: Option<Problem>,
-    /// by column: change of the coefficient by that
-    by_lag: BTreeMap<usize, f64>,
-}
-
-impl Scatter {
-    /// Of the coefficients of an answer. `step_s` between samples as recorded \[s\]: within it nobody knows which
-    /// of position and effort was read first, and sensors of effort filter.
-    pub(crate) fn of(metric: &Whitened<'_>, of: &Answer, step_s: f64) -> Self {
-        let problem = metric.problem;
-        let rows = &problem.rows;
-        let (small, ids) = problem.restricted(&of.set);
-        let starts = &rows.starts[rows.changed_from..];
-        let fits: Vec<_> = stretches(starts, LEFT_OUT_PER_RECORDING)
-            .into_par_iter()
-            .filter_map(|inside| {
-                let fitted = small.of_rows(|row| !inside.contains(&row));
-                let metric = fitted.whitened(metric.scale, &metric.wide);
-                metric.fit(metric.columns_of(&ids))
-            })
-            .collect();
-        let count = fits.len() as f64;
-        let mut variance = BTreeMap::new();
-        for (&g, &id) in of.set.iter().zip(&ids) {
-            for (&column, &here) in problem.groups[g].columns.iter().zip(&small.groups[id].columns)
-            {
-                let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
-                let mean = values.iter().sum::<f64>() / count;
-                let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-                variance.insert(column, (count - 1.0) / count * squares);
-            }
-        }
-        let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt();
-        // any instant in the step, so its standard deviation
-        let late = late_efforts(problem, of, -step_s / 12.0_f64.sqrt());
-        let late_fit = late.as_ref().and_then(|late| {
-            let metric = late.whitened(metric.scale, &metric.wide);
-            metric.fit(metric.columns_of(&ids))
-        });
-        let by_lag = late_fit.map(|fit| {
-            let columns = of.set.iter().zip(&ids).flat_map(|(&g, &id)| {
-                problem.groups[g].columns.iter().zip(&small.groups[id].columns)
-            });
-            columns.map(|(&c, &here)| (c, fit.coefficient(here) - of.fit.coefficient(c))).collect()
-        });
-        Self { variance, left_over, late, by_lag: by_lag.unwrap_or_default() }
-    }
-
-    /// Change of a coefficient by a lag of the efforts.
-    pub(crate) fn by_lag(&self, column: usize) -> f64 {
-        self.by_lag.get(&column).copied().unwrap_or(0.0)
-    }
-
-    /// By how much more a coefficient of a group scatters than its covariance says, 1 or more. A window is in one
-    /// stretch: there it is by how much more is left over.
-    pub(crate) fn factor(&self, group: &Group, column: usize, covariance: f64) -> f64 {
-        let factor = match group.site.window {
-            Some(_) => self.left_over,
-            None => self.variance.get(&column).map_or(1.0, |v| (v / covariance).sqrt()),
-        };
-        if factor.is_finite() { factor.max(1.0) } else { 1.0 }
-    }
-}
-
-/// The problem of an answer's groups with so much lag \[s\] added to its efforts: none where a lag is part of
-/// the answer, and where only a change is sought, before which they were as late.
-fn late_efforts(problem: &Problem, of: &Answer, lag_s: f64) -> Option<Problem> {
-    let is_lag = |g: &usize| problem.groups[*g].slug() == "time_delay";
-    if problem.rows.changed_from > 0 || of.set.iter().any(is_lag) {
-        return None;
-    }
-    let lag = (0..problem.groups.len()).find(is_lag)?;
-    // the lag comes last, so that the others have the ids they have without it
-    let (small, ids) = problem.restricted(&[&of.set[..], &[lag]].concat());
-    let column = small.groups[*ids.last()?].columns.first()?;
-    Some(small.with_added(&[(*column, lag_s)]))
-}
-
 /// The groups of a set and the simpler relatives that could take their places.
 fn with_relatives(problem: &Problem, set: &[usize]) -> Vec<usize> {
     let mut all = set.to_vec();
@@ -503,7 +412,7 @@ fn folds_of(problem: &Problem, starts: &[usize], blocks: usize) -> Vec<Fold> {
 }
 
 /// Rows of so many stretches of each recording.
-fn stretches(starts: &[usize], blocks: usize) -> Vec<Range<usize>> {
+pub(crate) fn stretches(starts: &[usize], blocks: usize) -> Vec<Range<usize>> {
     let of_recording = |pair: &[usize]| {
         let (from, length) = (pair[0], pair[1] - pair[0]);
         (0..blocks).map(move |k| from + k * length / blocks..from + (k + 1) * length / blocks)

@@ -8,12 +8,12 @@ use serde::Serialize;
 
 use crate::alternatives::{Rival, rivals, separated_by};
 use crate::atlas::Character;
-use crate::crossval::Scatter;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::shape_deviations;
+use crate::scatter::Scatter;
 use crate::search::{Answer, answer};
 use crate::select::Selection;
 use crate::transmission::{mean_inertia, of_shape};
@@ -113,7 +113,7 @@ pub(crate) fn claims(
     let metric = selection.metric();
     let view = selection.view(evidence, &metric);
     let step_s = evidence.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
-    let scatter = Scatter::of(numbers.metric, numbers.answer, step_s);
+    let scatter = Scatter::with_lag(numbers.metric, numbers.answer, step_s);
     let mut found: Vec<Claim> = selection
         .answer
         .set
@@ -316,16 +316,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = answer.fit.of_group(group);
-    let mut covariance = metric.covariance(&answer.fit, &group.columns);
-    let factors: Vec<f64> = (group.columns.iter().enumerate())
-        .map(|(k, &column)| scatter.factor(group, column, covariance[k][k]))
-        .collect();
-    let by_lag: Vec<f64> = group.columns.iter().map(|column| scatter.by_lag(*column)).collect();
-    for (k, row) in covariance.iter_mut().enumerate() {
-        for (l, x) in row.iter_mut().enumerate() {
-            *x = *x * factors[k] * factors[l] + by_lag[k] * by_lag[l];
-        }
-    }
+    let (covariance, widened) = scatter.covariance(metric, answer, group);
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         match group.slug() {
             "gravity_direction" => {
@@ -390,8 +381,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             let mut moved = group.shape.clone();
             moved[k] += step;
             let slopes = of(&moved, &coefficients);
-            let by_noise = deviation.by_noise * factors.iter().copied().fold(1.0, f64::max);
-            let by = by_noise.hypot(deviation.by_lag) / step;
+            let by = (widened * deviation.by_noise).hypot(deviation.by_lag) / step;
             Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * by).collect())
         })
         .collect();

@@ -64,6 +64,7 @@ mod real_links;
 mod refine;
 mod ripple;
 mod rows;
+mod scatter;
 mod search;
 mod seen;
 mod select;

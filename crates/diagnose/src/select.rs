@@ -18,6 +18,7 @@ use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
 use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
+use crate::scatter::certain;
 use crate::search::{Answer, answer, search};
 use crate::whitened::{Whitened, WrongBody};
 
@@ -148,6 +149,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         if seeks_change {
             let metric = problem.whitened(scale, &wide);
             found = prune(&metric, with_changes(&metric, found), &point);
+            found = certain(&metric, found, &point);
         } else {
             found = everyday_first(&problem.whitened(scale, &wide), found, &point);
         }
