@@ -8,7 +8,7 @@ use armident_numeric::dot;
 use rayon::prelude::*;
 
 use crate::evidence::OperatingPoint;
-use crate::material::{held, unnamed_rest};
+use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, all_admissible, answer};
@@ -60,33 +60,30 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
             let mut ratio = in_standard_errors(&gains);
             if metric.problem.rows.changed_from > 0 {
                 let least = least_evidence(metric.problem.groups.len(), metric.problem, group);
-                ratio = ratio.min(evidence(metric.problem, group, &gains) / least);
+                ratio = ratio.min(evidence(metric.problem, &gains) / least);
             }
             if ratio < 1.0 && worst.is_none_or(|w| ratio < w.0) {
                 worst = Some((ratio, g));
             }
         }
         let Some((_, g)) = worst else { return of };
-        let rest = unnamed_rest(metric.problem, &of.set, g);
-        let plain: Vec<usize> = of.set.iter().copied().filter(|o| *o != g).collect();
-        match answer(metric, rest).or_else(|| answer(metric, plain)) {
+        match answer_without(metric, &of, g) {
             Some(next) => of = next,
             None => return of,
         }
     }
 }
 
-/// Logarithms of the error of stretches without a group over that with it, at the mean of the joints where it acts:
-/// as a ratio, so that no stretch outweighs the others, and joint by joint, so that none does that is badly
-/// modelled.
+/// Logarithms of the error of stretches without a group over that with it, added up over the joints where it acts and
+/// an effort is recorded: as a ratio, so that no stretch outweighs the others, and joint by joint, so that none does
+/// that is badly modelled.
 fn gains(group: &Group, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
     let of_stretch = |(without, with): (&Vec<f64>, &Vec<f64>)| {
         let joints = match acts_everywhere(group) {
             true => (0..with.len()).filter(|j| with[*j] > 0.0).collect(),
             false => group.site.joints.clone(),
         };
-        let sum: f64 = joints.iter().map(|j| (without[*j] / with[*j]).ln()).sum();
-        sum / joints.len() as f64
+        joints.iter().map(|j| (without[*j] / with[*j]).ln()).sum::<f64>()
     };
     without.iter().zip(with).map(of_stretch).filter(|gain| gain.is_finite()).collect()
 }
@@ -102,11 +99,10 @@ const CHANCE: f64 = 0.01;
 const CONSISTENT: f64 = 2.0;
 
 /// Twice the logarithm of how much more probable a group makes stretches of a change that were not fitted.
-fn evidence(problem: &Problem, group: &Group, gains: &[f64]) -> f64 {
+fn evidence(problem: &Problem, gains: &[f64]) -> f64 {
     let rows = &problem.rows;
     let judged = (rows.len() - rows.judged_from()) as f64 / gains.len().max(1) as f64;
-    let joints = if acts_everywhere(group) { rows.joints() } else { group.site.joints.len() };
-    rows.share * judged * joints as f64 * gains.iter().sum::<f64>()
+    rows.share * judged * gains.iter().sum::<f64>()
 }
 
 /// What that must be for a group chosen from so many.
@@ -141,7 +137,7 @@ pub(crate) fn with_changes(metric: &Whitened<'_>, mut of: Answer) -> Answer {
         for (&g, &id) in candidates.iter().zip(&ids[of.set.len()..]) {
             let group = &problem.groups[g];
             let gains = gains(group, &without, &errors(&[set, &[id]].concat()));
-            let evidence = evidence(problem, group, &gains);
+            let evidence = evidence(problem, &gains);
             let least = least_evidence(candidates.len(), problem, group);
             let sure = gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT;
             if !sure || evidence < least || best.as_ref().is_some_and(|b| b.0 >= evidence - least) {

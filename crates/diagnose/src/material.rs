@@ -144,6 +144,12 @@ pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Ve
     rest
 }
 
+/// The answer without a group, its simpler relatives in its place where these are admissible.
+pub(crate) fn answer_without(metric: &Whitened<'_>, of: &Answer, group: usize) -> Option<Answer> {
+    let plain = || of.set.iter().copied().filter(|g| *g != group).collect();
+    answer(metric, unnamed_rest(metric.problem, &of.set, group)).or_else(|| answer(metric, plain()))
+}
+
 /// The answer without a group, its simpler relative in its place where that is admissible, and what it
 /// leaves. What the operating point holds of the group is put back into the efforts first.
 fn reduced(

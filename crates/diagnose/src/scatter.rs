@@ -8,9 +8,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::crossval::stretches;
 use crate::evidence::OperatingPoint;
-use crate::material::{held, unnamed_rest};
+use crate::material::{answer_without, held};
 use crate::problem::{Group, Meaning, Problem};
-use crate::search::{Answer, answer};
+use crate::search::Answer;
 use crate::whitened::Whitened;
 
 /// Stretches of a recording that are left out one after the other for a standard error.
@@ -49,7 +49,7 @@ impl Scatter {
             .collect();
         let count = fits.len() as f64;
         let mut variance = BTreeMap::new();
-        for (column, here) in pairs_of_columns(problem, of, &small, &ids) {
+        for (column, here) in pairs_of_columns(problem, of, &small) {
             let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
             let mean = values.iter().sum::<f64>() / count;
             let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
@@ -63,16 +63,16 @@ impl Scatter {
     /// of position and effort was read first, and sensors of effort filter.
     pub(crate) fn with_lag(metric: &Whitened<'_>, of: &Answer, step_s: f64) -> Self {
         let problem = metric.problem;
-        let (small, ids) = problem.restricted(&of.set);
         // any instant in the step, so its standard deviation
         let late = late_efforts(problem, of, -step_s / 12.0_f64.sqrt());
-        let fit = late.as_ref().and_then(|late| {
+        let by_lag = late.as_ref().and_then(|late| {
+            let ids: Vec<usize> = (0..of.set.len()).collect();
             let metric = late.whitened(metric.scale, &metric.wide);
-            metric.fit(metric.columns_of(&ids))
-        });
-        let by_lag = fit.map(|fit| {
-            let columns = pairs_of_columns(problem, of, &small, &ids);
-            columns.map(|(c, here)| (c, fit.coefficient(here) - of.fit.coefficient(c))).collect()
+            let fit = metric.fit(metric.columns_of(&ids))?;
+            let columns = pairs_of_columns(problem, of, late);
+            let by_lag =
+                |(c, here): (usize, usize)| (c, fit.coefficient(here) - of.fit.coefficient(c));
+            Some(columns.map(by_lag).collect())
         });
         Self { late, by_lag: by_lag.unwrap_or_default(), ..Self::of(metric, of) }
     }
@@ -108,16 +108,14 @@ impl Scatter {
     }
 }
 
-/// Columns of an answer, and the same in its restricted problem.
+/// Columns of an answer, and the same in a problem restricted to it, whose groups have its order.
 fn pairs_of_columns<'a>(
     problem: &'a Problem,
     of: &'a Answer,
     small: &'a Problem,
-    ids: &'a [usize],
 ) -> impl Iterator<Item = (usize, usize)> + 'a {
-    of.set.iter().zip(ids).flat_map(|(&g, &id)| {
-        let (columns, here) = (&problem.groups[g].columns, &small.groups[id].columns);
-        columns.iter().copied().zip(here.iter().copied())
+    of.set.iter().zip(&small.groups).flat_map(|(&g, here)| {
+        problem.groups[g].columns.iter().copied().zip(here.columns.iter().copied())
     })
 }
 
@@ -143,10 +141,7 @@ pub(crate) fn certain(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
         let doubt = |&g: &usize| Some((chance(metric, &of, g, &scatter, point)?, g));
         let most = of.set.iter().filter_map(doubt).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, g)) = most.filter(|(chance, _)| *chance > CHANCE) else { return of };
-        let plain: Vec<usize> = of.set.iter().copied().filter(|o| *o != g).collect();
-        match answer(metric, unnamed_rest(metric.problem, &of.set, g))
-            .or_else(|| answer(metric, plain))
-        {
+        match answer_without(metric, &of, g) {
             Some(next) => of = next,
             None => return of,
         }
@@ -187,6 +182,7 @@ fn chance(
 mod tests {
     use super::*;
     use crate::made::{evidence, ur5};
+    use crate::search::answer;
 
     /// An offset that is there stays, and those that are fitted to noise go, whatever else is in the answer.
     #[test]

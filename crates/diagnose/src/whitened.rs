@@ -394,11 +394,8 @@ impl Problem {
         if let Some(prior) = &integral.prior {
             let Prior { weight, cholesky, w_y, directions } = &**prior;
             let reduce = |k: usize| cholesky.forward(&self.along(directions, k));
-            match known {
-                0 => reduced.par_extend((0..count).into_par_iter().map(reduce)),
-                _ => reduced.extend((known..count).map(reduce)),
-            }
             if known == 0 {
+                reduced.par_extend((0..count).into_par_iter().map(reduce));
                 let matrix = Mat::from_fn(directions.len(), count, |i, j| reduced[j][i]);
                 let correction = matrix.transpose() * &matrix;
                 for (k, row) in gram.iter_mut().enumerate() {
@@ -407,6 +404,7 @@ impl Problem {
                     }
                 }
             } else {
+                reduced.extend((known..count).map(reduce));
                 for (k, row) in gram.iter_mut().enumerate().skip(known) {
                     for (product, other) in row.iter_mut().zip(reduced.iter()) {
                         *product -= weight * dot(&reduced[k], other);
