@@ -7,118 +7,207 @@ use armident_diagnose::{Books, DiagnosedModel, Diagnosis, Finding, diagnose_chan
 use armident_ident::ArmModel;
 use armident_kinematics::InertialParameters;
 use armident_recording::{JointChannels, Recording};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::diagnosis::named;
-use crate::sets::{Data, Set, part};
+use crate::sets::{Data, part};
 
-/// A comparison of recordings after with recordings before.
+/// Parts of a set that are compared with each other.
 struct Compared {
-    title: String,
-    before: Vec<Recording>,
-    after: Vec<Recording>,
+    set: &'static str,
+    /// of files whose names hold it, one part each; none for thirds of the one recording
+    parts: &'static [&'static str],
+    /// what the parts are
+    title: &'static str,
+    /// \[kg\]
+    loads_kg: [f64; 3],
 }
 
-/// Loads \[kg\] of the sets that are one motion.
-const LOADS_KG: [(&str, &[f64]); 4] = [
-    ("staubli-tx40", &[0.0, 1.0, 3.0]),
-    ("ur10-unisa", &[0.0, 1.0, 3.0]),
-    ("panda-unisa", &[0.0, 0.5, 1.0]),
-    ("dfki-double-pendulum", &[0.0, 0.03, 0.1]),
+/// Recordings with what they are called.
+type Part = (String, Vec<Recording>);
+
+/// What is compared. Files in which something else than an effort is recorded (a set's `dataset.toml` says which)
+/// are not.
+const COMPARED: [Compared; 9] = [
+    Compared { set: "ur10-unisa", parts: &[], title: "thirds", loads_kg: [0.0, 1.0, 3.0] },
+    Compared { set: "panda-unisa", parts: &[], title: "thirds", loads_kg: [0.0, 0.5, 1.0] },
+    Compared { set: "staubli-tx40", parts: &[], title: "thirds", loads_kg: [0.0, 1.0, 3.0] },
+    Compared { set: "tiago-arm", parts: &[], title: "thirds", loads_kg: [0.0, 1.0, 2.0] },
+    Compared {
+        set: "dfki-double-pendulum",
+        parts: &[],
+        title: "thirds",
+        loads_kg: [0.0, 0.03, 0.1],
+    },
+    Compared {
+        set: "dfki-double-pendulum",
+        parts: &["train", "slow_small", "swing_torque1", "swing_torque2"],
+        title: "motions",
+        loads_kg: [0.0, 0.1, 0.3],
+    },
+    Compared {
+        set: "dfki-simple-pendulum",
+        parts: &["ddp", "direct_collocation", "ilqr", "tracking"],
+        title: "motions",
+        loads_kg: [0.0, 0.1, 0.3],
+    },
+    Compared {
+        set: "bam-xl330",
+        parts: &["kp100", "kp200", "kp400"],
+        title: "gains of its controller",
+        loads_kg: [0.0, 0.1, 0.3],
+    },
+    Compared {
+        set: "bam-xl330",
+        parts: &["sin_sin", "up_and_down", "sin_time_square"],
+        title: "motions",
+        loads_kg: [0.0, 0.1, 0.3],
+    },
 ];
 
-/// A pendulum of 0.49 kg on a servo whose drive voltage is recorded, with three gains of its controller.
-const SERVO: Set = Set {
-    folder: "bam-xl330",
-    training: &["sin_sin_kp100.csv", "up_and_down_kp100.csv", "sin_time_square_kp100.csv"],
-    holdout: &[
-        "sin_sin_kp200.csv",
-        "up_and_down_kp200.csv",
-        "sin_sin_kp400.csv",
-        "up_and_down_kp400.csv",
-        "sin_time_square_kp400.csv",
-    ],
-    mapping: "",
-};
-const SERVO_LOADS_KG: [f64; 4] = [0.0, 0.1, 0.2, 0.49];
-/// R / k_t that the makers of the set publish.
+/// R / k_t of the XL330 that the makers of its set publish.
 const SERVO_V_PER_NM: f64 = 7.68;
 
-/// The table.
+/// What a diagnosis made of a load.
+#[derive(Default)]
+struct Tally {
+    compared: usize,
+    right: usize,
+    /// a name that is not the load
+    wrong: usize,
+    /// numbers of the load within their 95 % interval
+    in_interval: usize,
+    lines: Vec<String>,
+}
+
+/// The tables.
 pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     println!("\n## What changed\n");
     println!(
-        "Later parts of recordings against earlier ones (`--reference`), with the effort of a point mass at the centre of \
-         the last link added as the dynamics give it; and the same without a load, where every claim is false. \
-         Recordings are cut in three: *1, 2* is the second part against the first, *1 2, 3* the third against both. \
-         The XL330 is told apart by the gain of its controller; its loads are added to voltages at the published \
-         {SERVO_V_PER_NM} V/(N m). Numbers are of the last link: mass, or first moment where no effort holds the mass.\n"
+        "Parts of a set against other parts of it (`--reference`): each against each other one, and each against all \
+         others, with the effort of a point mass at the centre of the last link added to the later ones as the dynamics \
+         give it; and the same without a load, where every name is false. Loads of the XL330 are added to its voltages at the published \
+         {SERVO_V_PER_NM} V/(N m). *Right* is a load or a wrong body of the last link, *other names* counts \
+         comparisons with any other, *in interval* the loads (mass, or first moment where no effort holds the mass) \
+         within the 95 % interval of what was said.\n"
     );
-    println!("| set | compared | load, kg | said |");
-    println!("| --- | --- | ---: | --- |");
-    for (name, loads_kg) in LOADS_KG {
-        let set = crate::sets::named(name).ok_or("no such set")?;
-        let data = Data::read(set, folder)?;
-        let whole = data.all().next().ok_or("no recording")?;
-        let (first, last) = (whole.time_s[0], whole.time_s[whole.len() - 1]);
-        let third = |k: f64| {
-            let at = |share: f64| first + share / 3.0 * (last - first);
-            part(whole, |t| at(k) <= t && t < at(k + 1.0))
-        };
-        let compared = [
-            Compared {
-                title: "1, 2".to_owned(),
-                before: vec![third(0.0)?],
-                after: vec![third(1.0)?],
-            },
-            Compared {
-                title: "1 2, 3".to_owned(),
-                before: vec![third(0.0)?, third(1.0)?],
-                after: vec![third(2.0)?],
-            },
-        ];
-        print_set(name, &data.model, &compared, loads_kg)?;
-    }
-    let data = Data::read(&SERVO, folder)?;
-    let of_gain = |gain: &str| -> Vec<Recording> {
-        data.all().filter(|r| r.source.contains(gain)).cloned().collect()
-    };
-    let compared = [("kp100", "kp200"), ("kp200", "kp400"), ("kp100", "kp400")].map(|(a, b)| {
-        Compared { title: format!("{a}, {b}"), before: of_gain(a), after: of_gain(b) }
-    });
-    print_set(SERVO.folder, &data.model, &compared, &SERVO_LOADS_KG)
-}
-
-fn print_set(
-    set: &str,
-    model: &ArmModel,
-    compared: &[Compared],
-    loads_kg: &[f64],
-) -> Result<(), Box<dyn Error>> {
-    for Compared { title, before, after } in compared {
-        for &load_kg in loads_kg {
-            let after =
-                after.iter().map(|r| loaded(model, r, load_kg)).collect::<Result<Vec<_>, _>>()?;
-            let mut books = Books::of(model, before)?;
-            let in_effort = |r: &[Recording]| -> Vec<Recording> {
-                r.iter().map(|r| books.in_effort(r)).collect()
-            };
-            let (before, after) = (in_effort(before), in_effort(&after));
-            let heard = books.hear(model.chain.dof(), &after, &before, |after, before| {
-                diagnose_change(model, before, after)
-            });
-            let said = match heard {
-                None => "columns in doubt".to_owned(),
-                Some(heard) => {
-                    let mut diagnosis = heard?;
-                    diagnosis.doubt_gains(&books.drive_gains);
-                    said(&diagnosis)
-                }
-            };
-            println!("| {set} | {title} | {load_kg} | {said} |");
+    println!("| set | compared | load, kg | comparisons | right | other names | in interval |");
+    println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
+    let mut lines = Vec::new();
+    for compared in &COMPARED {
+        for load_kg in compared.loads_kg {
+            let tally = compared.tally(folder, load_kg)?;
+            println!(
+                "| {} | {} | {load_kg} | {} | {} | {} | {} |",
+                compared.set,
+                compared.title,
+                tally.compared,
+                tally.right,
+                tally.wrong,
+                tally.in_interval
+            );
+            lines.extend(tally.lines);
         }
     }
+    println!("\nWhat was said, where anything was:\n");
+    lines.iter().for_each(|line| println!("* {line}"));
     Ok(())
+}
+
+impl Compared {
+    fn tally(&self, folder: &Path, load_kg: f64) -> Result<Tally, Box<dyn Error>> {
+        let set = crate::sets::named(self.set).ok_or("no such set")?;
+        let data = Data::read_files(set, folder, self.parts)?;
+        let parts = self.parts_of(&data)?;
+        let mut tally = Tally::default();
+        for (later, (name, after)) in parts.iter().enumerate() {
+            let others = || parts.iter().enumerate().filter(|(k, _)| *k != later);
+            let mut before: Vec<Part> = others().map(|(_, part)| part.clone()).collect();
+            let rest = others().flat_map(|(_, (_, recordings))| recordings.clone()).collect();
+            before.push(("all others".to_owned(), rest));
+            for (earlier, before) in before {
+                let title = format!("{}, {name} against {earlier}, {load_kg} kg", self.set);
+                tally.add(&title, &data.model, &before, after, load_kg)?;
+            }
+        }
+        Ok(tally)
+    }
+
+    fn parts_of(&self, data: &Data) -> Result<Vec<Part>, Box<dyn Error>> {
+        if !self.parts.is_empty() {
+            let of = |part: &&str| -> Vec<Recording> {
+                data.all().filter(|r| r.source.contains(*part)).cloned().collect()
+            };
+            return Ok(self.parts.iter().map(|part| ((*part).to_owned(), of(part))).collect());
+        }
+        let whole = data.all().next().ok_or("no recording")?;
+        let (first, last) = (whole.time_s[0], whole.time_s[whole.len() - 1]);
+        let third = |k: i32| {
+            let at = |share: i32| first + f64::from(share) / 3.0 * (last - first);
+            Ok((format!("third {}", k + 1), vec![part(whole, |t| at(k) <= t && t < at(k + 1))?]))
+        };
+        (0..3).map(third).collect()
+    }
+}
+
+impl Tally {
+    fn add(
+        &mut self,
+        title: &str,
+        model: &ArmModel,
+        before: &[Recording],
+        after: &[Recording],
+        load_kg: f64,
+    ) -> Result<(), Box<dyn Error>> {
+        self.compared += 1;
+        let after: Vec<Recording> =
+            after.iter().map(|r| loaded(model, r, load_kg)).collect::<Result<_, _>>()?;
+        let mut books = Books::of(model, before)?;
+        let in_effort =
+            |r: &[Recording]| -> Vec<Recording> { r.iter().map(|r| books.in_effort(r)).collect() };
+        let (before, after) = (in_effort(before), in_effort(&after));
+        let heard = books.hear(model.chain.dof(), &after, &before, |after, before| {
+            diagnose_change(model, before, after)
+        });
+        let Some(heard) = heard else {
+            self.lines.push(format!("{title}: columns in doubt"));
+            return Ok(());
+        };
+        let mut diagnosis = heard?;
+        diagnosis.doubt_gains(&books.drive_gains);
+        let last = model.chain.joints.last().ok_or("no joint")?;
+        let is_load = |finding: &&Finding| {
+            ["payload", "link_inertia_error"].contains(&finding.effect.as_str())
+                && finding.link.as_deref() == Some(&*last.child_link)
+        };
+        let load = diagnosis.findings.iter().find(is_load).filter(|_| load_kg > 0.0);
+        self.right += usize::from(load.is_some());
+        self.wrong += usize::from(diagnosis.findings.len() > usize::from(load.is_some()));
+        self.in_interval +=
+            usize::from(load.is_some_and(|load| holds(load, load_kg, &last.link.com_m())));
+        if !diagnosis.findings.is_empty() {
+            self.lines.push(format!("{title}: {}", said(&diagnosis)));
+        }
+        Ok(())
+    }
+}
+
+/// Whether a load is within what was said of it.
+fn holds(finding: &Finding, load_kg: f64, at_m: &Vector3<f64>) -> bool {
+    let within = |name: &str, truth: f64, deviations: f64| {
+        let said = finding.parameters.get(name);
+        said.is_some_and(|said| {
+            (said.value - truth).abs() <= deviations * said.stderr.unwrap_or(0.0)
+        })
+    };
+    if finding.parameters.contains_key("mass") {
+        return within("mass", load_kg, 1.96);
+    }
+    // three numbers, 95 % together
+    ["delta_mcx", "delta_mcy", "delta_mcz"]
+        .iter()
+        .zip(at_m.iter())
+        .all(|(name, at)| within(name, load_kg * at, 2.39))
 }
 
 /// The recording with the effort of a load on the last link.

@@ -68,6 +68,36 @@ pub(crate) struct Data {
 
 impl Data {
     pub(crate) fn read(set: &Set, root: &Path) -> Result<Self, Box<dyn Error>> {
+        Self::read_these(set, root, set.training, set.holdout)
+    }
+
+    /// A set with all its files of such names instead.
+    pub(crate) fn read_files(
+        set: &Set,
+        root: &Path,
+        parts: &[&str],
+    ) -> Result<Self, Box<dyn Error>> {
+        if parts.is_empty() {
+            return Self::read(set, root);
+        }
+        let mut files = Vec::new();
+        for entry in std::fs::read_dir(root.join(set.folder))? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            if name.ends_with(".csv") && parts.iter().any(|part| name.contains(part)) {
+                files.push(name);
+            }
+        }
+        files.sort();
+        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+        Self::read_these(set, root, &files, &[])
+    }
+
+    fn read_these(
+        set: &Set,
+        root: &Path,
+        training: &[&str],
+        holdout: &[&str],
+    ) -> Result<Self, Box<dyn Error>> {
         let folder = root.join(set.folder);
         let dataset: toml::Table = std::fs::read_to_string(folder.join("dataset.toml"))?.parse()?;
         let baseline = dataset.get("baseline").ok_or("no baseline")?;
@@ -94,7 +124,7 @@ impl Data {
         let read_all = |files: &[&str]| -> Result<Vec<Recording>, Box<dyn Error>> {
             files.iter().map(read).collect()
         };
-        let (training, holdout) = (read_all(set.training)?, read_all(set.holdout)?);
+        let (training, holdout) = (read_all(training)?, read_all(holdout)?);
         let urdf = dataset.get("urdf").and_then(toml::Value::as_str).ok_or("no urdf")?;
         let robot = load_urdf(&folder.join(urdf))?;
         let selection =

@@ -57,6 +57,6 @@ impl Background {
             direction[before + k] = *deviation;
             self.directions.push(direction);
         }
-        self.free = deviations.len();
+        self.free += deviations.len();
     }
 }

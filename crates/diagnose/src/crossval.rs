@@ -7,6 +7,7 @@ use armident_effects::EVERYDAY;
 use armident_numeric::dot;
 use rayon::prelude::*;
 
+use crate::certain::CHANCE;
 use crate::evidence::OperatingPoint;
 use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
@@ -93,9 +94,7 @@ fn acts_everywhere(group: &Group) -> bool {
     group.site.joints.is_empty() || group.transform.is_some()
 }
 
-/// Chance of a change that is none, among all that are tried; and how many standard errors the gain in the
-/// stretches must be off zero.
-const CHANCE: f64 = 0.01;
+/// How many standard errors the gain in the stretches must be off zero.
 const CONSISTENT: f64 = 2.0;
 
 /// Twice the logarithm of how much more probable a group makes stretches of a change that were not fitted.

@@ -17,7 +17,7 @@ use crate::change::Known;
 use crate::constants::{ConstantEstimates, constants};
 use crate::crossval::{Predictor, predictor};
 use crate::evidence::Evidence;
-use crate::findings::{Finding, claims};
+use crate::findings::{DoubtfulChange, Finding, claims};
 use crate::learn::{View, choose_outputs, learned, rigid_alone};
 use crate::material::joints_of_inertial_errors;
 use crate::model::DiagnosedModel;
@@ -72,6 +72,8 @@ pub struct Diagnosis {
     /// With a reference: joints that now move faster than there, and their speed there \[rad/s or m/s\]. What is
     /// clearly faster is not compared: the friction there, the reference does not say.
     pub beyond_reference: BTreeMap<String, f64>,
+    /// With a reference: changes that are not certain enough to be named.
+    pub doubtful_changes: Vec<DoubtfulChange>,
     /// Joints on which these errors of all links together matter, whether or not a single link is named.
     pub inertias_matter_on: Vec<String>,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
@@ -286,6 +288,11 @@ impl Selected<'_> {
             links_off,
             narrowed_to_hz: *narrowed_to_hz,
             beyond_reference: BTreeMap::new(),
+            doubtful_changes: selection
+                .doubtful
+                .iter()
+                .map(|doubt| DoubtfulChange::of(evidence, doubt))
+                .collect(),
             inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
                 .into_iter()
                 .map(|j| names[j].clone())

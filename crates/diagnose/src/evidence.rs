@@ -1,7 +1,7 @@
 //! From recordings and the believed arm to the linear problem, about an operating point.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use armident_dynamics::{ArmAngles, ParameterColumns, RigidArm, inertia_matrix};
 use armident_effects::{
@@ -53,7 +53,7 @@ const FASTER: f64 = 1.2;
 pub(crate) struct Evidence<'a> {
     pub(crate) chain: &'a DrivingAxisChain,
     pub(crate) names: Vec<String>,
-    pub(crate) signals: Vec<Signals>,
+    pub(crate) signals: Arc<[Signals]>,
     pub(crate) rows: Rows,
     /// size of each joint's motion
     pub(crate) scale: Vec<MotionScale>,
@@ -239,12 +239,24 @@ impl<'a> Evidence<'a> {
             })
             .collect();
         let names = chain.joints.iter().map(|j| j.name.clone()).collect();
-        Self { chain, names, signals, rows, scale, known: &[] }
+        Self { chain, names, signals: signals.into(), rows, scale, known: &[] }
     }
 
     /// The same of recordings from which these effects were taken.
     pub(crate) fn beside(self, known: &'a [EffectOnJoint]) -> Self {
         Self { known, ..self }
+    }
+
+    /// The same with laws that act in all recordings, also in those before a change.
+    pub(crate) fn acting_throughout(&self) -> Evidence<'_> {
+        Evidence {
+            chain: self.chain,
+            names: self.names.clone(),
+            signals: Arc::clone(&self.signals),
+            rows: self.rows.with_laws_throughout(),
+            scale: self.scale.clone(),
+            known: self.known,
+        }
     }
 
     pub(crate) fn joints(&self) -> usize {
@@ -267,6 +279,7 @@ impl<'a> Evidence<'a> {
     /// is beyond, the reference does not say, so that these rows are left out.
     pub(crate) fn seek_change(&mut self, first: usize) -> BTreeMap<String, f64> {
         self.rows.changed_from = first;
+        self.rows.laws_from = first;
         let mut exceeded = BTreeMap::new();
         for joint in 0..self.joints() {
             let Some(fastest) = self.usual_speed(joint, first) else { continue };
@@ -318,6 +331,11 @@ impl<'a> Evidence<'a> {
     /// The same without the laws of joints whose constants are tried: most columns are theirs.
     pub(crate) fn problem_without_trials(&self, point: &OperatingPoint) -> Problem {
         self.problem_with(point, <[f64]>::is_empty)
+    }
+
+    /// The same with the laws of the whole arm and of links alone.
+    pub(crate) fn problem_of_arm(&self, point: &OperatingPoint) -> Problem {
+        self.problem_with(point, |_| false)
     }
 
     fn problem_with(&self, point: &OperatingPoint, shapes: impl Fn(&[f64]) -> bool) -> Problem {
@@ -588,7 +606,7 @@ impl<'a> Evidence<'a> {
                             *s += x * c;
                         }
                     }
-                    sum[..self.rows.judged_from()].fill(0.0);
+                    self.rows.fill_before_laws(&mut sum);
                     *block = sum;
                 }
                 ids.push(problem.push_columns(vec![blocks]));
@@ -626,7 +644,7 @@ impl Evidence<'_> {
     fn push_changed(&self, problem: &mut Problem, column: usize) -> usize {
         let mut blocks = problem.columns[column].clone();
         for block in blocks.iter_mut().filter(|b| !b.is_empty()) {
-            block[..self.rows.judged_from()].fill(0.0);
+            self.rows.fill_before_laws(block);
         }
         problem.push_columns(vec![blocks])
     }

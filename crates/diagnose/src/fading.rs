@@ -44,7 +44,15 @@ pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Sel
     let found = prune(&metric, answer(&metric, set)?, &point);
     let found = confirm(&metric, found, &point);
     drop(metric);
-    Some(Selection { problem, answer: found, scale: of.scale, wide: of.wide.clone(), point })
+    let doubtful = Vec::new();
+    Some(Selection {
+        problem,
+        answer: found,
+        scale: of.scale,
+        wide: of.wide.clone(),
+        point,
+        doubtful,
+    })
 }
 
 /// By joint, 0 where friction is sharp; none where it is on all of them.
@@ -135,7 +143,8 @@ mod tests {
         };
         let set = vec![coulomb(0), coulomb(1)];
         let found = answer(&problem.whitened(0.0, &[]), set).unwrap();
-        let sharp = Selection { problem, answer: found, scale: 0.0, wide: Vec::new(), point };
+        let (wide, doubtful) = (Vec::new(), Vec::new());
+        let sharp = Selection { problem, answer: found, scale: 0.0, wide, point, doubtful };
         let faded = with_fading(&evidence, &sharp).unwrap();
         let speeds = &faded.point.fading;
         assert!((0.02..0.05).contains(&speeds[0]) && speeds[1] < 0.02, "{speeds:?}");

@@ -8,6 +8,8 @@ use serde::Serialize;
 
 use crate::alternatives::{Rival, rivals, separated_by};
 use crate::atlas::Character;
+use crate::certain::{Doubt, LeftOpen};
+use crate::contact::ContactColumns;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
@@ -113,7 +115,13 @@ pub(crate) fn claims(
     let metric = selection.metric();
     let view = selection.view(evidence, &metric);
     let step_s = evidence.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
-    let scatter = Scatter::with_lag(numbers.metric, numbers.answer, step_s);
+    let mut scatter = Scatter::with_lag(numbers.metric, numbers.answer, step_s);
+    if evidence.rows.changed_from > 0 {
+        let View { metric, answer, point, .. } = *numbers;
+        let contact = ContactColumns::new(evidence, numbers.at());
+        let open = LeftOpen::of(evidence, numbers.at(), &contact, metric, answer, point);
+        open.widen(&mut scatter, metric, answer);
+    }
     let mut found: Vec<Claim> = selection
         .answer
         .set
@@ -182,6 +190,34 @@ fn load_unweighed(view: &View<'_, '_>, group: usize) -> Option<Alternative> {
         left_more: 0.0,
         separated_by: Some("no motion of this arm, whose efforts do not hold the mass: weigh it"),
     })
+}
+
+/// A change that may be none: recordings that show it as clearly where nothing changed come about by chance.
+#[derive(Debug, Clone, Serialize)]
+pub struct DoubtfulChange {
+    /// Slug of the effect.
+    pub effect: String,
+    /// Its joints, base to tip; empty for the whole arm.
+    pub joints: Vec<String>,
+    /// Its link, of a load or a wrong body.
+    pub link: Option<String>,
+    /// Probability of numbers as far from nothing where nothing changed.
+    pub chance: f64,
+    /// Whether it is in doubt because it may have been there before: the reference does not show it.
+    pub maybe_before: bool,
+}
+
+impl DoubtfulChange {
+    pub(crate) fn of(evidence: &Evidence<'_>, doubt: &Doubt) -> Self {
+        let group = &doubt.group;
+        Self {
+            effect: group.slug().to_owned(),
+            joints: group.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
+            link: link_of(evidence, group),
+            chance: doubt.chance,
+            maybe_before: doubt.maybe_before,
+        }
+    }
 }
 
 /// The link of an inertial effect.

@@ -199,7 +199,7 @@ pub(crate) fn choose_outputs(
         let mut model = model.clone();
         model.learned.rigid_cutoff_hz = *cutoff_hz;
         let mut squares = vec![0.0; n];
-        for signals in &evidence.signals {
+        for signals in evidence.signals.iter() {
             for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
                 let differences = predicted.iter().zip(&signals.effort[j]);
                 squares[j] += differences.map(|(p, e)| (p - e).powi(2)).sum::<f64>();
@@ -212,7 +212,7 @@ pub(crate) fn choose_outputs(
     let least = misfits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     model.learned.rigid_cutoff_hz = least.map_or(model.learned.rigid_cutoff_hz, |(_, hz)| hz);
     let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
-    for signals in &evidence.signals {
+    for signals in evidence.signals.iter() {
         let predicted = model.on_grid(signals)?;
         for j in 0..n {
             for (k, cutoff_hz) in OUTPUT_HZ.iter().enumerate() {

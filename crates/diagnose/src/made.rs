@@ -14,14 +14,24 @@ pub(crate) fn ur5() -> DrivingAxisChain {
     DrivingAxisChain::from_chain(&chain)
 }
 
-/// What a believed arm has to say of another one that swings for 30 s at 200 Hz: its rigid efforts, noise of 0.05 N m,
-/// and what is added on each joint as a function of its velocity.
+/// What a believed arm has to say of another one that swings: its rigid efforts, noise, and what is added on each joint
+/// as a function of its velocity.
 pub(crate) fn evidence<'a>(
     believed: &'a DrivingAxisChain,
     other: &DrivingAxisChain,
     added: impl Fn(usize, f64) -> f64,
 ) -> Evidence<'a> {
-    let names: Vec<String> = other.joints.iter().map(|j| j.name.clone()).collect();
+    Evidence::new(believed, vec![swung(other, 0.1, |j, v| added(j, v[j]))])
+}
+
+/// An arm that swings for 30 s at 200 Hz: its rigid efforts, noise of so much \[N m\] from end to end, and what is added
+/// on each joint as a function of all velocities.
+pub(crate) fn swung(
+    arm: &DrivingAxisChain,
+    noise_nm: f64,
+    added: impl Fn(usize, &[f64]) -> f64,
+) -> Signals {
+    let names: Vec<String> = arm.joints.iter().map(|j| j.name.clone()).collect();
     let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 200.0).collect();
     let recording = |efforts: Option<&Vec<Vec<f64>>>| {
         let joints = names.iter().enumerate().map(|(j, name)| {
@@ -36,15 +46,13 @@ pub(crate) fn evidence<'a>(
     };
     let moved = Signals::below(&recording(None), &names, BAND_HZ).unwrap();
     let point = OperatingPoint::of(names.len());
-    let mut efforts = At::new(other, &RigidArm::from_chain(other), &moved, &point).rigid;
-    for (j, effort) in efforts.iter_mut().enumerate() {
-        for (t, e) in effort.iter_mut().enumerate() {
+    let mut efforts = At::new(arm, &RigidArm::from_chain(arm), &moved, &point).rigid;
+    for t in 0..time.len() {
+        let velocity: Vec<f64> = moved.velocity.iter().map(|v| v[t]).collect();
+        for (j, effort) in efforts.iter_mut().enumerate() {
             let noise = ((t * 7919 + j * 104_729) % 1009) as f64 / 1009.0 - 0.5;
-            *e += 0.1 * noise + added(j, moved.velocity[j][t]);
+            effort[t] += noise_nm * noise + added(j, &velocity);
         }
     }
-    Evidence::new(
-        believed,
-        vec![Signals::below(&recording(Some(&efforts)), &names, BAND_HZ).unwrap()],
-    )
+    Signals::below(&recording(Some(&efforts)), &names, BAND_HZ).unwrap()
 }

@@ -173,7 +173,7 @@ fn reduced(
 }
 
 /// A set whose names do not count: without the effect in question they may be inadmissible.
-fn unnamed(metric: &Whitened<'_>, set: Vec<usize>) -> Option<(Answer, Blocks)> {
+pub(crate) fn unnamed(metric: &Whitened<'_>, set: Vec<usize>) -> Option<(Answer, Blocks)> {
     let columns = metric.columns_of(&set);
     let count = columns.len();
     let fit = metric.fit(columns)?;

@@ -34,8 +34,10 @@ pub(crate) struct Rows {
     pub(crate) rows_hz: f64,
     /// `[joint][row]`
     pub(crate) stuck: Vec<Vec<bool>>,
-    /// first recording in which laws act: those before it show the arm as it was
+    /// first recording that is judged: those before it show the arm as it was
     pub(crate) changed_from: usize,
+    /// first recording in which laws act: that one, or the first of all where they may have acted before
+    pub(crate) laws_from: usize,
     /// `[joint]`, 1 or more: by what the weights are smaller for the imperfection of the model
     pub(crate) misfit: Vec<f64>,
     /// `[joint]`: weight of the rows in which it sticks
@@ -63,6 +65,7 @@ impl Rows {
             rows_hz: signals[0].band.rows_hz,
             starts,
             changed_from: 0,
+            laws_from: 0,
         };
         for j in 0..joints {
             let mut squares = 0.0;
@@ -145,7 +148,7 @@ impl Rows {
         }
     }
 
-    /// The same of a law: nothing before the change.
+    /// The same of a law: nothing before it acts.
     pub(crate) fn form_law<'a>(
         &self,
         signals: &[Signals],
@@ -153,14 +156,24 @@ impl Rows {
         columns: impl IntoIterator<Item = &'a [f64]>,
     ) -> Vec<f64> {
         let mut rows = self.form(signals, joint, columns);
-        rows[..self.judged_from()].fill(0.0);
+        self.fill_before_laws(&mut rows);
         rows
     }
 
     /// Weights rows of a law that are formed already.
     pub(crate) fn weigh_law(&self, joint: usize, rows: &mut [f64]) {
         self.weigh(joint, rows);
-        rows[..self.judged_from()].fill(0.0);
+        self.fill_before_laws(rows);
+    }
+
+    /// The same with laws that act in all recordings.
+    pub(crate) fn with_laws_throughout(&self) -> Self {
+        Self { laws_from: 0, ..self.clone() }
+    }
+
+    /// Nothing in the rows before laws act.
+    pub(crate) fn fill_before_laws(&self, rows: &mut [f64]) {
+        rows[..self.starts[self.laws_from]].fill(0.0);
     }
 
     /// First row of what is judged.

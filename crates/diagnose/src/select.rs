@@ -6,7 +6,8 @@ use armident_effects::{Scope, effect};
 use armident_numeric::dot;
 use rayon::prelude::*;
 
-use crate::alternatives::everyday_first;
+use crate::alternatives::{everyday_first, load_first};
+use crate::certain::{Doubt, certain};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
 use crate::evidence::{At, Evidence, OperatingPoint};
@@ -18,7 +19,6 @@ use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
 use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
-use crate::scatter::certain;
 use crate::search::{Answer, answer, search};
 use crate::whitened::{Whitened, WrongBody};
 
@@ -35,7 +35,7 @@ const MOST_WRONG_BODIES: usize = 2;
 const ROUNDS: usize = 6;
 const SAME_MISFIT: f64 = 0.3;
 /// Relative inertial error with which the reference is looked at first: what a URDF is off by.
-const REFERENCE_SCALE: f64 = 0.2;
+pub(crate) const REFERENCE_SCALE: f64 = 0.2;
 /// Share of the independent samples from which on their number was clearly overrated.
 const FEWER_SAMPLES: f64 = 0.8;
 /// Passes of moving the operating point.
@@ -53,6 +53,8 @@ pub(crate) struct Selection {
     pub(crate) wide: Vec<WrongBody>,
     /// where the columns were formed
     pub(crate) point: OperatingPoint,
+    /// changes that are not certain
+    pub(crate) doubtful: Vec<Doubt>,
 }
 
 impl Selection {
@@ -145,11 +147,13 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found, |_| true);
         let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let mut doubtful = Vec::new();
         let mut found = confirm(&problem.whitened(scale, &wide), found, &point);
         if seeks_change {
             let metric = problem.whitened(scale, &wide);
-            found = prune(&metric, with_changes(&metric, found), &point);
-            found = certain(&metric, found, &point);
+            found = load_first(&metric, with_changes(&metric, found));
+            found = prune(&metric, found, &point);
+            (found, doubtful) = certain(evidence, &at, &contact, &metric, found, &point);
         } else {
             found = everyday_first(&problem.whitened(scale, &wide), found, &point);
         }
@@ -184,7 +188,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let done = (is_right && all) || pass + 1 == PASSES;
         // with other weights another scale may be right
         memory.scale = (!reweighted).then_some(scale);
-        last = Some(Selection { problem, answer: found, scale, wide, point: point.clone() });
+        let point_now = point.clone();
+        last = Some(Selection { problem, answer: found, scale, wide, point: point_now, doubtful });
         if done {
             break;
         }

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use armident_diagnose::{
-    Books, ConstantEstimate, Diagnosis, DriveGain, Errors, Finding, JointAtlas, NextMotion, Placebo,
+    Books, ConstantEstimate, Diagnosis, DoubtfulChange, DriveGain, Errors, Finding, JointAtlas,
+    NextMotion, Placebo,
 };
 use armident_effects::{effect, is_less};
 use armident_ident::check::Check;
@@ -71,6 +72,9 @@ pub struct DiagnoseReport {
     /// speeds of the reference that joints now exceed \[rad/s or m/s\]: what is faster is not compared
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     beyond_reference: BTreeMap<String, f64>,
+    /// with a reference: changes that are not certain enough to be named
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    doubtful_changes: Vec<DoubtfulChange>,
     /// joints on which the inertial errors of all links together matter
     inertias_matter_on: Vec<String>,
     atlas: Vec<JointAtlas>,
@@ -164,6 +168,7 @@ impl DiagnoseReport {
                 .filter(|(_, speed)| *speed > 0.0)
                 .collect(),
             beyond_reference: diagnosis.beyond_reference.clone(),
+            doubtful_changes: diagnosis.doubtful_changes.clone(),
             inertias_matter_on: diagnosis.inertias_matter_on.clone(),
             atlas: diagnosis.atlas.clone(),
             constants: diagnosis.constants.as_ref().map_or_else(Vec::new, |c| c.constants.clone()),
@@ -198,6 +203,7 @@ impl DiagnoseReport {
             small_terms: Vec::new(),
             friction_fades_below: BTreeMap::new(),
             beyond_reference: BTreeMap::new(),
+            doubtful_changes: Vec::new(),
             inertias_matter_on: Vec::new(),
             atlas: Vec::new(),
             constants: Vec::new(),
@@ -327,6 +333,20 @@ impl DiagnoseReport {
                 "\nnot compared: motion much faster than the reference's, which says nothing of friction there (rad/s or m/s): {}\n",
                 speeds_text(&self.beyond_reference)
             ));
+        }
+        for (maybe_before, why) in [
+            (true, "may have been so before, which the reference does not show"),
+            (false, "may be chance"),
+        ] {
+            let doubtful: Vec<String> = self
+                .doubtful_changes
+                .iter()
+                .filter(|change| change.maybe_before == maybe_before)
+                .map(|change| titled(&change.effect, &change.joints, change.link.as_ref()))
+                .collect();
+            if !doubtful.is_empty() {
+                text.push_str(&format!("\nnot named: {why}: {}\n", doubtful.join("; ")));
+            }
         }
         if !self.friction_fades_below.is_empty() {
             text.push_str(&format!(

@@ -34,6 +34,7 @@ pub(crate) struct Diagnosis {
     small_terms: Vec<SmallTerm>,
     narrowed_to_hz: Option<f64>,
     beyond_reference: ByJoint,
+    doubtful_changes: Vec<DoubtfulChange>,
     atlas: Vec<JointAtlas>,
     constants: Vec<Constant>,
     whiteness_p: ByJoint,
@@ -104,6 +105,16 @@ struct Finding {
     confirmed: Option<bool>,
     evidence: Evidence,
     alternatives: Vec<Alternative>,
+}
+
+/// A change that is not certain enough to be named.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct DoubtfulChange {
+    effect: String,
+    joints: Vec<String>,
+    link: Option<String>,
+    maybe_before: bool,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -3,7 +3,7 @@
 use armident_effects::{Place, effect, is_less};
 use armident_report::{small_terms_text, uncertain};
 
-use super::{Diagnosis, Errors, Fault, Finding, NextMotion, Number, OPEN, WHITE};
+use super::{Diagnosis, DoubtfulChange, Errors, Fault, Finding, NextMotion, Number, OPEN, WHITE};
 use crate::drawing::Drawing;
 use crate::kinds::ByJoint;
 use crate::page::{Step, number, percent};
@@ -37,6 +37,12 @@ pub(super) fn title_of(finding: &Finding) -> String {
     let value = |name: &str| finding.parameters.get(name).map(|number| number.value);
     let less = if is_less(&finding.effect, value) { "less " } else { "" };
     format!("{less}{}", title(&finding.effect))
+}
+
+fn doubtful_name(change: &DoubtfulChange) -> String {
+    let place = change.link.clone().unwrap_or_else(|| change.joints.join(", "));
+    let title = title(&change.effect);
+    if place.is_empty() { title } else { format!("{title} on {place}") }
 }
 
 pub(super) fn place(finding: &Finding) -> String {
@@ -204,6 +210,19 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
             speeds(&of.beyond_reference)
         ));
     }
+    let doubtful = |maybe_before: bool| -> String {
+        let names = of.doubtful_changes.iter().filter(|change| change.maybe_before == maybe_before);
+        names.map(doubtful_name).collect::<Vec<_>>().join(", ")
+    };
+    if !doubtful(true).is_empty() {
+        all.push(format!(
+            "Not named, because it may have been so before (the reference does not show it): {}.",
+            doubtful(true)
+        ));
+    }
+    if !doubtful(false).is_empty() {
+        all.push(format!("Not named, because it may be chance: {}.", doubtful(false)));
+    }
     let limit = of.findings.iter().filter(|f| f.confidence < 0.65).count();
     if limit > 0 {
         all.push(format!(
@@ -334,6 +353,18 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
         steps.push(Step::new(format!(
             "Record a reference that is as fast as these recordings (rad/s or m/s so far: {}).",
             speeds(&of.beyond_reference)
+        )));
+    }
+    let unseen: Vec<String> = of
+        .doubtful_changes
+        .iter()
+        .filter(|change| change.maybe_before)
+        .map(doubtful_name)
+        .collect();
+    if !unseen.is_empty() {
+        steps.push(Step::new(format!(
+            "To know whether {} changed, record the motions of these recordings with the arm as it was, as reference.",
+            unseen.join(", ")
         )));
     }
     if of.findings.is_empty() {

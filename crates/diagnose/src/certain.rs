@@ -1,0 +1,311 @@
+//! What of a change is certain, with what its reference leaves open.
+
+use armident_effects::EVERYDAY;
+use armident_numeric::Cholesky;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::contact::ContactColumns;
+use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::material::{answer_without, held, unnamed};
+use crate::problem::{Background, Group, Meaning, Problem};
+use crate::refine::recreate;
+use crate::rows::Blocks;
+use crate::scatter::Scatter;
+use crate::search::{Answer, answer};
+use crate::select::REFERENCE_SCALE;
+use crate::whitened::Whitened;
+
+/// Chance of a change that is none, among all that are tried.
+pub(crate) const CHANCE: f64 = 0.01;
+
+/// A change that is not certain.
+#[derive(Debug, Clone)]
+pub(crate) struct Doubt {
+    pub(crate) group: Group,
+    /// chance that it is none
+    pub(crate) chance: f64,
+    /// whether it is in doubt only because it may have been there before
+    pub(crate) maybe_before: bool,
+}
+
+/// Removes changes that may be none, the most doubtful first, and tells them. A change is certain where its
+/// coefficients are far from nothing although the same effect may have been there before: a reference that does not
+/// excite it says nothing of it, and a motion that does would then look like a change.
+pub(crate) fn certain(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    contact: &ContactColumns,
+    metric: &Whitened<'_>,
+    mut of: Answer,
+    point: &OperatingPoint,
+) -> (Answer, Vec<Doubt>) {
+    let mut told: Vec<Doubt> = Vec::new();
+    if of.set.is_empty() {
+        return (of, told);
+    }
+    let groups = &metric.problem.groups;
+    let open = LeftOpen::of(evidence, at, contact, metric, &of, point);
+    let most = CHANCE / groups.len() as f64;
+    loop {
+        let mut doubtful = open.chances(metric, &of, point);
+        doubtful.retain(|(chance, _)| *chance > most);
+        doubtful.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // one that the others can do without, or else all of them
+        let alone =
+            doubtful.iter().find_map(|d| Some((answer_without(metric, &of, d.1)?, vec![*d])));
+        let left =
+            || of.set.iter().copied().filter(|g| doubtful.iter().all(|d| d.1 != *g)).collect();
+        let Some((next, gone)) =
+            alone.or_else(|| Some((answer(metric, left())?, doubtful.clone())))
+        else {
+            return (of, told);
+        };
+        if gone.is_empty() {
+            told.retain(|doubt| of.set.iter().all(|g| !same(&groups[*g], &doubt.group)));
+            return (of, told);
+        }
+        let closed = LeftOpen::default().chances(metric, &of, point);
+        for (chance, g) in gone {
+            let known = told.iter().any(|doubt| same(&doubt.group, &groups[g]));
+            let maybe_before = closed.iter().any(|(chance, c)| *c == g && *chance <= most);
+            if !known {
+                told.push(Doubt { group: groups[g].clone(), chance, maybe_before });
+            }
+        }
+        of = next;
+    }
+}
+
+/// Whether two groups are one effect at one place.
+fn same(a: &Group, b: &Group) -> bool {
+    a.meaning == b.meaning && a.site == b.site
+}
+
+/// Effects that may have been there before.
+#[derive(Default)]
+pub(crate) struct LeftOpen {
+    /// of laws
+    columns: Vec<Blocks>,
+}
+
+impl LeftOpen {
+    /// Those of an answer. The everyday terms of joints are free in all recordings anyway; a contact comes and goes; a
+    /// description without a name is none of an effect.
+    pub(crate) fn of(
+        evidence: &Evidence<'_>,
+        at: &[At<'_>],
+        contact: &ContactColumns,
+        metric: &Whitened<'_>,
+        of: &Answer,
+        point: &OperatingPoint,
+    ) -> Self {
+        let throughout = evidence.acting_throughout();
+        let mut all = throughout.problem_of_arm(point);
+        let mut open = Self::default();
+        for &g in &of.set {
+            let group = &metric.problem.groups[g];
+            let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
+            if everyday
+                || group.site.window.is_some()
+                || matches!(group.meaning, Meaning::Flexible(_))
+            {
+                continue;
+            }
+            if let Some(id) = recreate(&throughout, at, contact, &mut all, group) {
+                let columns = all.groups[id].columns.iter();
+                open.columns.extend(columns.map(|c| all.columns[*c].clone()));
+            }
+        }
+        open
+    }
+
+    /// Chances that groups of an answer are none; a description without a name has none.
+    fn chances(
+        &self,
+        metric: &Whitened<'_>,
+        of: &Answer,
+        point: &OperatingPoint,
+    ) -> Vec<(f64, usize)> {
+        let problem = self.problem(metric, of);
+        let opened = problem.whitened(metric.scale.max(REFERENCE_SCALE), &metric.wide);
+        let named =
+            of.set.iter().enumerate().filter(|(_, g)| {
+                !matches!(metric.problem.groups[**g].meaning, Meaning::Flexible(_))
+            });
+        // signs are asked of what is named, not of this
+        let Some((fitted, _)) = unnamed(&opened, (0..of.set.len()).collect()) else {
+            return named.map(|(_, g)| (1.0, *g)).collect();
+        };
+        let scatter = Scatter::of(&opened, &fitted);
+        let chance = |k: usize| chance(&opened, &fitted, k, &scatter, point).unwrap_or(1.0);
+        named.map(|(k, g)| (chance(k), *g)).collect()
+    }
+
+    /// How far coefficients of an answer can be trusted where this is free.
+    pub(crate) fn widen(&self, scatter: &mut Scatter, metric: &Whitened<'_>, of: &Answer) {
+        let problem = self.problem(metric, of);
+        let opened = problem.whitened(metric.scale.max(REFERENCE_SCALE), &metric.wide);
+        let Some((fitted, _)) = unnamed(&opened, (0..of.set.len()).collect()) else { return };
+        for (g, here) in of.set.iter().zip(&problem.groups) {
+            let covariance = opened.covariance(&fitted.fit, &here.columns);
+            let columns = metric.problem.groups[*g].columns.iter().zip(&here.columns);
+            for (k, (column, here)) in columns.enumerate() {
+                let change = fitted.fit.coefficient(*here) - of.fit.coefficient(*column);
+                scatter.leave_open(*column, covariance[k][k], change);
+            }
+        }
+    }
+
+    /// The problem of an answer's groups, in their order, in which these effects are free in all recordings, and
+    /// joints weigh less in what is judged where more is left over there than the model of the reference is imperfect
+    /// by.
+    fn problem(&self, metric: &Whitened<'_>, of: &Answer) -> Problem {
+        let problem = metric.problem;
+        let (small, _) = problem.restricted(&of.set);
+        let (rigid, judged) = (problem.rigid, problem.rows.judged_from());
+        let mut background: Background = problem.background.clone();
+        let deviations: Vec<f64> =
+            self.columns.iter().map(|c| as_large_as_efforts(&problem.effort, c)).collect();
+        background.extend(&deviations);
+        let left = metric.residual(&of.fit);
+        let factor: Vec<f64> =
+            left.iter().map(|left| 1.0 / root_mean_square(&left[judged..]).max(1.0)).collect();
+        let lighter = |blocks: &Blocks| -> Blocks {
+            let of_joint = |(block, factor): (&Vec<f64>, &f64)| {
+                let mut block = block.clone();
+                block.iter_mut().skip(judged).for_each(|x| *x *= factor);
+                block
+            };
+            blocks.iter().zip(&factor).map(of_joint).collect()
+        };
+        let (known, own) = small.columns.split_at(rigid);
+        let columns = known.iter().chain(&self.columns).chain(own).map(lighter).collect();
+        let mut opened =
+            Problem::new(small.rows.clone(), lighter(&small.effort), columns, background);
+        opened.rigid = rigid + self.columns.len();
+        opened.groups = small.groups;
+        for column in opened.groups.iter_mut().flat_map(|group| &mut group.columns) {
+            *column += self.columns.len();
+        }
+        opened.known = small.known;
+        opened
+    }
+}
+
+/// A deviation that leaves the coefficient of a column free: such that it is as large as the efforts of its joints.
+fn as_large_as_efforts(effort: &Blocks, column: &Blocks) -> f64 {
+    let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+    let there = || effort.iter().zip(column).filter(|(_, c)| !c.is_empty());
+    let efforts: f64 = there().map(|(e, _)| square(e)).sum();
+    let columns: f64 = there().map(|(_, c)| square(c)).sum();
+    (efforts / columns.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// Of the rows that weigh something.
+fn root_mean_square(rows: &[f64]) -> f64 {
+    let count = rows.iter().filter(|x| **x != 0.0).count().max(1) as f64;
+    (rows.iter().map(|x| x * x).sum::<f64>() / count).sqrt()
+}
+
+/// Probability that coefficients of nothing are as far from zero as those of a law: all of them together, or one of
+/// them alone. The size of what the model leaves over is known from the independent samples of the reference. None
+/// where they are numerically dependent.
+fn chance(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    group: usize,
+    scatter: &Scatter,
+    point: &OperatingPoint,
+) -> Option<f64> {
+    let group = &metric.problem.groups[group];
+    let mut coefficients = of.fit.of_group(group);
+    for (column, amount) in held(group, point) {
+        let place = group.columns.iter().position(|c| *c == column)?;
+        coefficients[place] += amount;
+    }
+    let (covariance, _) = scatter.covariance(metric, of, group);
+    let count = coefficients.len();
+    let cholesky = Cholesky::of(count, |i, j| covariance[i][j])?;
+    let samples = samples_before(metric.problem, group);
+    let tail = |squares: f64, freedom: usize| -> Option<f64> {
+        let freedom = freedom as f64;
+        Some(FisherSnedecor::new(freedom, samples).ok()?.sf(squares / freedom))
+    };
+    let together = cholesky.forward(&coefficients).iter().map(|x| x * x).sum();
+    let largest =
+        (0..count).map(|k| coefficients[k].powi(2) / covariance[k][k]).fold(0.0, f64::max);
+    Some(tail(together, count)?.min(count as f64 * tail(largest, 1)?))
+}
+
+/// Independent samples of the joints of a group before the change, of the joint that has the fewest.
+fn samples_before(problem: &Problem, group: &Group) -> f64 {
+    let rows = &problem.rows;
+    let of_joint = |j: usize| {
+        let before = &rows.weight(j)[..rows.judged_from()];
+        before.iter().filter(|w| **w > 0.0).count() as f64 * rows.share
+    };
+    let everywhere = group.site.joints.is_empty() || group.transform.is_some();
+    let joints = if everywhere { (0..rows.joints()).collect() } else { group.site.joints.clone() };
+    joints.into_iter().map(of_joint).filter(|n| *n > 0.0).fold(f64::INFINITY, f64::min).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made::{swung, ur5};
+    use crate::signals::Signals;
+
+    /// What stays of these changes, as joints.
+    fn stays(
+        before: Signals,
+        after: Signals,
+        wanted: impl Fn(&Group) -> bool,
+    ) -> (Vec<Vec<usize>>, Vec<Doubt>) {
+        let chain = ur5();
+        let mut evidence = Evidence::new(&chain, vec![before, after]);
+        evidence.seek_change(1);
+        let point = OperatingPoint::of(evidence.joints());
+        let problem = evidence.problem(&point);
+        let at = evidence.at(&point);
+        let contact = ContactColumns::new(&evidence, &at);
+        let all = (0..problem.groups.len()).filter(|g| wanted(&problem.groups[*g])).collect();
+        let metric = problem.whitened(0.0, &[]);
+        let found = answer(&metric, all).unwrap();
+        let (certain, doubts) = certain(&evidence, &at, &contact, &metric, found, &point);
+        let joints = certain.set.iter().map(|g| problem.groups[*g].site.joints.clone());
+        (joints.collect(), doubts)
+    }
+
+    /// An offset that came stays, and those that are fitted to noise go, whatever else is in the answer.
+    #[test]
+    fn what_may_be_chance_goes() {
+        let chain = ur5();
+        let before = swung(&chain, 0.1, |_, _| 0.0);
+        let after = swung(&chain, 0.1, |j, _| if j == 2 { 0.3 } else { 0.0 });
+        let (joints, doubts) = stays(before, after, |group| group.slug() == "torque_offset");
+        assert_eq!(joints, [[2]]);
+        assert_eq!(doubts.len(), 5);
+        assert!(doubts.iter().all(|doubt| !doubt.maybe_before));
+    }
+
+    /// Two joints that a transmission couples: a reference full of noise does not say whether they were coupled
+    /// before, whether they were or not; another one does.
+    #[test]
+    fn what_may_have_been_before_goes() {
+        let chain = ur5();
+        let friction = |v: f64| 0.5 * v + 0.5 * v.signum();
+        let coupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[4] + v[5]) } else { 0.0 };
+        let is_coupling = |group: &Group| {
+            group.slug() == "joint_coupling" && group.site.joints == [4, 5] && group.shape == [1.0]
+        };
+        let after = || swung(&chain, 0.1, coupled);
+        let uncoupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[j]) } else { 0.0 };
+        for before in [swung(&chain, 50.0, coupled), swung(&chain, 50.0, uncoupled)] {
+            let (joints, doubts) = stays(before, after(), is_coupling);
+            assert!(joints.is_empty(), "{joints:?}");
+            assert!(doubts[0].maybe_before, "{}", doubts[0].chance);
+        }
+        let (joints, _) = stays(swung(&chain, 0.1, uncoupled), after(), is_coupling);
+        assert_eq!(joints, [[4, 5]]);
+    }
+}
