@@ -113,6 +113,37 @@ fn friction_falls() {
     }
 }
 
+/// A ripple that was there before is no change, also where the noise of the reference hides it: then it is told that it
+/// may have come, and that the reference does not show it.
+#[test]
+fn a_reference_full_of_noise_leaves_it_open() {
+    let ripple = ["torque_ripple:elbow_joint=2,7,0,0,0"];
+    let folder = recordings("diagnose_open", &ripple);
+    let (urdf, trajectory) = (super::urdf(), crate::shared::project("examples/ur5/holdout.csv"));
+    let simulated = ["simulate", text(&urdf), text(&trajectory), "-o", "before.csv", "-q"];
+    let noise = ["--torque-noise", "2", "--encoder-bits", "19", "--effect", ripple[0]];
+    run_in(&folder, &[&simulated[..], &noise].concat()).fine();
+    let change =
+        diagnose(&folder, &["--reference", "before.csv", "--report", "change.html"]).fine().json();
+    assert_eq!(named(&change), BTreeSet::new());
+    let doubtful = list(&change["doubtful_changes"]);
+    assert_eq!(doubtful.len(), 1, "{doubtful:?}");
+    assert_eq!(
+        (&doubtful[0]["effect"], &doubtful[0]["joints"][0], &doubtful[0]["maybe_before"]),
+        (&"torque_ripple".into(), &"elbow_joint".into(), &true.into())
+    );
+    let args = ["diagnose", text(&urdf), "train.csv", "-q", "--reference", "before.csv"];
+    let said = run_in(&folder, &args).fine().stdout;
+    let line = "not named: may have been so before, which the reference does not show: torque ripple on elbow_joint";
+    assert!(said.contains(line), "{said}");
+    let page = std::fs::read_to_string(folder.join("change.html")).unwrap();
+    assert!(page.contains("To know whether torque ripple on elbow_joint changed"));
+    // one without that noise shows it
+    let known = diagnose(&folder, &["--reference", "holdout.csv"]).fine().json();
+    assert_eq!(named(&known), BTreeSet::new());
+    assert!(known["doubtful_changes"].is_null());
+}
+
 /// A pendulum whose efforts follow a curve that no law of the library has, before and after: what is left
 /// unexplained is said, and a heavier bob is found all the same. Its mass by itself is not: a pendulum shows
 /// its moment. Its friction bends at speeds that the reference does not reach: no change either.
