@@ -4,6 +4,7 @@ use armident_kinematics::InertialParameters;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::problem::Background;
+use crate::rows::Blocks;
 
 /// Size of an error of the centre of mass beside its own distance \[m\].
 const COM_SIZE_M: f64 = 0.03;
@@ -42,6 +43,16 @@ pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Backgro
         }
     }
     Background { directions, links: links.len(), free: 0 }
+}
+
+/// A deviation that leaves the coefficient of a column free: such that the column is as large as what is to be explained
+/// on its joints.
+pub(crate) fn as_large_as(effort: &Blocks, column: &Blocks) -> f64 {
+    let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+    let there = || effort.iter().zip(column).filter(|(_, c)| !c.is_empty());
+    let efforts: f64 = there().map(|(e, _)| square(e)).sum();
+    let columns: f64 = there().map(|(_, c)| square(c)).sum();
+    (efforts / columns.max(f64::MIN_POSITIVE)).sqrt()
 }
 
 impl Background {

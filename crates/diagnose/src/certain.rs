@@ -4,11 +4,11 @@ use armident_effects::EVERYDAY;
 use armident_numeric::Cholesky;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::contact::ContactColumns;
+use crate::background::as_large_as;
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::material::{answer_without, held, unnamed};
-use crate::problem::{Background, Group, Meaning, Problem};
-use crate::refine::recreate;
+use crate::problem::{Group, Meaning, Problem};
+use crate::refine::recreate_lasting;
 use crate::rows::Blocks;
 use crate::scatter::Scatter;
 use crate::search::{Answer, answer};
@@ -17,6 +17,8 @@ use crate::whitened::Whitened;
 
 /// Chance of a change that is none, among all that are tried.
 pub(crate) const CHANCE: f64 = 0.01;
+/// A change that is not named is told where it alone would be none less often than this.
+const TOLD: f64 = 0.05;
 
 /// A change that is not certain.
 #[derive(Debug, Clone)]
@@ -34,7 +36,6 @@ pub(crate) struct Doubt {
 pub(crate) fn certain(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
-    contact: &ContactColumns,
     metric: &Whitened<'_>,
     mut of: Answer,
     point: &OperatingPoint,
@@ -44,36 +45,35 @@ pub(crate) fn certain(
         return (of, told);
     }
     let groups = &metric.problem.groups;
-    let open = LeftOpen::of(evidence, at, contact, metric, &of, point);
+    let open = LeftOpen::of(evidence, at, metric, &of);
     let most = CHANCE / groups.len() as f64;
     loop {
         let mut doubtful = open.chances(metric, &of, point);
         doubtful.retain(|(chance, _)| *chance > most);
         doubtful.sort_by(|a, b| b.0.total_cmp(&a.0));
+        if doubtful.is_empty() {
+            break;
+        }
+        let closed = LeftOpen::default().chances(metric, &of, point);
         // one that the others can do without, or else all of them
         let alone =
             doubtful.iter().find_map(|d| Some((answer_without(metric, &of, d.1)?, vec![*d])));
-        let left =
-            || of.set.iter().copied().filter(|g| doubtful.iter().all(|d| d.1 != *g)).collect();
-        let Some((next, gone)) =
-            alone.or_else(|| Some((answer(metric, left())?, doubtful.clone())))
-        else {
-            return (of, told);
-        };
-        if gone.is_empty() {
-            told.retain(|doubt| of.set.iter().all(|g| !same(&groups[*g], &doubt.group)));
-            return (of, told);
-        }
-        let closed = LeftOpen::default().chances(metric, &of, point);
+        let left = of.set.iter().copied().filter(|g| doubtful.iter().all(|d| d.1 != *g)).collect();
+        let next = alone.or_else(|| Some((answer(metric, left)?, doubtful.clone())));
+        let Some((next, gone)) = next else { break };
         for (chance, g) in gone {
-            let known = told.iter().any(|doubt| same(&doubt.group, &groups[g]));
+            let group = groups[g].clone();
             let maybe_before = closed.iter().any(|(chance, c)| *c == g && *chance <= most);
-            if !known {
-                told.push(Doubt { group: groups[g].clone(), chance, maybe_before });
+            if told.iter().all(|doubt| !same(&doubt.group, &group)) {
+                told.push(Doubt { group, chance, maybe_before });
             }
         }
         of = next;
     }
+    told.retain(|doubt| doubt.maybe_before || doubt.chance < TOLD);
+    told.retain(|doubt| of.set.iter().all(|g| !same(&groups[*g], &doubt.group)));
+    told.sort_by(|a, b| a.chance.total_cmp(&b.chance));
+    (of, told)
 }
 
 /// Whether two groups are one effect at one place.
@@ -94,13 +94,11 @@ impl LeftOpen {
     pub(crate) fn of(
         evidence: &Evidence<'_>,
         at: &[At<'_>],
-        contact: &ContactColumns,
         metric: &Whitened<'_>,
         of: &Answer,
-        point: &OperatingPoint,
     ) -> Self {
         let throughout = evidence.acting_throughout();
-        let mut all = throughout.problem_of_arm(point);
+        let mut all = throughout.problem_of_arm(at);
         let mut open = Self::default();
         for &g in &of.set {
             let group = &metric.problem.groups[g];
@@ -111,7 +109,7 @@ impl LeftOpen {
             {
                 continue;
             }
-            if let Some(id) = recreate(&throughout, at, contact, &mut all, group) {
+            if let Some(id) = recreate_lasting(&throughout, at, &mut all, group) {
                 let columns = all.groups[id].columns.iter();
                 open.columns.extend(columns.map(|c| all.columns[*c].clone()));
             }
@@ -127,13 +125,11 @@ impl LeftOpen {
         point: &OperatingPoint,
     ) -> Vec<(f64, usize)> {
         let problem = self.problem(metric, of);
-        let opened = problem.whitened(metric.scale.max(REFERENCE_SCALE), &metric.wide);
         let named =
             of.set.iter().enumerate().filter(|(_, g)| {
                 !matches!(metric.problem.groups[**g].meaning, Meaning::Flexible(_))
             });
-        // signs are asked of what is named, not of this
-        let Some((fitted, _)) = unnamed(&opened, (0..of.set.len()).collect()) else {
+        let Some((opened, fitted)) = fitted(&problem, metric) else {
             return named.map(|(_, g)| (1.0, *g)).collect();
         };
         let scatter = Scatter::of(&opened, &fitted);
@@ -144,8 +140,7 @@ impl LeftOpen {
     /// How far coefficients of an answer can be trusted where this is free.
     pub(crate) fn widen(&self, scatter: &mut Scatter, metric: &Whitened<'_>, of: &Answer) {
         let problem = self.problem(metric, of);
-        let opened = problem.whitened(metric.scale.max(REFERENCE_SCALE), &metric.wide);
-        let Some((fitted, _)) = unnamed(&opened, (0..of.set.len()).collect()) else { return };
+        let Some((opened, fitted)) = fitted(&problem, metric) else { return };
         for (g, here) in of.set.iter().zip(&problem.groups) {
             let covariance = opened.covariance(&fitted.fit, &here.columns);
             let columns = metric.problem.groups[*g].columns.iter().zip(&here.columns);
@@ -163,9 +158,9 @@ impl LeftOpen {
         let problem = metric.problem;
         let (small, _) = problem.restricted(&of.set);
         let (rigid, judged) = (problem.rigid, problem.rows.judged_from());
-        let mut background: Background = problem.background.clone();
+        let mut background = problem.background.clone();
         let deviations: Vec<f64> =
-            self.columns.iter().map(|c| as_large_as_efforts(&problem.effort, c)).collect();
+            self.columns.iter().map(|c| as_large_as(&problem.effort, c)).collect();
         background.extend(&deviations);
         let left = metric.residual(&of.fit);
         let factor: Vec<f64> =
@@ -192,13 +187,13 @@ impl LeftOpen {
     }
 }
 
-/// A deviation that leaves the coefficient of a column free: such that it is as large as the efforts of its joints.
-fn as_large_as_efforts(effort: &Blocks, column: &Blocks) -> f64 {
-    let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-    let there = || effort.iter().zip(column).filter(|(_, c)| !c.is_empty());
-    let efforts: f64 = there().map(|(e, _)| square(e)).sum();
-    let columns: f64 = there().map(|(_, c)| square(c)).sum();
-    (efforts / columns.max(f64::MIN_POSITIVE)).sqrt()
+/// A problem in which a reference leaves effects open, with links that are no better known than a URDF's, and the fit
+/// of its groups.
+fn fitted<'p>(problem: &'p Problem, metric: &Whitened<'_>) -> Option<(Whitened<'p>, Answer)> {
+    let opened = problem.whitened(metric.scale.max(REFERENCE_SCALE), &metric.wide);
+    // signs are asked of what is named, not of this
+    let (fitted, _) = unnamed(&opened, (0..problem.groups.len()).collect())?;
+    Some((opened, fitted))
 }
 
 /// Of the rows that weigh something.
@@ -267,11 +262,10 @@ mod tests {
         let point = OperatingPoint::of(evidence.joints());
         let problem = evidence.problem(&point);
         let at = evidence.at(&point);
-        let contact = ContactColumns::new(&evidence, &at);
         let all = (0..problem.groups.len()).filter(|g| wanted(&problem.groups[*g])).collect();
         let metric = problem.whitened(0.0, &[]);
         let found = answer(&metric, all).unwrap();
-        let (certain, doubts) = certain(&evidence, &at, &contact, &metric, found, &point);
+        let (certain, doubts) = certain(&evidence, &at, &metric, found, &point);
         let joints = certain.set.iter().map(|g| problem.groups[*g].site.joints.clone());
         (joints.collect(), doubts)
     }
@@ -284,7 +278,7 @@ mod tests {
         let after = swung(&chain, 0.1, |j, _| if j == 2 { 0.3 } else { 0.0 });
         let (joints, doubts) = stays(before, after, |group| group.slug() == "torque_offset");
         assert_eq!(joints, [[2]]);
-        assert_eq!(doubts.len(), 5);
+        assert!(doubts.iter().all(|doubt| doubt.chance > 1e-4), "{doubts:?}");
         assert!(doubts.iter().all(|doubt| !doubt.maybe_before));
     }
 

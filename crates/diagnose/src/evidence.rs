@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 use rayon::prelude::*;
 
-use crate::background::inertial_error_directions;
+use crate::background::{as_large_as, inertial_error_directions};
 use crate::fading::faded;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::{Blocks, Rows};
@@ -325,21 +325,20 @@ impl<'a> Evidence<'a> {
 
     /// The problem with all groups that need no search of their own.
     pub(crate) fn problem(&self, point: &OperatingPoint) -> Problem {
-        self.problem_with(point, |_| true)
+        self.problem_with(&self.at(point), |_| true)
     }
 
     /// The same without the laws of joints whose constants are tried: most columns are theirs.
     pub(crate) fn problem_without_trials(&self, point: &OperatingPoint) -> Problem {
-        self.problem_with(point, <[f64]>::is_empty)
+        self.problem_with(&self.at(point), <[f64]>::is_empty)
     }
 
-    /// The same with the laws of the whole arm and of links alone.
-    pub(crate) fn problem_of_arm(&self, point: &OperatingPoint) -> Problem {
-        self.problem_with(point, |_| false)
+    /// The same with the laws of the whole arm and of links alone, of recordings at an operating point.
+    pub(crate) fn problem_of_arm(&self, at: &[At<'_>]) -> Problem {
+        self.problem_with(at, |_| false)
     }
 
-    fn problem_with(&self, point: &OperatingPoint, shapes: impl Fn(&[f64]) -> bool) -> Problem {
-        let at = self.at(point);
+    fn problem_with(&self, at: &[At<'_>], shapes: impl Fn(&[f64]) -> bool) -> Problem {
         let n = self.joints();
         let efforts: Vec<Vec<Vec<f64>>> = at.iter().map(At::effort_or_rigid).collect();
         let effort: Blocks = (0..n)
@@ -351,11 +350,11 @@ impl<'a> Evidence<'a> {
                 self.rows.form(&self.signals, j, difference.iter().map(Vec::as_slice))
             })
             .collect();
-        let mut rigid = self.rigid_columns(&at);
+        let mut rigid = self.rigid_columns(at);
         let arm = RigidArm::from_chain(self.chain);
         let mut background = inertial_error_directions(&arm.links);
         if self.rows.changed_from > 0 {
-            let (columns, deviations) = self.everyday_columns(&at, &effort);
+            let (columns, deviations) = self.everyday_columns(at, &effort);
             rigid.extend(columns);
             background.extend(&deviations);
         }
@@ -376,15 +375,15 @@ impl<'a> Evidence<'a> {
         let of_joints = of_scope(Scope::Joint, n);
         let columns: Vec<Vec<Blocks>> = of_joints
             .par_iter()
-            .map(|(law, j, shape)| self.joint_law_columns(&at, *law, *j, shape))
+            .map(|(law, j, shape)| self.joint_law_columns(at, *law, *j, shape))
             .collect();
         for ((law, j, shape), columns) in of_joints.iter().zip(columns) {
             self.push_joint_columns(&mut problem, *law, *j, shape, columns);
         }
         for (law, j, shape) in of_scope(Scope::Neighbours, n - 1) {
-            self.push_pair_law(&mut problem, &at, law, j, &shape);
+            self.push_pair_law(&mut problem, at, law, j, &shape);
         }
-        self.push_arm_laws(&mut problem, &at, &efforts);
+        self.push_arm_laws(&mut problem, at, &efforts);
         self.push_links(&mut problem);
         problem
     }
@@ -400,11 +399,9 @@ impl<'a> Evidence<'a> {
                     .iter()
                     .filter_map(|at| law.columns(&[], &at.joint(j)).into_iter().next())
                     .collect();
-                let rows = self.rows.form(&self.signals, j, pieces.iter().map(Vec::as_slice));
-                let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-                deviations.push((square(&effort[j]) / square(&rows).max(f64::MIN_POSITIVE)).sqrt());
                 let mut blocks = vec![Vec::new(); self.joints()];
-                blocks[j] = rows;
+                blocks[j] = self.rows.form(&self.signals, j, pieces.iter().map(Vec::as_slice));
+                deviations.push(as_large_as(effort, &blocks));
                 columns.push(blocks);
             }
         }

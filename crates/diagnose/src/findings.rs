@@ -9,7 +9,6 @@ use serde::Serialize;
 use crate::alternatives::{Rival, rivals, separated_by};
 use crate::atlas::Character;
 use crate::certain::{Doubt, LeftOpen};
-use crate::contact::ContactColumns;
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, link_materiality, materiality};
@@ -117,9 +116,8 @@ pub(crate) fn claims(
     let step_s = evidence.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
     let mut scatter = Scatter::with_lag(numbers.metric, numbers.answer, step_s);
     if evidence.rows.changed_from > 0 {
-        let View { metric, answer, point, .. } = *numbers;
-        let contact = ContactColumns::new(evidence, numbers.at());
-        let open = LeftOpen::of(evidence, numbers.at(), &contact, metric, answer, point);
+        let View { metric, answer, .. } = *numbers;
+        let open = LeftOpen::of(evidence, numbers.at(), metric, answer);
         open.widen(&mut scatter, metric, answer);
     }
     let mut found: Vec<Claim> = selection

@@ -21,28 +21,41 @@ pub(crate) fn recreate(
     problem: &mut Problem,
     group: &Group,
 ) -> Option<usize> {
-    let known = (0..problem.groups.len()).find(|&g| {
-        let other = &problem.groups[g];
-        other.meaning == group.meaning && other.site == group.site && other.shape == group.shape
-    });
-    if known.is_some() {
-        return known;
+    match group.site.window {
+        Some((recording, window)) => known(problem, group).or_else(|| {
+            let id = contact.push(evidence, problem, recording, window);
+            problem.groups[id].searched = group.searched;
+            Some(id)
+        }),
+        None => recreate_lasting(evidence, at, problem, group),
     }
-    let slug = match &group.meaning {
-        Meaning::Law(slug) => *slug,
+}
+
+/// The same of what acts at all times.
+pub(crate) fn recreate_lasting(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    group: &Group,
+) -> Option<usize> {
+    known(problem, group).or_else(|| match &group.meaning {
+        Meaning::Law(slug) => {
+            let id = formed(evidence, at, problem, slug, group)?;
+            problem.groups[id].searched = group.searched;
+            Some(id)
+        }
         Meaning::Flexible(flexible) => {
             let joint = group.site.joints[0];
-            return Some(flexible::recreate(evidence, at, problem, joint, flexible));
+            Some(flexible::recreate(evidence, at, problem, joint, flexible))
         }
-    };
-    let id = match (effect(slug)?.law().scope, group.site.window) {
-        (Scope::Arm, Some((recording, window))) => {
-            contact.push(evidence, problem, recording, window)
-        }
-        _ => formed(evidence, at, problem, slug, group)?,
-    };
-    problem.groups[id].searched = group.searched;
-    Some(id)
+    })
+}
+
+/// The group of a problem that is the same already.
+fn known(problem: &Problem, group: &Group) -> Option<usize> {
+    problem.groups.iter().position(|other| {
+        other.meaning == group.meaning && other.site == group.site && other.shape == group.shape
+    })
 }
 
 /// A law of joints with the shape of a group, added to a problem.

@@ -153,7 +153,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             let metric = problem.whitened(scale, &wide);
             found = load_first(&metric, with_changes(&metric, found));
             found = prune(&metric, found, &point);
-            (found, doubtful) = certain(evidence, &at, &contact, &metric, found, &point);
+            (found, doubtful) = certain(evidence, &at, &metric, found, &point);
         } else {
             found = everyday_first(&problem.whitened(scale, &wide), found, &point);
         }

@@ -342,7 +342,13 @@ impl DiagnoseReport {
                 .doubtful_changes
                 .iter()
                 .filter(|change| change.maybe_before == maybe_before)
-                .map(|change| titled(&change.effect, &change.joints, change.link.as_ref()))
+                .map(|change| {
+                    let title = titled(&change.effect, &change.joints, change.link.as_ref());
+                    if maybe_before {
+                        return title;
+                    }
+                    format!("{title} ({} %)", significant(100.0 * change.chance, 1, 0.0))
+                })
                 .collect();
             if !doubtful.is_empty() {
                 text.push_str(&format!("\nnot named: {why}: {}\n", doubtful.join("; ")));

@@ -130,8 +130,12 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         if let (Some(middle), Some(middle_rigid), Some(worst)) =
             (after.get(after.len() / 2), rigid.get(rigid.len() / 2), after.last())
         {
+            let model = match of.findings.is_empty() {
+                true => "The model learned leaves",
+                false => "With these effects the model leaves",
+            };
             all.push(format!(
-                "With these effects the model leaves {} of the given model's error on the {kind} recordings \
+                "{model} {} of the given model's error on the {kind} recordings \
                  (median joint; {} on {}, the worst). Its links identified again without any effect leave {}.",
                 percent(middle.0),
                 percent(worst.0),
