@@ -39,10 +39,16 @@ pub(super) fn title_of(finding: &Finding) -> String {
     format!("{less}{}", title(&finding.effect))
 }
 
-fn doubtful_name(change: &DoubtfulChange) -> String {
-    let place = change.link.clone().unwrap_or_else(|| change.joints.join(", "));
-    let title = title(&change.effect);
-    if place.is_empty() { title } else { format!("{title} on {place}") }
+/// Changes that are not named because they may have been there before, or because they may be chance.
+fn doubtful(of: &Diagnosis, maybe_before: bool) -> Option<String> {
+    let name = |change: &DoubtfulChange| {
+        let place = change.link.clone().unwrap_or_else(|| change.joints.join(", "));
+        let title = title(&change.effect);
+        if place.is_empty() { title } else { format!("{title} on {place}") }
+    };
+    let changes = of.doubtful_changes.iter().filter(|change| change.maybe_before == maybe_before);
+    let names: Vec<String> = changes.map(name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 pub(super) fn place(finding: &Finding) -> String {
@@ -214,18 +220,13 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
             speeds(&of.beyond_reference)
         ));
     }
-    let doubtful = |maybe_before: bool| -> String {
-        let names = of.doubtful_changes.iter().filter(|change| change.maybe_before == maybe_before);
-        names.map(doubtful_name).collect::<Vec<_>>().join(", ")
-    };
-    if !doubtful(true).is_empty() {
+    if let Some(names) = doubtful(of, true) {
         all.push(format!(
-            "Not named, because it may have been so before (the reference does not show it): {}.",
-            doubtful(true)
+            "Not named, because it may have been so before (the reference does not show it): {names}."
         ));
     }
-    if !doubtful(false).is_empty() {
-        all.push(format!("Not named, because it may be chance: {}.", doubtful(false)));
+    if let Some(names) = doubtful(of, false) {
+        all.push(format!("Not named, because it may be chance: {names}."));
     }
     let limit = of.findings.iter().filter(|f| f.confidence < 0.65).count();
     if limit > 0 {
@@ -359,16 +360,9 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
             speeds(&of.beyond_reference)
         )));
     }
-    let unseen: Vec<String> = of
-        .doubtful_changes
-        .iter()
-        .filter(|change| change.maybe_before)
-        .map(doubtful_name)
-        .collect();
-    if !unseen.is_empty() {
+    if let Some(names) = doubtful(of, true) {
         steps.push(Step::new(format!(
-            "To know whether {} changed, record the motions of these recordings with the arm as it was, as reference.",
-            unseen.join(", ")
+            "To know whether {names} changed, record the motions of these recordings with the arm as it was, as reference."
         )));
     }
     if of.findings.is_empty() {
