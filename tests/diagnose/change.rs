@@ -113,6 +113,34 @@ fn friction_falls() {
     }
 }
 
+/// A load on a link of the middle is named there. What the motion does not show of it is not told: a joint that turns
+/// about a level axis shows the moment of its link, and the mass only where the joints before it lift it.
+#[test]
+fn a_load_on_a_middle_link() {
+    let before = recordings("diagnose_unloaded", &[]).join("holdout.csv");
+    let loaded = |test: &str, load: &str| -> Value {
+        let folder = recordings(test, &[&format!("link_inertia_error:{load}")]);
+        let change = diagnose(&folder, &["--reference", text(&before)]).fine().json();
+        let findings = list(&change["findings"]);
+        assert_eq!(findings.len(), 1, "{findings:?}");
+        assert_eq!(findings[0]["effect"], "link_inertia_error");
+        findings[0].clone()
+    };
+    let holds = |finding: &Value, name: &str, truth: f64| {
+        let said = &finding["parameters"][name];
+        let (value, error) = (number(&said["value"]), number(&said["stderr"]));
+        assert!((value - truth).abs() < 3.0 * error && error < 0.1, "{name} {value} {error}");
+    };
+    let forearm = loaded("diagnose_forearm", "elbow_joint=1.5,0.3,0,0");
+    assert_eq!(forearm["link"], "link_3");
+    holds(&forearm, "delta_mass", 1.5);
+    holds(&forearm, "delta_mcx", 0.3);
+    let upper_arm = loaded("diagnose_upper_arm", "shoulder_lift_joint=2,0.5,0,0");
+    assert_eq!(upper_arm["link"], "link_2");
+    assert!(upper_arm["parameters"]["delta_mass"].is_null(), "{upper_arm}");
+    holds(&upper_arm, "delta_mcx", 0.5);
+}
+
 /// A ripple that was there before is no change, also where the noise of the reference hides it: then it is told that it
 /// may have come, and that the reference does not show it.
 #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use armident_effects::effect;
 
+use crate::crossval::{CONSISTENT, errors_left_out, in_standard_errors};
 use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning};
@@ -105,7 +106,7 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
     }
     let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
     let Some(fit) = metric.fit(metric.columns_of(&rest)) else { return Vec::new() };
-    // the best shape of every law at every place, by what it would gain
+    // the best shape of every law at every place
     let mut best: BTreeMap<(&str, Vec<usize>), (f64, usize)> = BTreeMap::new();
     for (g, candidate) in groups.iter().enumerate() {
         let same = candidate.slug() == groups[group].slug()
@@ -126,15 +127,17 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
         }
         let added: Vec<usize> =
             candidate.columns.iter().copied().filter(|c| !fit.columns.contains(c)).collect();
-        let gain = metric.gain(&fit, &added);
+        let left = (fit.sum_of_squares - metric.gain(&fit, &added)).max(f64::MIN_POSITIVE);
+        let set = [rest.as_slice(), &[g]].concat();
+        let score = metric.score(left, fit.columns.len() + added.len(), &set);
         let entry =
-            best.entry((candidate.slug(), candidate.site.joints.clone())).or_insert((gain, g));
-        if gain > entry.0 {
-            *entry = (gain, g);
+            best.entry((candidate.slug(), candidate.site.joints.clone())).or_insert((score, g));
+        if score < entry.0 {
+            *entry = (score, g);
         }
     }
     let mut candidates: Vec<(f64, usize)> = best.into_values().collect();
-    candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let with = metric.residual(&of.fit);
     let mut found: Vec<Rival> = candidates
         .iter()
@@ -155,8 +158,13 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
             let inertial = problem.groups[group].transform.is_some()
                 && metric.scale > 0.0
                 && problem.rows.changed_from == 0;
+            let bodies = problem.rows.changed_from > 0
+                && groups[group].is_of_link()
+                && groups[rival.group].is_of_link();
             if inertial {
                 rival.answer.score - of.score < ODDS
+            } else if bodies {
+                rival.answer.score - of.score < ODDS || !predicts_better(metric, of, &rival.answer)
             } else {
                 rival.left < told_apart(metric, of, &with, rival)
             }
@@ -165,6 +173,19 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
     found.sort_by(|a, b| a.left.total_cmp(&b.left));
     found.truncate(MOST);
     found
+}
+
+/// Whether an answer surely predicts stretches that were not fitted better than a rival: how a model is imperfect
+/// repeats within a stretch, so that scores differ by more than they should.
+fn predicts_better(metric: &Whitened<'_>, of: &Answer, rival: &Answer) -> bool {
+    let [with, without] = [of, rival]
+        .map(|answer| errors_left_out(metric.problem, &answer.set, metric.scale, &metric.wide));
+    let of_stretch = |(with, without): (&Vec<f64>, &Vec<f64>)| -> f64 {
+        let joints = (0..with.len()).filter(|j| with[*j] > 0.0);
+        joints.map(|j| (without[j] / with[j]).ln()).sum()
+    };
+    let gains: Vec<f64> = with.iter().zip(&without).map(of_stretch).collect();
+    gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
 }
 
 /// What is left more from which on two laws are told apart on these recordings.

@@ -151,32 +151,19 @@ impl LeftOpen {
         }
     }
 
-    /// The problem of an answer's groups, in their order, in which these effects are free in all recordings, and
-    /// joints weigh less in what is judged where more is left over there than the model of the reference is imperfect
-    /// by.
+    /// The problem of an answer's groups, in their order, in which these effects are free in all recordings.
     fn problem(&self, metric: &Whitened<'_>, of: &Answer) -> Problem {
         let problem = metric.problem;
         let (small, _) = problem.restricted(&of.set);
-        let (rigid, judged) = (problem.rigid, problem.rows.judged_from());
+        let rigid = problem.rigid;
         let mut background = problem.background.clone();
         let deviations: Vec<f64> =
             self.columns.iter().map(|c| as_large_as(&problem.effort, c)).collect();
         background.extend(&deviations);
-        let left = metric.residual(&of.fit);
-        let factor: Vec<f64> =
-            left.iter().map(|left| 1.0 / root_mean_square(&left[judged..]).max(1.0)).collect();
-        let lighter = |blocks: &Blocks| -> Blocks {
-            let of_joint = |(block, factor): (&Vec<f64>, &f64)| {
-                let mut block = block.clone();
-                block.iter_mut().skip(judged).for_each(|x| *x *= factor);
-                block
-            };
-            blocks.iter().zip(&factor).map(of_joint).collect()
-        };
         let (known, own) = small.columns.split_at(rigid);
-        let columns = known.iter().chain(&self.columns).chain(own).map(lighter).collect();
+        let columns = known.iter().chain(&self.columns).chain(own).cloned().collect();
         let mut opened =
-            Problem::new(small.rows.clone(), lighter(&small.effort), columns, background);
+            Problem::new(small.rows.clone(), small.effort.clone(), columns, background);
         opened.rigid = rigid + self.columns.len();
         opened.groups = small.groups;
         for column in opened.groups.iter_mut().flat_map(|group| &mut group.columns) {
@@ -194,12 +181,6 @@ fn fitted<'p>(problem: &'p Problem, metric: &Whitened<'_>) -> Option<(Whitened<'
     // signs are asked of what is named, not of this
     let (fitted, _) = unnamed(&opened, (0..problem.groups.len()).collect())?;
     Some((opened, fitted))
-}
-
-/// Of the rows that weigh something.
-fn root_mean_square(rows: &[f64]) -> f64 {
-    let count = rows.iter().filter(|x| **x != 0.0).count().max(1) as f64;
-    (rows.iter().map(|x| x * x).sum::<f64>() / count).sqrt()
 }
 
 /// Probability that coefficients of nothing are as far from zero as those of a law: all of them together, or one of

@@ -123,6 +123,7 @@ impl ContactColumns {
             searched: 2,
             places: vec![Place::Contact],
             transform: None,
+            hidden: Vec::new(),
             above_band: 1.0,
         });
         problem.groups.len() - 1

@@ -95,7 +95,7 @@ fn acts_everywhere(group: &Group) -> bool {
 }
 
 /// How many standard errors the gain in the stretches must be off zero.
-const CONSISTENT: f64 = 2.0;
+pub(crate) const CONSISTENT: f64 = 2.0;
 
 /// Twice the logarithm of how much more probable a group makes stretches of a change that were not fitted.
 fn evidence(problem: &Problem, gains: &[f64]) -> f64 {

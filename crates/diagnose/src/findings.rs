@@ -164,12 +164,19 @@ fn alternative(view: &View<'_, '_>, group: usize, rival: &Rival) -> Alternative 
     let groups = &view.metric.problem.groups;
     let other = &groups[rival.group];
     let evidence = view.evidence;
+    // what the library says of a load and a wrong body is of one link
+    let between_links = [&groups[group], other].iter().all(|g| g.is_of_link())
+        && groups[group].site.joints != other.site.joints;
     Alternative {
         effect: other.slug().to_owned(),
         joints: other.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
         link: link_of(evidence, other),
         left_more: rival.left,
-        separated_by: separated_by(groups[group].slug(), other.slug()),
+        separated_by: if between_links {
+            None
+        } else {
+            separated_by(groups[group].slug(), other.slug())
+        },
     }
 }
 
@@ -341,8 +348,22 @@ fn stem(source: &str) -> String {
         .map_or_else(|| source.to_owned(), |s| s.to_string_lossy().into_owned())
 }
 
-/// Slope over the columns' unit below which a number of a body does not appear in them.
-const UNSEEN: f64 = 1e-6;
+/// Share of how large a number of a body is likely to be that may be in combinations the motions do not show: with
+/// more, they do not say how large it is.
+const UNSEEN: f64 = 0.1;
+
+/// Which of the numbers of a body are in the combinations of its parameters that motions do not show.
+fn unseen(evidence: &Evidence<'_>, group: &Group) -> [bool; 4] {
+    let Some(transform) = &group.transform else { return [false; 4] };
+    let size = |directions: &[Vec<f64>], p: usize| -> f64 {
+        let of = |d: &Vec<f64>| in_link_frame(evidence, group.site.joints[0], d)[p].powi(2);
+        directions.iter().map(of).sum()
+    };
+    std::array::from_fn(|p| {
+        let hidden = size(&group.hidden, p);
+        hidden >= UNSEEN * UNSEEN * (hidden + size(transform, p))
+    })
+}
 
 fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'static str, Value> {
     let View { evidence, metric, answer, point, ref gain, .. } = *view;
@@ -419,6 +440,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * by).collect())
         })
         .collect();
+    let unseen = unseen(evidence, group);
     law.law()
         .parameters
         .iter()
@@ -431,9 +453,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
                 .sum::<f64>()
                 + by_shape.iter().map(|change| change[p].powi(2)).sum::<f64>();
             let stderr = (variance > 0.0).then(|| variance.sqrt());
-            // a number of a body that none of the efforts holds
-            let unseen = group.transform.is_some() && slopes.iter().all(|s| s[p].abs() < UNSEEN);
-            (!unseen)
+            (p >= unseen.len() || !unseen[p])
                 .then_some((parameter.name, Value { value, stderr, unit: parameter.unit(kind) }))
         })
         .collect()

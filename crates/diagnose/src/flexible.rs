@@ -342,6 +342,7 @@ pub(crate) fn recreate(
         searched: 2,
         places: flexible.basis.places(&evidence.names[joint]),
         transform: None,
+        hidden: Vec::new(),
         above_band: 1.0,
     });
     problem.groups.len() - 1

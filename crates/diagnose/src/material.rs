@@ -17,6 +17,9 @@ use crate::whitened::Whitened;
 pub(crate) const LEAST: f64 = 0.8;
 /// The same where inertial errors are fitted too: they absorb part of what comes back.
 pub(crate) const LEAST_BESIDE_INERTIA: f64 = 0.6;
+/// The same of a change, 8 % more error of prediction: what a model of the arm is imperfect by is known from the
+/// reference, and how sure a change is asks [`crate::certain`] of it.
+const LEAST_CHANGE: f64 = 0.4;
 /// What a joint's own leftover hides: nothing smaller is named there.
 const SHARE_OF_EXCESS: f64 = 0.9;
 /// The same for a change: an imperfect model is imperfect before and after, and a change must hold in stretch
@@ -64,6 +67,15 @@ fn share_of_excess(problem: &Problem) -> f64 {
     if problem.rows.changed_from > 0 { SHARE_FOR_CHANGE } else { SHARE_OF_EXCESS }
 }
 
+/// What must come back where inertial errors of this size are fitted too.
+fn least(problem: &Problem, scale: f64) -> f64 {
+    match (problem.rows.changed_from > 0, scale > 0.0) {
+        (true, _) => LEAST_CHANGE,
+        (false, true) => LEAST_BESIDE_INERTIA,
+        (false, false) => LEAST,
+    }
+}
+
 /// How much a group of an answer matters: against the answer without it, its simpler relative in its
 /// place.
 pub(crate) fn materiality(
@@ -76,7 +88,7 @@ pub(crate) fn materiality(
     let with = metric.residual(&of.fit);
     let left = excess(problem, &with);
     let without = reduced(metric, of, group, point);
-    let least = if metric.scale > 0.0 { LEAST_BESIDE_INERTIA } else { LEAST };
+    let least = least(problem, metric.scale);
     let mut worst = Materiality { value: 0.0, least, joint: 0 };
     let absorbed = metric.scale > 0.0 && problem.rows.changed_from == 0;
     if absorbed && problem.groups[group].transform.is_some() {

@@ -110,3 +110,12 @@ pub(crate) fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
         })
         .collect()
 }
+
+/// The same where a change is sought: what is left over after it may be more than the model of the reference is
+/// imperfect by, and a joint on which it is must not decide about the others.
+pub(crate) fn misfits_after(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
+    let rows = &metric.problem.rows;
+    let residual = metric.residual(&found.fit);
+    let left = residual.iter().enumerate().map(|(j, residual)| rows.in_band_noise(j, residual));
+    left.zip(&rows.misfit_before).map(|(left, before)| left.max(*before)).collect()
+}

@@ -74,6 +74,7 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
             searched: shape.len(),
             places: vec![Place::Unnamed],
             transform: None,
+            hidden: Vec::new(),
             above_band: 1.0,
         });
         let group = selection.problem.groups.len() - 1;

@@ -42,6 +42,8 @@ pub(crate) struct Group {
     pub(crate) places: Vec<Place>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
+    /// directions of these that the motions do not show, each as large as one is likely to be
+    pub(crate) hidden: Vec<Vec<f64>>,
     /// root mean square of its effort as recorded over that in the band, 1 or more: impacts in a gap are
     /// mostly above it
     pub(crate) above_band: f64,

@@ -1,5 +1,7 @@
 //! What all rows of the comparison have in common: weights, noise, and how columns become rows.
 
+use std::ops::Range;
+
 use crate::signals::Signals;
 
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
@@ -38,8 +40,10 @@ pub(crate) struct Rows {
     pub(crate) changed_from: usize,
     /// first recording in which laws act: that one, or the first of all where they may have acted before
     pub(crate) laws_from: usize,
-    /// `[joint]`, 1 or more: by what the weights are smaller for the imperfection of the model
+    /// `[joint]`, 1 or more: by what the weights of what is judged are smaller for the imperfection of the model
     pub(crate) misfit: Vec<f64>,
+    /// the same before a change
+    pub(crate) misfit_before: Vec<f64>,
     /// `[joint]`: weight of the rows in which it sticks
     pub(crate) stuck_weight: Vec<f64>,
 }
@@ -59,6 +63,7 @@ impl Rows {
             sample_deviation: vec![0.0; joints],
             stuck: vec![Vec::new(); joints],
             misfit: vec![1.0; joints],
+            misfit_before: vec![1.0; joints],
             stuck_weight: vec![STUCK_WEIGHT; joints],
             share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
                 / signals.len() as f64,
@@ -120,9 +125,14 @@ impl Rows {
 
     /// Weighted rows counted as a whole one each: the sample size of the fit.
     pub(crate) fn effective(&self) -> f64 {
-        let of_joint = |j: usize| -> f64 {
-            let rows = self.weight[j].iter().zip(&self.deviation[j]);
-            rows.map(|(w, d)| (w * d * self.misfit[j]).powi(2)).sum()
+        let of_rows = |j: usize, rows: Range<usize>, misfit: f64| -> f64 {
+            let rows = self.weight[j][rows.clone()].iter().zip(&self.deviation[j][rows]);
+            rows.map(|(w, d)| (w * d * misfit).powi(2)).sum()
+        };
+        let judged = self.judged_from();
+        let of_joint = |j: usize| {
+            of_rows(j, 0..judged, self.misfit_before[j])
+                + of_rows(j, judged..self.len(), self.misfit[j])
         };
         (0..self.joints()).map(of_joint).sum()
     }
@@ -189,8 +199,17 @@ impl Rows {
     /// let the imperfection of one joint's model decide about all others.
     pub(crate) fn set_misfit(&mut self, joint: usize, factor: f64) {
         let change = self.misfit[joint] / factor;
-        self.weight[joint].iter_mut().for_each(|w| *w *= change);
+        let judged = self.judged_from();
+        self.weight[joint][judged..].iter_mut().for_each(|w| *w *= change);
         self.misfit[joint] = factor;
+    }
+
+    /// The same of the reference.
+    pub(crate) fn set_misfit_before(&mut self, joint: usize, factor: f64) {
+        let change = self.misfit_before[joint] / factor;
+        let judged = self.judged_from();
+        self.weight[joint][..judged].iter_mut().for_each(|w| *w *= change);
+        self.misfit_before[joint] = factor;
     }
 
     /// What the rows in which a joint sticks can at most say, from what they leave over: static friction is
@@ -224,8 +243,8 @@ impl Rows {
     /// band, whatever the misfit in the weights.
     pub(crate) fn in_band_noise(&self, joint: usize, rows: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
-        for (x, stuck) in rows.iter().zip(&self.stuck[joint]).skip(self.judged_from()) {
-            if !stuck {
+        for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
+            if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
                 sum += (x * self.misfit[joint]).powi(2);
                 count += 1;
             }

@@ -15,7 +15,7 @@ use crate::fading::with_fading;
 use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
-use crate::misfit::{first_misfits, independent_share, misfits, stuck_weights};
+use crate::misfit::{first_misfits, independent_share, misfits, misfits_after, stuck_weights};
 use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
@@ -116,6 +116,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         first_misfits(owner, &owner.at(&point), &first)
     };
     for (j, misfit) in misfit.into_iter().enumerate() {
+        owner.rows.set_misfit_before(j, misfit);
         owner.rows.set_misfit(j, misfit);
     }
     drop(first);
@@ -171,8 +172,10 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let links = hidden_links(&metric, &found);
         let still = is_still(&target, &point) && (links.is_none() || point.links.is_some());
         target.links = links;
-        let misfit = misfits(&metric, &found);
-        let reweighted = !seeks_change
+        let misfit =
+            if seeks_change { misfits_after(&metric, &found) } else { misfits(&metric, &found) };
+        // what was not tried yet must not make a joint unimportant
+        let reweighted = (all || !seeks_change)
             && misfit
                 .iter()
                 .zip(&problem.rows.misfit)
@@ -194,12 +197,12 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             break;
         }
         point = target;
-        if !seeks_change {
+        if reweighted || !seeks_change {
             for (j, misfit) in misfit.into_iter().enumerate() {
                 owner.rows.set_misfit(j, misfit);
             }
         }
-        if reweighted {
+        if reweighted && !seeks_change {
             owner.rows.share = share;
         }
     }

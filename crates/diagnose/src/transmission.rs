@@ -309,6 +309,7 @@ fn push_group(
         searched: shape.len(),
         places: vec![Place::Inertia],
         transform: None,
+        hidden: Vec::new(),
         above_band,
     });
     problem.groups.len() - 1
