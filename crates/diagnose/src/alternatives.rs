@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use armident_effects::effect;
 
-use crate::crossval::{CONSISTENT, errors_left_out, in_standard_errors};
+use crate::crossval::predicts_better;
 use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning};
@@ -154,17 +154,14 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
             Some(Rival { group: g, answer, left })
         })
         .filter(|rival| {
-            // uncertain inertias take up what a load leaves: there the evidence decides
-            let inertial = problem.groups[group].transform.is_some()
-                && metric.scale > 0.0
-                && problem.rows.changed_from == 0;
-            let bodies = problem.rows.changed_from > 0
-                && groups[group].is_of_link()
-                && groups[rival.group].is_of_link();
-            if inertial {
-                rival.answer.score - of.score < ODDS
-            } else if bodies {
-                rival.answer.score - of.score < ODDS || !predicts_better(metric, of, &rival.answer)
+            let near = rival.answer.score - of.score < ODDS;
+            let of_links = [group, rival.group].map(|g| groups[g].is_of_link());
+            let changed = problem.rows.changed_from > 0;
+            if changed && of_links == [true; 2] {
+                near || !predicts_better(metric, of, &rival.answer)
+            } else if !changed && groups[group].transform.is_some() && metric.scale > 0.0 {
+                // uncertain inertias take up what a load leaves: there the evidence decides
+                near
             } else {
                 rival.left < told_apart(metric, of, &with, rival)
             }
@@ -173,19 +170,6 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
     found.sort_by(|a, b| a.left.total_cmp(&b.left));
     found.truncate(MOST);
     found
-}
-
-/// Whether an answer surely predicts stretches that were not fitted better than a rival: how a model is imperfect
-/// repeats within a stretch, so that scores differ by more than they should.
-fn predicts_better(metric: &Whitened<'_>, of: &Answer, rival: &Answer) -> bool {
-    let [with, without] = [of, rival]
-        .map(|answer| errors_left_out(metric.problem, &answer.set, metric.scale, &metric.wide));
-    let of_stretch = |(with, without): (&Vec<f64>, &Vec<f64>)| -> f64 {
-        let joints = (0..with.len()).filter(|j| with[*j] > 0.0);
-        joints.map(|j| (without[j] / with[j]).ln()).sum()
-    };
-    let gains: Vec<f64> = with.iter().zip(&without).map(of_stretch).collect();
-    gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
 }
 
 /// What is left more from which on two laws are told apart on these recordings.

@@ -79,14 +79,26 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
 /// an effort is recorded: as a ratio, so that no stretch outweighs the others, and joint by joint, so that none does
 /// that is badly modelled.
 fn gains(group: &Group, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
+    gains_on((!acts_everywhere(group)).then_some(&group.site.joints), without, with)
+}
+
+/// The same on these joints, or on all.
+fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
     let of_stretch = |(without, with): (&Vec<f64>, &Vec<f64>)| {
-        let joints = match acts_everywhere(group) {
-            true => (0..with.len()).filter(|j| with[*j] > 0.0).collect(),
-            false => group.site.joints.clone(),
-        };
+        let recorded = || (0..with.len()).filter(|j| with[*j] > 0.0).collect();
+        let joints = joints.cloned().unwrap_or_else(recorded);
         joints.iter().map(|j| (without[*j] / with[*j]).ln()).sum::<f64>()
     };
     without.iter().zip(with).map(of_stretch).filter(|gain| gain.is_finite()).collect()
+}
+
+/// Whether an answer surely predicts stretches that were not fitted better than a rival: what a model is imperfect by
+/// repeats itself, so that scores differ by more than they should.
+pub(crate) fn predicts_better(metric: &Whitened<'_>, of: &Answer, rival: &Answer) -> bool {
+    let errors =
+        |answer: &Answer| errors_left_out(metric.problem, &answer.set, metric.scale, &metric.wide);
+    let gains = gains_on(None, &errors(rival), &errors(of));
+    gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
 }
 
 /// Whether a group loads other joints than those it is named by.
@@ -95,7 +107,7 @@ fn acts_everywhere(group: &Group) -> bool {
 }
 
 /// How many standard errors the gain in the stretches must be off zero.
-pub(crate) const CONSISTENT: f64 = 2.0;
+const CONSISTENT: f64 = 2.0;
 
 /// Twice the logarithm of how much more probable a group makes stretches of a change that were not fitted.
 fn evidence(problem: &Problem, gains: &[f64]) -> f64 {

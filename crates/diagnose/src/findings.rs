@@ -172,11 +172,9 @@ fn alternative(view: &View<'_, '_>, group: usize, rival: &Rival) -> Alternative 
         joints: other.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
         link: link_of(evidence, other),
         left_more: rival.left,
-        separated_by: if between_links {
-            None
-        } else {
-            separated_by(groups[group].slug(), other.slug())
-        },
+        separated_by: (!between_links)
+            .then(|| separated_by(groups[group].slug(), other.slug()))
+            .flatten(),
     }
 }
 
@@ -446,15 +444,15 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
         .iter()
         .zip(&values)
         .enumerate()
-        .filter_map(|(p, (parameter, &value))| {
+        .filter(|(p, _)| !unseen.get(*p).is_some_and(|unseen| *unseen))
+        .map(|(p, (parameter, &value))| {
             let variance: f64 = (0..coefficients.len())
                 .flat_map(|a| (0..coefficients.len()).map(move |b| (a, b)))
                 .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
                 .sum::<f64>()
                 + by_shape.iter().map(|change| change[p].powi(2)).sum::<f64>();
             let stderr = (variance > 0.0).then(|| variance.sqrt());
-            (p >= unseen.len() || !unseen[p])
-                .then_some((parameter.name, Value { value, stderr, unit: parameter.unit(kind) }))
+            (parameter.name, Value { value, stderr, unit: parameter.unit(kind) })
         })
         .collect()
 }

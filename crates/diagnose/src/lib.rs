@@ -38,6 +38,7 @@ mod atlas;
 mod background;
 mod band;
 mod bands;
+mod bodies;
 mod books;
 mod certain;
 mod change;

@@ -172,20 +172,18 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let links = hidden_links(&metric, &found);
         let still = is_still(&target, &point) && (links.is_none() || point.links.is_some());
         target.links = links;
-        let misfit =
-            if seeks_change { misfits_after(&metric, &found) } else { misfits(&metric, &found) };
+        let (misfit, share) = if seeks_change {
+            (misfits_after(&metric, &found), problem.rows.share)
+        } else {
+            // of what no term of a plain identification explains: a short answer must not look like few samples
+            let residual = with_everyday_terms(&metric, &found);
+            let share = independent_share(&residual, &problem.rows.starts, problem.rows.rows_hz);
+            (misfits(&metric, &found), share.min(problem.rows.share))
+        };
+        let differs = |(new, old): (&f64, &f64)| (new / old).ln().abs() > SAME_MISFIT;
         // what was not tried yet must not make a joint unimportant
-        let reweighted = (all || !seeks_change)
-            && misfit
-                .iter()
-                .zip(&problem.rows.misfit)
-                .any(|(new, old)| (new / old).ln().abs() > SAME_MISFIT);
-        // of what no term of a plain identification explains: a short answer must not look like few samples
-        let residual = with_everyday_terms(&metric, &found);
-        let share = independent_share(&residual, &problem.rows.starts, problem.rows.rows_hz)
-            .min(problem.rows.share);
-        let reweighted =
-            reweighted || (!seeks_change && share < FEWER_SAMPLES * problem.rows.share);
+        let reweighted = share < FEWER_SAMPLES * problem.rows.share
+            || ((all || !seeks_change) && misfit.iter().zip(&problem.rows.misfit).any(differs));
         // moves that were not confirmed must not end the search before all was tried
         is_right = still && !again && !reweighted;
         let done = (is_right && all) || pass + 1 == PASSES;
@@ -202,7 +200,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
                 owner.rows.set_misfit(j, misfit);
             }
         }
-        if reweighted && !seeks_change {
+        if reweighted {
             owner.rows.share = share;
         }
     }
