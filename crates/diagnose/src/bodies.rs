@@ -35,28 +35,32 @@ fn loads_near(place_m: &Vector3<f64>) -> Vec<[f64; 10]> {
 }
 
 impl Evidence<'_> {
-    /// One wrong link each, and of what changed also a load on it.
+    /// One wrong link each and a load on the last one, and of what changed also loads on the others.
     pub(crate) fn push_links(&self, problem: &mut Problem) {
-        let arm = RigidArm::from_chain(self.chain);
-        for (link, body) in arm.links.iter().enumerate() {
+        for link in 0..self.joints() {
             self.push_link(problem, link, &any_errors());
-            if self.rows.changed_from > 0 {
+        }
+        let weighed = self.push_payload(problem);
+        if self.rows.changed_from > 0 {
+            let arm = RigidArm::from_chain(self.chain);
+            let loaded = self.joints() - usize::from(weighed);
+            for (link, body) in arm.links.iter().enumerate().take(loaded) {
                 self.push_link(problem, link, &loads_near(&body.com_m()));
             }
         }
-        self.push_payload(problem);
     }
 
-    /// A load: mass and first moment of the last link; its own inertia is small beside them.
-    fn push_payload(&self, problem: &mut Problem) {
-        let Some(law) = effect("payload") else { return };
+    /// A load: mass and first moment of the last link; its own inertia is small beside them. Says whether these motions
+    /// weigh it.
+    fn push_payload(&self, problem: &mut Problem) -> bool {
+        let Some(law) = effect("payload") else { return false };
         let last = self.joints() - 1;
         let rows = problem.rows.effective();
         let columns: Vec<usize> = (10 * last..10 * last + 4)
             .filter(|&k| problem.product(k, k) > LEAST_SHOWN * LEAST_SHOWN * rows)
             .collect();
         if columns.first() != Some(&(10 * last)) {
-            return;
+            return false;
         }
         let transform = columns
             .iter()
@@ -70,6 +74,7 @@ impl Evidence<'_> {
         let site = Site { joints: vec![last], window: None };
         let group = push_law(problem, law, site, &[], columns, 0);
         problem.groups[group].transform = Some(transform);
+        true
     }
 
     /// A link that is off by some of these errors: by the combinations of them that these motions show.

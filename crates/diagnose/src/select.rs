@@ -187,8 +187,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         // moves that were not confirmed must not end the search before all was tried
         is_right = still && !again && !reweighted;
         let done = (is_right && all) || pass + 1 == PASSES;
-        // with other weights another scale may be right
-        memory.scale = (!reweighted).then_some(scale);
+        // with other weights another scale may be right; a reference holds its own
+        memory.scale = (seeks_change || !reweighted).then_some(scale);
         let point_now = point.clone();
         last = Some(Selection { problem, answer: found, scale, wide, point: point_now, doubtful });
         if done {
