@@ -25,47 +25,24 @@ struct Compared {
     on_link: &'static str,
 }
 
+impl Compared {
+    /// Thirds of the one recording of a set.
+    const fn thirds(set: &'static str, loads_kg: &'static [f64], on_link: &'static str) -> Self {
+        Self { set, parts: &[], title: "thirds", loads_kg, on_link }
+    }
+}
+
 /// Recordings with what they are called.
 type Part = (String, Vec<Recording>);
 
 /// What is compared. Files in which something else than an effort is recorded (a set's `dataset.toml` says which)
 /// are not.
 const COMPARED: [Compared; 12] = [
-    Compared {
-        set: "ur10-unisa",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[0.0, 1.0, 3.0],
-        on_link: "",
-    },
-    Compared {
-        set: "panda-unisa",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[0.0, 0.5, 1.0],
-        on_link: "",
-    },
-    Compared {
-        set: "staubli-tx40",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[0.0, 1.0, 3.0],
-        on_link: "",
-    },
-    Compared {
-        set: "tiago-arm",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[0.0, 1.0, 2.0],
-        on_link: "",
-    },
-    Compared {
-        set: "dfki-double-pendulum",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[0.0, 0.03, 0.1],
-        on_link: "",
-    },
+    Compared::thirds("ur10-unisa", &[0.0, 1.0, 3.0], ""),
+    Compared::thirds("panda-unisa", &[0.0, 0.5, 1.0], ""),
+    Compared::thirds("staubli-tx40", &[0.0, 1.0, 3.0], ""),
+    Compared::thirds("tiago-arm", &[0.0, 1.0, 2.0], ""),
+    Compared::thirds("dfki-double-pendulum", &[0.0, 0.03, 0.1], ""),
     Compared {
         set: "dfki-double-pendulum",
         parts: &["train", "slow_small", "swing_torque1", "swing_torque2"],
@@ -94,27 +71,9 @@ const COMPARED: [Compared; 12] = [
         loads_kg: &[0.0, 0.1, 0.3],
         on_link: "",
     },
-    Compared {
-        set: "ur10-unisa",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[3.0],
-        on_link: "forearm_link",
-    },
-    Compared {
-        set: "panda-unisa",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[1.0],
-        on_link: "panda_link4",
-    },
-    Compared {
-        set: "staubli-tx40",
-        parts: &[],
-        title: "thirds",
-        loads_kg: &[4.0],
-        on_link: "link_3",
-    },
+    Compared::thirds("ur10-unisa", &[3.0], "forearm_link"),
+    Compared::thirds("panda-unisa", &[1.0], "panda_link4"),
+    Compared::thirds("staubli-tx40", &[4.0], "link_3"),
 ];
 
 /// R / k_t of the XL330 that the makers of its set publish.

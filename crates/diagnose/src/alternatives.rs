@@ -1,11 +1,12 @@
 //! What else a finding may be: laws that, in its place and with all else fitted again, explain the
 //! recordings about as well.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 use armident_effects::effect;
 
-use crate::crossval::predicts_better;
+use crate::crossval::{errors_left_out, surely_less};
 use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning};
@@ -139,6 +140,8 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
     let mut candidates: Vec<(f64, usize)> = best.into_values().collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let with = metric.residual(&of.fit);
+    let left_out = |of: &Answer| errors_left_out(problem, &of.set, metric.scale, &metric.wide);
+    let errors = LazyCell::new(|| left_out(of));
     let mut found: Vec<Rival> = candidates
         .iter()
         .take(TRIED)
@@ -158,7 +161,7 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
             let of_links = [group, rival.group].map(|g| groups[g].is_of_link());
             let changed = problem.rows.changed_from > 0;
             if changed && of_links == [true; 2] {
-                near || !predicts_better(metric, of, &rival.answer)
+                near || !surely_less(&errors, &left_out(&rival.answer))
             } else if !changed && groups[group].transform.is_some() && metric.scale > 0.0 {
                 // uncertain inertias take up what a load leaves: there the evidence decides
                 near

@@ -92,12 +92,10 @@ fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]
     without.iter().zip(with).map(of_stretch).filter(|gain| gain.is_finite()).collect()
 }
 
-/// Whether an answer surely predicts stretches that were not fitted better than a rival: what a model is imperfect by
-/// repeats itself, so that scores differ by more than they should.
-pub(crate) fn predicts_better(metric: &Whitened<'_>, of: &Answer, rival: &Answer) -> bool {
-    let errors =
-        |answer: &Answer| errors_left_out(metric.problem, &answer.set, metric.scale, &metric.wide);
-    let gains = gains_on(None, &errors(rival), &errors(of));
+/// Whether errors of stretches that were not fitted are surely less than others: what a model is imperfect by repeats
+/// itself, so that scores differ by more than they should.
+pub(crate) fn surely_less(errors: &[Vec<f64>], than: &[Vec<f64>]) -> bool {
+    let gains = gains_on(None, than, errors);
     gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
 }
 
