@@ -224,6 +224,11 @@ impl Draft {
         PERTURBED.contains(&slug)
     }
 
+    /// Travel over which the effect builds up at a size \[rad or m\]; infinite where it needs none.
+    pub(crate) fn travel(&self, x: f64) -> f64 {
+        if self.slug == "presliding_hysteresis" { x * self.constants[1] } else { f64::INFINITY }
+    }
+
     /// Parameters of the library's law, or of an unlisted one, at a size.
     pub(crate) fn parameters(&self, x: f64) -> Vec<f64> {
         let c = &self.constants;

@@ -26,6 +26,10 @@ const TRANSMISSION_ROUNDS: usize = 3;
 /// without any tool.
 const MOST_TORQUE: f64 = 0.5;
 
+/// Least travel that an effect needs to build up, in encoder counts: what builds up within a few is dry friction with
+/// stiction, whatever its margin over plain friction, which has none.
+const RESOLVED_COUNTS: f64 = 10.0;
+
 /// An effect with its size.
 pub(crate) struct Sized {
     pub(crate) draft: Draft,
@@ -131,7 +135,9 @@ pub(crate) fn size(
             let plausible = (0..sized.torque.len()).all(|j| {
                 sized.torque[j] < MOST_TORQUE * scene.range[j].max(scene.sensing.sigma[j])
             });
-            let kept = plausible && (low..high).contains(&seen.naming_margin);
+            let resolved = sized.draft.travel(sized.x)
+                >= RESOLVED_COUNTS * scene.sensing.count[sized.draft.joint];
+            let kept = plausible && resolved && (low..high).contains(&seen.naming_margin);
             return Ok(kept.then_some(sized));
         }
         sized.x = (sized.x * factor.clamp(0.02, 50.0)).min(sized.draft.most);

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::dry_friction::{RowLevels, solve_dry_friction};
 use crate::equations::{Equations, EquationsScratch, Rows, row_levels};
 use crate::error::SimulationError;
-use crate::simulated_arm::SimulatedArm;
+use crate::simulated_arm::{EffectWithParameters, SimulatedArm};
 use crate::step_effort::StepEffort;
 
 /// Speed above which a motion counts as diverged \[rad/s or m/s\].
@@ -17,6 +17,10 @@ const HALVINGS: u32 = 4;
 pub(crate) const LONGEST_VIBRATION: f64 = 0.15;
 /// The same, in decay times of its damper.
 pub(crate) const LONGEST_DECAY: f64 = 0.3;
+/// Travel over which the stiffness of a deflection is taken \[rad or m\].
+const SHORT_TRAVEL: f64 = 1e-9;
+/// Share of its stiffness below which a deflection carries no vibration.
+const SATURATED: f64 = 1e-3;
 /// Rounds in which loads and the friction that depends on them agree; two or three are usual.
 const LOAD_ROUNDS: usize = 100;
 /// Agreement of friction levels between two rounds within a step, and in an instant.
@@ -143,9 +147,20 @@ impl<'a> ForwardStepper<'a> {
         if parts == 1 {
             return self.one_step(step_s, effort);
         }
+        self.in_parts(parts, step_s, effort, Self::one_step)
+    }
+
+    /// Steps of equal length in place of one.
+    fn in_parts(
+        &mut self,
+        parts: usize,
+        h: f64,
+        effort: &StepEffort,
+        step: impl Fn(&mut Self, f64, &StepEffort) -> Result<(), SimulationError>,
+    ) -> Result<(), SimulationError> {
         let share = |k: usize| k as f64 / parts as f64;
         for k in 0..parts {
-            self.one_step(step_s / parts as f64, &effort.part(share(k), share(k + 1)))?;
+            step(self, h / parts as f64, &effort.part(share(k), share(k + 1)))?;
         }
         Ok(())
     }
@@ -158,23 +173,53 @@ impl<'a> ForwardStepper<'a> {
         }
     }
 
-    /// Parts of a step that are short beside the vibrations of the transmissions.
+    /// Parts of a step that are short beside the vibrations of the transmissions, and of the deflections that
+    /// carry on their way.
     fn parts(&mut self, step_s: f64) -> Result<usize, SimulationError> {
-        if !self.arm.has_transmissions() {
+        let carries: Vec<bool> = self
+            .arm
+            .deflections()
+            .zip(&self.deflections)
+            .map(|((joint, law), &deflection)| {
+                let velocity = self.v[self.rows.recorded[joint]];
+                let [now, full] = [deflection, -velocity.signum()]
+                    .map(|deflection| stiffness(law, deflection, velocity.signum()));
+                velocity == 0.0 || now > SATURATED * full
+            })
+            .collect();
+        if !self.arm.has_transmissions() && !carries.contains(&true) {
             return Ok(1);
         }
+        self.parts_at(step_s, |k| carries[k])
+    }
+
+    /// The same where these deflections carry as on the way back from their saturation.
+    fn parts_at(
+        &mut self,
+        step_s: f64,
+        carries: impl Fn(usize) -> bool,
+    ) -> Result<usize, SimulationError> {
         let (q, v) = (self.q.clone(), self.v.clone());
         let inertia = self.equations(&q, &v, self.time_s, &self.deflections.clone()).inertia;
         let factor = inertia.clone().cholesky().ok_or_else(|| self.singular(&q, &v, &inertia))?;
         let mobility = factor.inverse();
         let mut parts = 1.0_f64;
+        let mut divide = |stiffness: f64, damping: f64, mobility: f64| {
+            let vibration = (stiffness * mobility).sqrt() / LONGEST_VIBRATION;
+            let decay = damping * mobility / LONGEST_DECAY;
+            parts = parts.max(step_s * vibration).max(step_s * decay);
+        };
         for (joint, &row) in self.rows.recorded.iter().enumerate() {
             let Some(transmission) = self.arm.transmission(joint) else { continue };
             let twist =
                 mobility[(joint, joint)] + mobility[(row, row)] - 2.0 * mobility[(joint, row)];
-            let vibration = (transmission.stiffness * twist).sqrt() / LONGEST_VIBRATION;
-            let decay = transmission.damping * twist / LONGEST_DECAY;
-            parts = parts.max(step_s * vibration).max(step_s * decay);
+            divide(transmission.stiffness, transmission.damping, twist);
+        }
+        for (_, (joint, law)) in self.arm.deflections().enumerate().filter(|(k, _)| carries(*k)) {
+            let row = self.rows.recorded[joint];
+            let damping = law.effect.deflection_effort(&law.parameters, -1.0, 1.0)
+                - law.effect.deflection_effort(&law.parameters, -1.0, 0.0);
+            divide(stiffness(law, -1.0, 1.0), damping, mobility[(row, row)]);
         }
         Ok(parts.ceil() as usize)
     }
@@ -217,10 +262,25 @@ impl<'a> ForwardStepper<'a> {
             self.friction_step(half, &first, halvings - 1)?;
             return self.friction_step(half, &second, halvings - 1);
         }
+        // a deflection lets go before a reversal and carries after it: too much of it may undo the reversal
+        if self.turns(&v, mid_v.as_slice()) || self.turns(&v, next_v.as_slice()) {
+            let parts = self.parts_at(h, |_| true)?;
+            if parts > 1 {
+                return self.in_parts(parts, h, effort, |s, h, e| s.friction_step(h, e, halvings));
+            }
+        }
         let next_q = q.iter().zip(&v).zip(&next_v).map(|((q, v), w)| q + half * (v + w));
         let next_q = DVector::from_iterator(q.len(), next_q);
         self.deflections = self.deflected(&z, &q, next_q.as_slice());
         self.move_to(h, &next_q, &next_v)
+    }
+
+    /// Whether a joint with a deflection reverses between two velocities.
+    fn turns(&self, before: &[f64], after: &[f64]) -> bool {
+        self.arm.deflections().any(|(joint, _)| {
+            let row = self.rows.recorded[joint];
+            before[row] * after[row] < 0.0
+        })
     }
 
     /// Deflections after a travel of all rows.
@@ -384,6 +444,14 @@ impl<'a> ForwardStepper<'a> {
     }
 }
 
+/// Effort that a deflection gains by a short travel in a direction, over the travel.
+fn stiffness(law: &EffectWithParameters, deflection: f64, direction: f64) -> f64 {
+    let after = law.effect.deflection_after(&law.parameters, deflection, direction * SHORT_TRAVEL);
+    let [before, after] = [deflection, after]
+        .map(|deflection| law.effect.deflection_effort(&law.parameters, deflection, 0.0));
+    (after - before).abs() / SHORT_TRAVEL
+}
+
 /// Loads that give themselves back: the secant of each joint. While directions hold, a load is linear
 /// in the friction that depends on it, so that for one such joint the second round is exact.
 #[derive(Default)]
@@ -430,6 +498,7 @@ pub(crate) fn check_numbers(
 #[cfg(test)]
 mod tests {
     use armident_dynamics::inverse_dynamics;
+    use armident_effects::EffectOnJoint;
 
     use super::*;
     use crate::test_arms::{effect, harmonic_at, planar, slider, stanford};
@@ -552,6 +621,50 @@ mod tests {
         assert_eq!(stepper.state().velocity, [0.0]);
         assert_eq!(stepper.acceleration(&[2.9]).unwrap(), [0.0]);
         assert!((stepper.acceleration(&[5.0]).unwrap()[0] - 1.0).abs() < 1e-12);
+    }
+
+    /// Bristles of a micrometre, far stiffer than a step can follow: the motion is that of Coulomb friction but for
+    /// the travel of the bristle at each reversal.
+    #[test]
+    fn stiff_bristles_move_as_dry_friction_does() {
+        let (level, travel) = (3.0, 1e-6);
+        let run = |law: EffectOnJoint, steps: usize| {
+            let arm = slider(&[law]);
+            let start = ArmState::at_rest(vec![0.0]);
+            let mut stepper = ForwardStepper::new(&arm, start, 0.0).unwrap();
+            let h = 2.0 / steps as f64;
+            let mut positions = Vec::new();
+            for k in 0..steps {
+                let effort = |t: f64| vec![if t < 1.6 { 8.0 * (9.0 * t).sin() } else { 0.0 }];
+                let t = k as f64 * h;
+                let effort = StepEffort {
+                    start: effort(t),
+                    middle: effort(t + 0.5 * h),
+                    end: effort(t + h),
+                };
+                stepper.step(h, &effort).unwrap();
+                positions.push(stepper.state().position[0]);
+            }
+            positions
+        };
+        let every = |positions: Vec<f64>, n: usize| -> Vec<f64> {
+            positions.into_iter().skip(n - 1).step_by(n).collect()
+        };
+        let largest =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let dry = run(effect("coulomb_friction", "rail", level), 2000);
+        assert!(largest(&dry, &[0.0; 2000]) > 0.1);
+        let stiffness = level / travel;
+        for damping in [0.0, 1e-3 * stiffness] {
+            let bristle =
+                EffectOnJoint::new("presliding_hysteresis", "rail", [level, stiffness, damping]);
+            let found = run(bristle.clone(), 2000);
+            let by_short_steps = every(run(bristle, 40_000), 20);
+            let off = largest(&found, &by_short_steps);
+            assert!(off < 1e-5, "{damping}: {off:.1e} m off short steps");
+            let off = largest(&found, &dry);
+            assert!(off < 1e-3, "{damping}: {off:.1e} m off dry friction");
+        }
     }
 
     /// Reversal by a constant force: decelerated by force and friction, accelerated by their
