@@ -390,6 +390,9 @@ impl Problem {
         let known = gram.len();
         gram.extend_from_slice(&self.gram[known..]);
         rhs.extend_from_slice(&self.rhs[known..]);
+        for column in self.held_columns().filter(|k| *k >= known) {
+            gram[column][column] += 1.0 / self.rows.share;
+        }
         let mut square = self.square;
         if let Some(prior) = &integral.prior {
             let Prior { weight, cholesky, w_y, directions } = &**prior;
@@ -430,6 +433,13 @@ impl Problem {
             norm,
             prior: integral.prior.clone(),
         }
+    }
+
+    /// Columns whose coefficients have a prior of deviation 1: directions of a description that a stretch of the
+    /// recordings does not visit stay at nothing there.
+    fn held_columns(&self) -> impl Iterator<Item = usize> {
+        let described = |group: &&Group| matches!(group.meaning, Meaning::Flexible(_));
+        self.groups.iter().filter(described).flat_map(|group| group.columns.iter().copied())
     }
 
     /// What it costs, as a change between two recordings, that a group seldom comes about.
