@@ -8,6 +8,7 @@
 //! that of the motor by one scalar differential equation a joint; the efforts of all joints follow from
 //! the motion of the link.
 
+use armident_dynamics::gravity_effort;
 use armident_effects::{Effect, Place, RotorInertia};
 use armident_numeric::dot;
 use armident_recording::{RecordingError, differentiate};
@@ -24,6 +25,10 @@ use crate::stops::Series;
 const MOTOR_HZ: f64 = 80.0;
 /// Longest step of the integration \[s\].
 const STEP_S: f64 = 2.5e-4;
+/// Turns in which the motion of a link and the loads on it agree, and how nearly \[rad or m\]: loads are linear in its
+/// position within a turn, so that they err by the square of this.
+const MOST_TURNS: usize = 6;
+const SETTLED: f64 = 3e-3;
 /// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
 const RESONANCES_HZ: [f64; 14] =
     [1.3, 1.6, 2.0, 2.5, 3.1, 3.9, 5.0, 6.5, 8.5, 11.0, 14.0, 18.0, 24.0, 32.0];
@@ -82,25 +87,31 @@ impl Transmission {
         at: &At<'_>,
         joint: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
-        self.difference_in(at, joint, 2)
+        self.difference_in(at, joint, MOST_TURNS)
     }
 
-    /// The same in one or more turns, the first with the load on a link that follows its motor.
+    /// The same in so many turns at most, the first with the load on a link that follows its motor.
     fn difference_in(
         &self,
         at: &At<'_>,
         joint: usize,
-        turns: usize,
+        most_turns: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
         let motor =
             Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
         let (followed, rate_hz) = (at.load(joint), at.signals.rate_hz);
-        let start = followed.at_start(at, joint);
+        let start = self.twist_at_start(at, joint);
         let mut link = self.link(&motor, followed, start, rate_hz);
-        // the loads on the link are those of its own motion: found in turns
-        for _ in 1..turns {
+        // the loads on the link are those of its own motion: found in turns, two for a stiff spring
+        for _ in 1..most_turns {
             let own = followed.moved(at, joint, &link[0], &link[1]);
-            link = self.link(&motor, &own, start, rate_hz);
+            let next = self.link(&motor, &own, start, rate_hz);
+            let moved = next[0].iter().zip(&link[0]).map(|(a, b)| (a - b).abs());
+            let settled = moved.fold(0.0, f64::max) < SETTLED;
+            link = next;
+            if settled {
+                break;
+            }
         }
         let link = link.each_ref().map(Vec::as_slice);
         let (arm, rigid) = at.of_hidden_links();
@@ -113,13 +124,36 @@ impl Transmission {
         Ok(effort)
     }
 
-    /// Position, velocity and acceleration of the link at every sample, from where the transmission bears this effort.
+    /// Deflection under an effort.
+    fn twist_under(&self, effort: f64) -> f64 {
+        effort / self.stiffness + 0.5 * self.gap * effort.signum()
+    }
+
+    /// Deflection at the first sample: of an arm that stands there under what its links weigh where they hang; in motion,
+    /// of a link that does not ring, under what accelerates it too.
+    fn twist_at_start(&self, at: &At<'_>, joint: usize) -> f64 {
+        /// In which twist and load agree.
+        const ROUNDS: usize = 50;
+        let (arm, load) = (at.of_hidden_links().0, at.load(joint));
+        let first: Vec<f64> = at.position.iter().map(|q| q[0]).collect();
+        let borne = |twist: f64| {
+            if at.signals.stands[0] {
+                let mut links = first.clone();
+                links[joint] -= twist;
+                return gravity_effort(arm, &links)[joint];
+            }
+            load.bias[0] - load.slope[0] * twist
+                + load.inertia[0] * at.signals.acceleration[joint][0]
+        };
+        (0..ROUNDS).fold(0.0, |twist, _| self.twist_under(borne(twist)))
+    }
+
+    /// Position, velocity and acceleration of the link at every sample, from this deflection on.
     fn link(&self, motor: &Motor, load: &Load, start: f64, rate_hz: f64) -> [Vec<f64>; 3] {
         let n = motor.position.len();
         let steps = (1.0 / (rate_hz * STEP_S)).ceil().max(1.0) as usize;
         let h = 1.0 / (rate_hz * steps as f64);
-        let deflection = start / self.stiffness + 0.5 * self.gap * start.signum();
-        let (mut q, mut v) = (motor.position[0] - deflection, motor.velocity[0]);
+        let (mut q, mut v) = (motor.position[0] - start, motor.velocity[0]);
         let (mut position, mut velocity, mut acceleration) = (vec![q; n], vec![v; n], vec![0.0; n]);
         for t in 0..n - 1 {
             let before = v;
@@ -205,15 +239,6 @@ impl Load {
         Self { inertia, bias, slope, position: position.clone() }
     }
 
-    /// What the transmission bears at the first sample: of an arm that stands there what its links weigh; in motion, of a
-    /// link that does not ring, what accelerates it too.
-    fn at_start(&self, at: &At<'_>, joint: usize) -> f64 {
-        match at.signals.stands[0] {
-            true => self.bias[0],
-            false => self.bias[0] + self.inertia[0] * at.signals.acceleration[joint][0],
-        }
-    }
-
     /// About another motion of the link; the inertia about a joint does not depend on its own position.
     fn moved(&self, at: &At<'_>, joint: usize, position: &[f64], velocity: &[f64]) -> Self {
         let (bias, slope) = bias_and_slope(at, joint, position, velocity);
@@ -249,7 +274,7 @@ pub(crate) fn push(
     joint: usize,
     shape: &[f64],
 ) -> Option<usize> {
-    let Formed { blocks, above_band } = formed(evidence, at, slug, joint, shape, 2)?;
+    let Formed { blocks, above_band } = formed(evidence, at, slug, joint, shape, MOST_TURNS)?;
     let column = problem.push_columns(vec![blocks]);
     Some(push_group(evidence, at, problem, (slug, joint, shape), column, above_band))
 }
@@ -266,12 +291,12 @@ fn formed(
     slug: &str,
     joint: usize,
     shape: &[f64],
-    turns: usize,
+    most_turns: usize,
 ) -> Option<Formed> {
     let transmission = of_shape(slug, shape, mean_inertia(at, joint));
     let pieces: Vec<Vec<Vec<f64>>> = at
         .par_iter()
-        .map(|at| transmission.difference_in(at, joint, turns))
+        .map(|at| transmission.difference_in(at, joint, most_turns))
         .collect::<Result<_, _>>()
         .ok()?;
     if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
