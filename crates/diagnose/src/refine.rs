@@ -8,7 +8,7 @@ use crate::flexible;
 use crate::problem::{Group, Meaning, Problem};
 use crate::search::{Answer, answer};
 use crate::transmission;
-use crate::whitened::{Whitened, WrongBody};
+use crate::whitened::{Integral, Whitened, WrongBody};
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
@@ -154,24 +154,27 @@ pub(crate) fn refine(
     polished: impl Fn(&Group) -> bool,
 ) -> Answer {
     // a problem of the answer's columns alone: trials are then cheap
-    let (mut small, set) = problem.restricted(&found.set);
+    let (small, set) = problem.restricted(&found.set);
     let mut integral = small.integral(scale, wide);
-    let Some(mut best) = answer(&small.whitened_by(&mut integral), set) else { return found };
-    for _ in 0..2 {
-        for k in 0..best.set.len() {
-            let group = small.groups[best.set[k]].clone();
-            let count = match group.slug() {
-                _ if !polished(&group) => 0,
-                "torque_ripple" => 1,
-                _ => group.shape.len(),
-            };
+    let Some(best) = answer(&small.whitened_by(&mut integral), set) else { return found };
+    let mut trials = Trials { evidence, at, contact, small, integral, best };
+    for round in 0..2 {
+        for k in 0..trials.best.set.len() {
+            let group = trials.group(k).clone();
+            if !polished(&group) {
+                continue;
+            }
+            if round == 0 {
+                for shape in beside(&group) {
+                    trials.improved_by(k, Group { shape, ..group.clone() });
+                }
+            }
+            let count = if group.slug() == "torque_ripple" { 1 } else { group.shape.len() };
             for c in 0..count {
                 let (mut step, smallest, relative) = step_of(&group, c);
                 while step > smallest {
-                    let current = small.groups[best.set[k]].clone();
-                    let mut improved = false;
-                    for sign in [-1.0, 1.0] {
-                        let mut trial = current.clone();
+                    let moved = |sign: f64| {
+                        let mut trial = trials.group(k).clone();
                         if relative {
                             trial.shape[c] *= 1.0 + sign * step;
                         } else {
@@ -179,28 +182,12 @@ pub(crate) fn refine(
                         }
                         if let Some((_, window)) = &mut trial.site.window {
                             window[c] = trial.shape[c];
-                            if window[1] - window[0] < step {
-                                continue;
-                            }
                         }
-                        let mark = small.mark();
-                        let Some(id) = recreate(evidence, at, contact, &mut small, &trial) else {
-                            continue;
-                        };
-                        let mut set = best.set.clone();
-                        set[k] = id;
-                        let metric = small.whitened_by(&mut integral);
-                        let next = answer(&metric, set.clone());
-                        if let Some(mut next) = next.filter(|n| n.score < best.score - 1e-3) {
-                            // keep the order of groups, so that k stays the same group
-                            next.set = set;
-                            best = next;
-                            improved = true;
-                            break;
-                        }
-                        small.back_to(mark, &mut integral);
-                    }
-                    if !improved {
+                        let long = |(_, window): &(usize, [f64; 2])| window[1] - window[0] >= step;
+                        trial.site.window.as_ref().is_none_or(long).then_some(trial)
+                    };
+                    let both = [moved(-1.0), moved(1.0)];
+                    if !both.into_iter().flatten().any(|trial| trials.improved_by(k, trial)) {
                         step *= 0.5;
                     }
                 }
@@ -208,12 +195,67 @@ pub(crate) fn refine(
         }
     }
     // back to the full problem
+    let Trials { small, best, .. } = trials;
     let set: Vec<usize> = best
         .set
         .iter()
         .filter_map(|g| recreate(evidence, at, contact, problem, &small.groups[*g].clone()))
         .collect();
     answer(&problem.whitened(scale, wide), set).unwrap_or(found)
+}
+
+/// An answer, and what to try in its place.
+struct Trials<'a, 'e> {
+    evidence: &'a Evidence<'e>,
+    at: &'a [At<'e>],
+    contact: &'a ContactColumns,
+    small: Problem,
+    integral: Integral,
+    best: Answer,
+}
+
+impl Trials<'_, '_> {
+    /// Group in this place of the answer.
+    fn group(&self, k: usize) -> &Group {
+        &self.small.groups[self.best.set[k]]
+    }
+
+    /// Takes another group in a place of the answer, if the score is better by it.
+    fn improved_by(&mut self, k: usize, trial: Group) -> bool {
+        let mark = self.small.mark();
+        let id = recreate(self.evidence, self.at, self.contact, &mut self.small, &trial);
+        let next = id.and_then(|id| {
+            let mut set = self.best.set.clone();
+            set[k] = id;
+            let metric = self.small.whitened_by(&mut self.integral);
+            // keeps the order of groups, so that k stays the same group
+            answer(&metric, set.clone()).map(|next| Answer { set, ..next })
+        });
+        match next.filter(|next| next.score < self.best.score - 1e-3) {
+            Some(next) => {
+                self.best = next;
+                true
+            }
+            None => {
+                self.small.back_to(mark, &mut self.integral);
+                false
+            }
+        }
+    }
+}
+
+/// Shapes around one that are tried before it is polished: a spring that hardly damps rings in step with the recordings
+/// in a narrow band of stiffness only, beside which the misfit has a bottom of its own, at a damping that is too high.
+fn beside(group: &Group) -> Vec<Vec<f64>> {
+    /// Stiffness over that of the shape, 2 % of the resonance apart, and damping over it.
+    const STIFFNESSES: [f64; 11] = [0.8, 0.84, 0.88, 0.92, 0.96, 1.0, 1.04, 1.08, 1.12, 1.16, 1.2];
+    const DAMPINGS: [f64; 2] = [0.5, 0.2];
+    // a spring too stiff to ring in the band has no shape
+    let ("joint_elasticity", &[stiffness, damping]) = (group.slug(), group.shape.as_slice()) else {
+        return Vec::new();
+    };
+    let all = DAMPINGS.iter().flat_map(|d| STIFFNESSES.map(|k| vec![k * stiffness, d * damping]));
+    all.collect()
 }
 
 /// First step of a constant, the smallest, and whether they are relative.
