@@ -166,7 +166,7 @@ pub(crate) fn refine(
             }
             if round == 0 {
                 for shape in beside(&group) {
-                    trials.improved_by(k, Group { shape, ..group.clone() });
+                    trials.improved_by(k, &Group { shape, ..group.clone() });
                 }
             }
             let count = if group.slug() == "torque_ripple" { 1 } else { group.shape.len() };
@@ -187,7 +187,7 @@ pub(crate) fn refine(
                         trial.site.window.as_ref().is_none_or(long).then_some(trial)
                     };
                     let both = [moved(-1.0), moved(1.0)];
-                    if !both.into_iter().flatten().any(|trial| trials.improved_by(k, trial)) {
+                    if !both.iter().flatten().any(|trial| trials.improved_by(k, trial)) {
                         step *= 0.5;
                     }
                 }
@@ -221,9 +221,9 @@ impl Trials<'_, '_> {
     }
 
     /// Takes another group in a place of the answer, if the score is better by it.
-    fn improved_by(&mut self, k: usize, trial: Group) -> bool {
+    fn improved_by(&mut self, k: usize, trial: &Group) -> bool {
         let mark = self.small.mark();
-        let id = recreate(self.evidence, self.at, self.contact, &mut self.small, &trial);
+        let id = recreate(self.evidence, self.at, self.contact, &mut self.small, trial);
         let next = id.and_then(|id| {
             let mut set = self.best.set.clone();
             set[k] = id;

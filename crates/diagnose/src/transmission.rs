@@ -458,4 +458,30 @@ mod tests {
         // all else is compared with the arm as it was believed
         assert_eq!(rigid_by_found, rigid);
     }
+    /// An arm that stands still hangs from its spring, however far that lets it fall: nothing rings.
+    #[test]
+    fn a_link_that_hangs_at_rest_stays_there() {
+        let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();
+        let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
+        let chain = DrivingAxisChain::from_chain(&chain);
+        let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
+        let time: Vec<f64> = (0..600).map(|k| f64::from(k) / 200.0).collect();
+        let joints = names.iter().map(|name| {
+            let position = Some(vec![0.3; time.len()]);
+            JointChannels { position, ..JointChannels::new(name) }
+        });
+        let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
+        let mut signals = Signals::below(&recording, &names, BAND_HZ).unwrap();
+        signals.stands = [true; 2];
+        let none = OperatingPoint::of(names.len());
+        let at = At::new(&chain, &RigidArm::from_chain(&chain), &signals, &none);
+        let spring = Transmission { gap: 0.0, stiffness: 120.0, damping: 0.4 };
+        let twist = spring.twist_at_start(&at, 2);
+        assert!(twist.abs() > 0.05, "{twist}");
+        for effort in spring.difference(&at, 2).unwrap() {
+            let rings = effort.iter().map(|e| (e - effort[0]).abs()).fold(0.0, f64::max);
+            // N m; loads are linear in the position within a turn
+            assert!(rings < 1e-4, "{rings}");
+        }
+    }
 }

@@ -457,3 +457,57 @@ impl Problem {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::band::BAND_HZ;
+    use crate::flexible::{Basis, Flexible};
+    use crate::problem::{Background, Site};
+    use crate::rows::Rows;
+    use crate::signals::Signals;
+    use armident_recording::{JointChannels, Recording};
+
+    /// Two directions of a description that a stretch can hardly tell apart stay within their prior there; columns of
+    /// a law, which have none, do not.
+    #[test]
+    fn descriptions_stay_near_nothing_where_nothing_shows_them() {
+        let time: Vec<f64> = (0..2000).map(|k| f64::from(k) / 200.0).collect();
+        let position = Some(time.iter().map(|t| (3.0 * t).sin()).collect());
+        let joint = JointChannels { position, ..JointChannels::new("hinge") };
+        let recording = Recording::new("made", time, vec![joint]).unwrap();
+        let signals = Signals::below(&recording, &["hinge".to_owned()], BAND_HZ).unwrap();
+        let rows = Rows::new(&[signals], &[vec![vec![1.0]]]);
+        let along = |of: &dyn Fn(f64) -> f64| -> Blocks {
+            vec![(0..rows.len()).map(|row| of(row as f64)).collect()]
+        };
+        let effort = along(&|x| (7.3 * x * x).sin());
+        let largest = |meaning: Meaning| {
+            let mut problem =
+                Problem::new(rows.clone(), effort.clone(), Vec::new(), Background::default());
+            let first = problem.push_columns(vec![
+                along(&|x| (0.1 * x).sin()),
+                along(&|x| (0.1 * x).sin() + 1e-3 * (0.37 * x).cos()),
+            ]);
+            problem.groups.push(Group {
+                meaning,
+                site: Site::default(),
+                shape: Vec::new(),
+                columns: vec![first, first + 1],
+                searched: 0,
+                places: Vec::new(),
+                transform: None,
+                hidden: Vec::new(),
+                above_band: 1.0,
+            });
+            let metric = problem.whitened(0.0, &[]);
+            let fit = metric.fit(metric.columns_of(&[0])).unwrap();
+            fit.coefficients.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+        };
+        let basis = Basis { factors: Vec::new(), axes: Vec::new() };
+        let described = largest(Meaning::Flexible(Flexible { basis, transform: Vec::new() }));
+        assert!(described < 3.0, "{described}");
+        let of_law = largest(Meaning::Law("viscous_friction"));
+        assert!(of_law > 10.0, "{of_law}");
+    }
+}

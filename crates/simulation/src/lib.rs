@@ -44,7 +44,8 @@
 //! the friction impulse of a sixteenth of a step, a stop none. Levels are those of the speed in the
 //! middle of the step; loads and the levels that depend on them are iterated until they agree.
 //! Deflections follow the travel, exactly while it is one-way. Steps of arms with a transmission are
-//! divided so that its fastest vibration has more than forty.
+//! divided so that its fastest vibration has more than forty; so are those in which a deflection carries,
+//! from a reversal until it is saturated.
 //!
 //! # Limits
 //!
