@@ -9,7 +9,8 @@ use armident_report::{SmallTerm, uncertain};
 use serde::Deserialize;
 
 use self::say::{
-    capital, headline, look_alikes, next, place, proof, sentences, size, sure, title_of, written,
+    capital, certainty, headline, look_alikes, next, place, proof, sentences, size, title_of,
+    written,
 };
 use super::constants::{self, Constant};
 use super::{ByJoint, counted, joints};
@@ -390,7 +391,7 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
     let mut why = format!(
         "{} (confidence {:.2}, not a probability): without it an effort of {} times the noise of one sample \
          comes back on {}, after everything else has been fitted again; {} is needed for a name.",
-        capital(sure(finding.confidence)),
+        capital(&certainty(finding)),
         finding.confidence,
         number(evidence.materiality, 2),
         evidence.joint,
@@ -411,7 +412,7 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
         what: title_of(finding),
         place: where_it_is,
         size: size(finding),
-        sure: format!("{}, {}", size(finding), sure(finding.confidence)),
+        sure: format!("{}, {}", size(finding), certainty(finding)),
         confidence: format!("{:.2}", finding.confidence),
         formula: law.map_or_else(String::new, |l| l.formula.to_owned()),
         parameters: finding

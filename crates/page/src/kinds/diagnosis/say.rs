@@ -41,11 +41,8 @@ pub(super) fn title_of(finding: &Finding) -> String {
 
 /// Changes that are not named because they may have been there before, or because they may be chance.
 fn doubtful(of: &Diagnosis, maybe_before: bool) -> Option<String> {
-    let name = |change: &DoubtfulChange| {
-        let place = change.link.clone().unwrap_or_else(|| change.joints.join(", "));
-        let title = title(&change.effect);
-        if place.is_empty() { title } else { format!("{title} on {place}") }
-    };
+    let name =
+        |change: &DoubtfulChange| title_on(&change.effect, change.link.as_ref(), &change.joints);
     let changes = of.doubtful_changes.iter().filter(|change| change.maybe_before == maybe_before);
     let names: Vec<String> = changes.map(name).collect();
     (!names.is_empty()).then(|| names.join(", "))
@@ -80,12 +77,34 @@ pub(super) fn written(n: &Number) -> (String, Option<String>) {
     }
 }
 
-pub(super) fn sure(confidence: f64) -> &'static str {
+fn sure(confidence: f64) -> &'static str {
     match confidence {
         c if c >= 0.9 => "clear",
         c if c >= 0.65 => "likely",
         _ => "at the limit of what these recordings show",
     }
+}
+
+/// How sure it is that there is an effect, and what these recordings cannot tell it from: its place may be open where the
+/// effect itself is clear.
+pub(super) fn certainty(finding: &Finding) -> String {
+    let sure = sure(finding.confidence);
+    let rivals: Vec<String> = finding
+        .alternatives
+        .iter()
+        .map(|a| title_on(&a.effect, a.link.as_ref(), &a.joints))
+        .collect();
+    if rivals.is_empty() {
+        return sure.to_owned();
+    }
+    format!("{sure}, but it may be {}", rivals.join(" or "))
+}
+
+/// An effect and its place.
+fn title_on(slug: &str, link: Option<&String>, joints: &[String]) -> String {
+    let place = link.cloned().unwrap_or_else(|| joints.join(", "));
+    let title = title(slug);
+    if place.is_empty() { title } else { format!("{title} on {place}") }
 }
 
 pub(super) fn proof(of: &Diagnosis) -> Option<(&Errors, &'static str)> {
@@ -108,7 +127,7 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         .map(|f| {
             let place = place(f);
             let on = if place.is_empty() { String::new() } else { format!(" on {place}") };
-            format!("{}{on} ({}, {})", title_of(f), size(f), sure(f.confidence))
+            format!("{}{on} ({}, {})", title_of(f), size(f), certainty(f))
         })
         .collect();
     if !largest.is_empty() {
@@ -403,7 +422,6 @@ pub(super) fn look_alikes(finding: &Finding, of: &Diagnosis) -> Vec<(String, Str
         .alternatives
         .iter()
         .map(|a| {
-            let place = a.link.clone().unwrap_or_else(|| a.joints.join(", "));
             let more = a.left_more.map_or_else(String::new, |m| {
                 format!("; it leaves only {} noise levels of a sample more", number(m.max(0.0), 2))
             });
@@ -412,11 +430,7 @@ pub(super) fn look_alikes(finding: &Finding, of: &Diagnosis) -> Vec<(String, Str
                 |motion| format!(". What tells them apart: {motion}"),
             );
             (
-                if place.is_empty() {
-                    title(&a.effect)
-                } else {
-                    format!("{} on {place}", title(&a.effect))
-                },
+                title_on(&a.effect, a.link.as_ref(), &a.joints),
                 format!("these recordings cannot tell it from this finding{more}{apart}"),
             )
         })
