@@ -1,5 +1,6 @@
 //! Many cases: which ones, and each made, diagnosed and scored.
 
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -198,10 +199,10 @@ pub fn run(
     };
     std::thread::scope(|scope| {
         let running: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        running.into_iter().try_for_each(|worker| {
-            let died = |_| ChallengeError::Threads { reason: "one of them died".to_owned() };
-            worker.join().map_err(died)?
-        })
+        // a panic is a defect of ours, and goes on as what it is
+        running
+            .into_iter()
+            .try_for_each(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
     })?;
     let results = results
         .into_inner()
