@@ -16,7 +16,7 @@ const LEAST_GAIN: f64 = 150.0;
 /// Length of the ramps at both ends \[s\]: forces neither start nor stop at once.
 const RAMP_S: f64 = 0.08;
 
-/// `-Jᵀ` of the tip, as rows and at every sample.
+/// `-Jᵀ` of the tip as recorded, as rows and at every sample.
 pub(crate) struct ContactColumns {
     /// `[recording][axis][joint][sample]`
     samples: Vec<Vec<Vec<Vec<f64>>>>,
@@ -28,7 +28,11 @@ impl ContactColumns {
     pub(crate) fn new(evidence: &Evidence<'_>, at: &[At<'_>]) -> Self {
         let samples: Vec<Vec<Vec<Vec<f64>>>> = at
             .iter()
-            .map(|at| ExternalContact.arm_columns(0, &at.arm_motion(evidence.chain, &at.rigid)))
+            .map(|at| {
+                let motion = at.arm_motion(evidence.chain, &at.rigid);
+                let columns = ExternalContact.arm_columns(0, &motion);
+                columns.into_iter().map(|column| at.all_recorded(column)).collect()
+            })
             .collect();
         let rows = (0..3)
             .map(|axis| {

@@ -34,12 +34,14 @@ pub(crate) struct OperatingPoint {
     pub(crate) links: Option<Vec<f64>>,
     /// speeds below which dry friction fades \[rad/s or m/s\]; 0 where it is sharp
     pub(crate) fading: Vec<f64>,
+    /// of the effort channels: what the arm does beside the believed one is recorded with it as well
+    pub(crate) gain: Vec<f64>,
 }
 
 impl OperatingPoint {
     pub(crate) fn of(joints: usize) -> Self {
-        let (offset, fading) = (vec![0.0; joints], vec![0.0; joints]);
-        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, fading }
+        let (offset, fading, gain) = (vec![0.0; joints], vec![0.0; joints], vec![1.0; joints]);
+        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, fading, gain }
     }
 }
 
@@ -74,6 +76,8 @@ pub(crate) struct At<'a> {
     faded: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
+    /// of the effort channels
+    gain: Vec<f64>,
     angles: ArmAngles,
     /// the arm with other links, where a hidden one is simulated, and its efforts: formed when first asked for
     others: Option<(RigidArm, OnceLock<Vec<Vec<f64>>>)>,
@@ -119,6 +123,7 @@ impl<'a> At<'a> {
             with_known,
             faded,
             delay_s,
+            gain: point.gain.clone(),
             angles,
             others,
             loads,
@@ -145,6 +150,19 @@ impl<'a> At<'a> {
     fn effort_or_rigid(&self) -> Vec<Vec<f64>> {
         let recorded = self.signals.effort_before(self.delay_s).into_iter().zip(&self.rigid);
         recorded.map(|(e, rigid)| if e.is_empty() { rigid.clone() } else { e }).collect()
+    }
+
+    /// Efforts on a joint as its channel records them.
+    pub(crate) fn recorded(&self, j: usize, mut efforts: Vec<f64>) -> Vec<f64> {
+        if self.gain[j] != 1.0 {
+            efforts.iter_mut().for_each(|x| *x *= self.gain[j]);
+        }
+        efforts
+    }
+
+    /// The same of all joints.
+    pub(crate) fn all_recorded(&self, efforts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        efforts.into_iter().enumerate().map(|(j, e)| self.recorded(j, e)).collect()
     }
 
     /// Rigid effort on a joint that rests somewhere, with another acceleration of its own; none on others.
@@ -396,7 +414,9 @@ impl<'a> Evidence<'a> {
             for law in EVERYDAY {
                 let pieces: Vec<Vec<f64>> = at
                     .iter()
-                    .filter_map(|at| law.columns(&[], &at.joint(j)).into_iter().next())
+                    .filter_map(|at| {
+                        Some(at.recorded(j, law.columns(&[], &at.joint(j)).into_iter().next()?))
+                    })
                     .collect();
                 let mut blocks = vec![Vec::new(); self.joints()];
                 blocks[j] = self.rows.form(&self.signals, j, pieces.iter().map(Vec::as_slice));
@@ -420,7 +440,8 @@ impl<'a> Evidence<'a> {
                     let motion = at.motion();
                     let answered =
                         motion.with_acceleration(row, &at.signals.held_acceleration[row]);
-                    standard.of_arm_motion(&at.arm, row, &answered, &wanted)
+                    let columns = standard.of_arm_motion(&at.arm, row, &answered, &wanted);
+                    columns.into_iter().map(|column| at.recorded(row, column)).collect()
                 })
                 .collect();
             let formed = wanted.iter().enumerate().filter_map(|(k, &parameter)| {
@@ -497,7 +518,12 @@ impl<'a> Evidence<'a> {
     ) -> usize {
         let by_recording: Vec<Vec<[Vec<f64>; 2]>> = at
             .iter()
-            .map(|at| law.pair_columns(shape, &at.joint(first), &at.joint(first + 1)))
+            .map(|at| {
+                let columns = law.pair_columns(shape, &at.joint(first), &at.joint(first + 1));
+                let recorded =
+                    |[a, b]: [Vec<f64>; 2]| [at.recorded(first, a), at.recorded(first + 1, b)];
+                columns.into_iter().map(recorded).collect()
+            })
             .collect();
         let count = by_recording.first().map_or(0, Vec::len);
         let mut ids = Vec::new();
@@ -537,7 +563,11 @@ impl<'a> Evidence<'a> {
                         let shifted = law.law().places == [Place::Time];
                         let all = shifted.then(|| at.signals.with_taken(effort.clone()));
                         let effort = all.as_ref().unwrap_or(&at.rigid);
-                        law.arm_columns(j, &at.arm_motion(self.chain, effort))
+                        let columns = law.arm_columns(j, &at.arm_motion(self.chain, effort));
+                        match shifted {
+                            true => columns,
+                            false => columns.into_iter().map(|c| at.all_recorded(c)).collect(),
+                        }
                     })
                     .collect();
                 let count = by_recording[0].len();

@@ -370,6 +370,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = answer.fit.of_group(group);
     let (covariance, widened) = scatter.covariance(metric, answer, group);
+    let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[group.site.joints[0]];
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         match group.slug() {
             "gravity_direction" => {
@@ -382,13 +383,13 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
                 vec![point.offset[group.site.joints[0]] + coefficients[0]]
             }
             "joint_elasticity" if shape.is_empty() => {
-                vec![1.0 / coefficients[0], 0.0, coefficients[1]]
+                vec![1.0 / coefficients[0], 0.0, motor_inertia(coefficients)]
             }
-            "joint_elasticity" => vec![shape[0], shape[1], coefficients[1]],
+            "joint_elasticity" => vec![shape[0], shape[1], motor_inertia(coefficients)],
             "backlash" => {
                 let inertia = mean_inertia(view.at(), group.site.joints[0]);
                 let of = of_shape("backlash", shape, inertia);
-                vec![of.gap, of.stiffness, of.damping, coefficients[1]]
+                vec![of.gap, of.stiffness, of.damping, motor_inertia(coefficients)]
             }
             "link_inertia_error" | "payload" => {
                 let transform = group.transform.as_deref().unwrap_or_default();

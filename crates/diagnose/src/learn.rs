@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::evidence::{At, Evidence, OperatingPoint, changed};
 use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
-use crate::problem::{Group, Meaning, Problem};
+use crate::problem::{Group, Meaning};
 use crate::real_links::{Settled, settled};
 use crate::search::{Answer, answer};
 use crate::select::moves;
@@ -44,7 +44,7 @@ impl<'a, 'e> View<'a, 'e> {
         answer: &'a Answer,
         point: &'a OperatingPoint,
     ) -> Self {
-        let gain = gains(metric.problem, answer);
+        let gain = moves(metric.problem, answer, point).gain;
         Self { evidence, metric, answer, point, gain, at: OnceCell::new() }
     }
 
@@ -54,24 +54,13 @@ impl<'a, 'e> View<'a, 'e> {
     }
 }
 
-/// Gain of every joint's effort channel.
-fn gains(problem: &Problem, answer: &Answer) -> Vec<f64> {
-    let mut gain = vec![1.0; problem.rows.joints()];
-    for g in &answer.set {
-        let group = &problem.groups[*g];
-        if group.slug() == "torque_scale" {
-            gain[group.site.joints[0]] = 1.0 + answer.fit.of_group(group)[0];
-        }
-    }
-    gain
-}
-
-/// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws.
+/// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws; those of two joints
+/// are formed with it.
 pub(crate) fn law_parameters(group: &Group, coefficients: &[f64], gain: &[f64]) -> Vec<f64> {
     let Some(law) = effect(group.slug()) else { return Vec::new() };
     let scale = match (group.slug(), group.site.joints.as_slice()) {
         ("torque_scale", _) => 1.0,
-        (_, [joint, ..]) => gain[*joint],
+        (_, [joint]) => gain[*joint],
         _ => 1.0,
     };
     let coefficients: Vec<f64> = coefficients.iter().map(|c| c / scale).collect();
@@ -123,7 +112,7 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
             found.learned.transmissions.push(TransmissionTerm {
                 joint: evidence.names[joint].clone(),
                 transmission,
-                motor_inertia: coefficients[1],
+                motor_inertia: coefficients[1] / gain[joint],
                 share,
             });
             continue;
@@ -238,4 +227,42 @@ pub(crate) fn choose_outputs(
     }
     model.arm.effort_noise = Some(noise);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made::{swung, ur5};
+    use crate::select::select;
+
+    /// What of an arm with wrong links a channel records too large is too large of their errors as well.
+    #[test]
+    fn the_gain_of_a_channel_holds_for_errors_of_links_too() {
+        const SCALED: usize = 2;
+        const GAIN: f64 = 1.45;
+        let chain = ur5();
+        let mut other = chain.clone();
+        for (k, joint) in other.joints.iter_mut().enumerate() {
+            let link = joint.link.to_array();
+            let factor = if k % 2 == 0 { 0.15 } else { -0.1 };
+            joint.link = changed(&joint.link, &link.map(|x| factor * x));
+        }
+        let mut recorded = swung(&other, 0.1, |_, _| 0.0);
+        recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
+        let effort = recorded.effort.clone();
+
+        let mut owner = Evidence::new(&chain, vec![recorded]);
+        let selection = select(&mut owner).unwrap();
+        let metric = selection.metric();
+        let view = selection.view(&owner, &metric);
+        assert!((view.gain[SCALED] - GAIN).abs() < 0.005, "{}", view.gain[SCALED]);
+        let (found, _) = learned(&ArmModel::from_chain(chain.clone()), &view);
+        for (j, predicted) in found.on_grid(&owner.signals[0]).unwrap().iter().enumerate() {
+            let left = predicted.iter().zip(&effort[j]).map(|(p, e)| (p - e).powi(2)).sum::<f64>();
+            let left = (left / effort[j].len() as f64).sqrt();
+            // even noise of 0.1 N m from end to end
+            let noise = 0.1 / 12_f64.sqrt() * if j == SCALED { GAIN } else { 1.0 };
+            assert!(left < 1.1 * noise, "joint {}: {left} of {noise}", j + 1);
+        }
+    }
 }

@@ -69,6 +69,7 @@ impl DiagnosedModel {
             // those of the chain already
             links: None,
             fading: self.learned.fading_speed.clone(),
+            gain: self.learned.gain.clone(),
         }
     }
 

@@ -40,8 +40,8 @@ pub(crate) const REFERENCE_SCALE: f64 = 0.2;
 const FEWER_SAMPLES: f64 = 0.8;
 /// Passes of moving the operating point.
 const PASSES: usize = 5;
-/// Moves of the operating point below these no longer matter \[rad, rad or m, s\].
-const STILL: (f64, f64, f64) = (1e-3, 5e-4, 2e-4);
+/// Moves of the operating point below these no longer matter \[rad, rad or m, s, 1\].
+const STILL: (f64, f64, f64, f64) = (1e-3, 5e-4, 2e-4, 2e-3);
 
 /// The answer of the selection, and all it stands on.
 pub(crate) struct Selection {
@@ -244,6 +244,7 @@ fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
     (to.tilt[0] - from.tilt[0]).hypot(to.tilt[1] - from.tilt[1]) < STILL.0
         && to.offset.iter().zip(&from.offset).all(|(a, b)| (a - b).abs() < STILL.1)
         && (to.delay_s - from.delay_s).abs() < STILL.2
+        && to.gain.iter().zip(&from.gain).all(|(a, b)| (a - b).abs() < STILL.3)
 }
 
 /// The operating point with what a fit adds to it.
@@ -263,6 +264,7 @@ pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) ->
                 let j = group.site.joints[0];
                 point.offset[j] = from.offset[j] + coefficients[0];
             }
+            "torque_scale" => point.gain[group.site.joints[0]] = 1.0 + coefficients[0],
             _ => {}
         }
     }

@@ -296,7 +296,11 @@ fn formed(
     let transmission = of_shape(slug, shape, mean_inertia(at, joint));
     let pieces: Vec<Vec<Vec<f64>>> = at
         .par_iter()
-        .map(|at| transmission.difference_in(at, joint, most_turns))
+        .map(|at| {
+            transmission
+                .difference_in(at, joint, most_turns)
+                .map(|efforts| at.all_recorded(efforts))
+        })
         .collect::<Result<_, _>>()
         .ok()?;
     if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
