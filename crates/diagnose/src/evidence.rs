@@ -79,10 +79,13 @@ pub(crate) struct At<'a> {
     /// of the effort channels
     gain: Vec<f64>,
     angles: ArmAngles,
-    /// the arm with other links, where a hidden one is simulated, and its efforts: formed when first asked for
+    /// the arm with other links, where a hidden one is simulated or friction follows the load, and its efforts: formed
+    /// when first asked for
     others: Option<(RigidArm, OnceLock<Vec<Vec<f64>>>)>,
     /// of each joint, formed when first asked for
     loads: Vec<OnceLock<Load>>,
+    /// of joints that rest somewhere: with their held acceleration and the other links
+    carried: Vec<OnceLock<Vec<f64>>>,
 }
 
 impl<'a> At<'a> {
@@ -99,6 +102,7 @@ impl<'a> At<'a> {
         let position: Vec<Vec<f64>> =
             signals.position.iter().zip(&point.offset).map(moved).collect();
         let loads = (0..arm.dof()).map(|_| OnceLock::new()).collect();
+        let carried = (0..arm.dof()).map(|_| OnceLock::new()).collect();
         let (angles, rigid) = (ArmAngles::of(&arm, &position), Vec::new());
         let others = point.links.as_ref().map(|changes| {
             let mut others = arm.clone();
@@ -127,6 +131,7 @@ impl<'a> At<'a> {
             angles,
             others,
             loads,
+            carried,
         };
         at.rigid = at.motion().efforts(&at.arm);
         let held = &signals.held_acceleration;
@@ -177,8 +182,8 @@ impl<'a> At<'a> {
         self.answered[j].as_ref().unwrap_or(&self.rigid[j])
     }
 
-    /// The arm whose links move by themselves behind their motors, and its efforts where they do not.
-    pub(crate) fn of_hidden_links(&self) -> (&RigidArm, &[Vec<f64>]) {
+    /// The arm that the answer makes of it where that matters for more than its own efforts, and these.
+    pub(crate) fn of_other_links(&self) -> (&RigidArm, &[Vec<f64>]) {
         match &self.others {
             Some((arm, efforts)) => (arm, efforts.get_or_init(|| self.motion().efforts(arm))),
             None => (&self.arm, &self.rigid),
@@ -203,13 +208,28 @@ impl<'a> At<'a> {
     }
 
     /// What a law sees of a joint: a gain of the channel sees all that is known of its effort, others the load of the
-    /// rigid body.
+    /// rigid body with the links that the answer gives it.
     pub(crate) fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
-        let is_gain = law.law().places.contains(&Place::Gain);
-        match self.with_known[j].as_deref().filter(|_| is_gain) {
+        let seen = match law.law().places.contains(&Place::Gain) {
+            true => self.with_known[j].as_deref(),
+            false => self.carried(j),
+        };
+        match seen {
             Some(rigid_effort) => JointMotion { rigid_effort, ..self.joint(j) },
             None => self.joint(j),
         }
+    }
+
+    /// The rigid effort that the drive of a joint answers with other links, where there are some.
+    fn carried(&self, j: usize) -> Option<&[f64]> {
+        self.others.as_ref()?;
+        let (arm, efforts) = self.of_other_links();
+        let rests = self.answered[j].is_some();
+        let own = || {
+            let held = &self.signals.held_acceleration[j];
+            self.motion().with_acceleration(j, held).effort_on(arm, j)
+        };
+        Some(if rests { self.carried[j].get_or_init(own) } else { &efforts[j] })
     }
 
     pub(crate) fn arm_motion<'b>(

@@ -231,23 +231,32 @@ pub(crate) fn choose_outputs(
 
 #[cfg(test)]
 mod tests {
+    use armident_dynamics::RigidArm;
+    use armident_kinematics::DrivingAxisChain;
+
     use super::*;
     use crate::made::{swung, ur5};
     use crate::select::select;
+
+    /// The UR5, and one with other links.
+    fn believed_and_real() -> (DrivingAxisChain, DrivingAxisChain) {
+        let believed = ur5();
+        let mut real = believed.clone();
+        for (k, joint) in real.joints.iter_mut().enumerate() {
+            let link = joint.link.to_array();
+            let factor = if k % 2 == 0 { 0.15 } else { -0.1 };
+            joint.link = changed(&joint.link, &link.map(|x| factor * x));
+        }
+        (believed, real)
+    }
 
     /// What of an arm with wrong links a channel records too large is too large of their errors as well.
     #[test]
     fn the_gain_of_a_channel_holds_for_errors_of_links_too() {
         const SCALED: usize = 2;
         const GAIN: f64 = 1.45;
-        let chain = ur5();
-        let mut other = chain.clone();
-        for (k, joint) in other.joints.iter_mut().enumerate() {
-            let link = joint.link.to_array();
-            let factor = if k % 2 == 0 { 0.15 } else { -0.1 };
-            joint.link = changed(&joint.link, &link.map(|x| factor * x));
-        }
-        let mut recorded = swung(&other, 0.1, |_, _| 0.0);
+        let (chain, real) = believed_and_real();
+        let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
         let effort = recorded.effort.clone();
 
@@ -264,5 +273,33 @@ mod tests {
             let noise = 0.1 / 12_f64.sqrt() * if j == SCALED { GAIN } else { 1.0 };
             assert!(left < 1.1 * noise, "joint {}: {left} of {noise}", j + 1);
         }
+    }
+
+    /// Friction follows the load that a gear carries, not the one that its model is believed to carry.
+    #[test]
+    fn friction_follows_the_load_of_the_real_links() {
+        const LOADED: usize = 1;
+        const OF_LOAD: f64 = 0.1;
+        let (chain, real) = believed_and_real();
+        let mut recorded = swung(&real, 0.1, |_, _| 0.0);
+        let point = OperatingPoint::of(real.joints.len());
+        let moved = recorded.clone();
+        let at = At::new(&real, &RigidArm::from_chain(&real), &moved, &point);
+        let law = effect("load_dependent_friction").unwrap();
+        let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
+        recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);
+
+        let mut owner = Evidence::new(&chain, vec![recorded]);
+        let selection = select(&mut owner).unwrap();
+        let metric = selection.metric();
+        let (found, _) =
+            learned(&ArmModel::from_chain(chain.clone()), &selection.view(&owner, &metric));
+        let friction = found.arm.effects.iter().find(|on| on.effect == law.law().slug).unwrap();
+        assert_eq!(friction.joint, chain.joints[LOADED].name);
+        let [level, of_load] = friction.parameters[..] else { panic!("{friction:?}") };
+        assert!(
+            (level - 1.0).abs() < 0.05 && (of_load / OF_LOAD - 1.0).abs() < 0.01,
+            "{friction:?}"
+        );
     }
 }

@@ -169,7 +169,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         }
         let mut target = moves(&problem, &found, &point);
         let metric = problem.whitened(scale, &wide);
-        let links = hidden_links(&metric, &found);
+        let links = other_links(&metric, &found);
         let still = is_still(&target, &point) && (links.is_none() || point.links.is_some());
         target.links = links;
         let (misfit, share) = if seeks_change {
@@ -221,15 +221,16 @@ fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
     answer(&metric, set).unwrap_or_else(|| best.answer.clone())
 }
 
-/// By what the links are changed, where one of them moves by itself behind its motor.
-fn hidden_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
+/// By what the links are changed, where one of them moves by itself behind its motor or friction follows the load.
+fn other_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
     let groups = || found.set.iter().map(|g| &metric.problem.groups[*g]);
     // as in `refine`: what is through a joint and has constants that were tried
-    let is_simulated = |group: &Group| {
-        !group.shape.is_empty()
-            && effect(group.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint)
+    let matters = |group: &Group| {
+        let is_simulated = !group.shape.is_empty()
+            && effect(group.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint);
+        is_simulated || group.slug() == "load_dependent_friction"
     };
-    if !groups().any(is_simulated) {
+    if !groups().any(matters) {
         return None;
     }
     let mut change = metric.inertial_errors(&found.fit);

@@ -114,7 +114,7 @@ impl Transmission {
             }
         }
         let link = link.each_ref().map(Vec::as_slice);
-        let (arm, rigid) = at.of_hidden_links();
+        let (arm, rigid) = at.of_other_links();
         let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
         for (effort, rigid) in effort.iter_mut().zip(rigid) {
             for (e, r) in effort.iter_mut().zip(rigid) {
@@ -134,7 +134,7 @@ impl Transmission {
     fn twist_at_start(&self, at: &At<'_>, joint: usize) -> f64 {
         /// In which twist and load agree.
         const ROUNDS: usize = 50;
-        let (arm, load) = (at.of_hidden_links().0, at.load(joint));
+        let (arm, load) = (at.of_other_links().0, at.load(joint));
         let first: Vec<f64> = at.position.iter().map(|q| q[0]).collect();
         let borne = |twist: f64| {
             if at.signals.stands[0] {
@@ -233,7 +233,7 @@ impl Load {
         let (position, velocity) = (&at.position[joint], &at.signals.velocity[joint]);
         let (bias, slope) = bias_and_slope(at, joint, position, velocity);
         let one = vec![1.0; at.signals.len()];
-        let arm = at.of_hidden_links().0;
+        let arm = at.of_other_links().0;
         let unit = at.motion().with_acceleration(joint, &one).effort_on(arm, joint);
         let inertia = unit.iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
         Self { inertia, bias, slope, position: position.clone() }
@@ -254,7 +254,7 @@ fn bias_and_slope(
     velocity: &[f64],
 ) -> (Vec<f64>, Vec<f64>) {
     const STEP: f64 = 1e-4;
-    let (motion, arm) = (at.motion(), at.of_hidden_links().0);
+    let (motion, arm) = (at.motion(), at.of_other_links().0);
     let none = vec![0.0; position.len()];
     let bias_at = |position: &[f64]| {
         motion.with_joint(arm, joint, [position, velocity, &none]).effort_on(arm, joint)
