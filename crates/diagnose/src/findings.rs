@@ -389,7 +389,12 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             "backlash" => {
                 let inertia = mean_inertia(view.at(), group.site.joints[0]);
                 let of = of_shape("backlash", shape, inertia);
-                vec![of.gap, of.stiffness, of.damping, motor_inertia(coefficients)]
+                vec![
+                    of.gap_told(coefficients[0]),
+                    of.stiffness,
+                    of.damping,
+                    motor_inertia(coefficients),
+                ]
             }
             "link_inertia_error" | "payload" => {
                 let transform = group.transform.as_deref().unwrap_or_default();

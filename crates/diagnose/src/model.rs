@@ -166,7 +166,8 @@ impl DiagnosedModel {
             arm.effects.push(coupling);
         }
         for term in &self.learned.transmissions {
-            let Transmission { gap, stiffness, damping } = term.transmission;
+            let Transmission { stiffness, damping, .. } = term.transmission;
+            let gap = term.transmission.gap_told(term.share);
             let (slug, parameters) = if gap > 0.0 {
                 ("backlash", vec![gap, stiffness, damping, term.motor_inertia])
             } else {

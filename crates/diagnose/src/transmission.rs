@@ -66,6 +66,13 @@ pub struct TransmissionTerm {
 }
 
 impl Transmission {
+    /// The gap that a fitted size of the difference to a rigid transmission stands for. A link goes from flank to flank
+    /// sooner than the band tells, so that its efforts grow with the gap: one a tenth too large taken nine tenths is nearly
+    /// the same in them, and the misfit has its bottom where the assumed flanks blur impacts as the recordings do.
+    pub(crate) fn gap_told(&self, share: f64) -> f64 {
+        share * self.gap
+    }
+
     /// Effort that passes for a deflection and its rate.
     fn effort(&self, deflection: f64, rate: f64) -> f64 {
         let half = 0.5 * self.gap;
@@ -421,6 +428,7 @@ mod tests {
     use super::*;
     use crate::band::BAND_HZ;
     use crate::evidence::{OperatingPoint, changed};
+    use crate::made::{swung, ur5};
     use armident_dynamics::RigidArm;
     use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
     use armident_recording::{JointChannels, Recording};
@@ -462,6 +470,7 @@ mod tests {
         // all else is compared with the arm as it was believed
         assert_eq!(rigid_by_found, rigid);
     }
+
     /// An arm that stands still hangs from its spring, however far that lets it fall: nothing rings.
     #[test]
     fn a_link_that_hangs_at_rest_stays_there() {
@@ -486,6 +495,34 @@ mod tests {
             let rings = effort.iter().map(|e| (e - effort[0]).abs()).fold(0.0, f64::max);
             // N m; loads are linear in the position within a turn
             assert!(rings < 1e-4, "{rings}");
+        }
+    }
+
+    /// Whatever gap is assumed, and though the flanks are others than assumed, the gap told is that of the arm.
+    #[test]
+    fn a_gap_of_another_size_tells_the_right_one() {
+        const JOINT: usize = 2;
+        const GAP: f64 = 5e-4;
+        let chain = ur5();
+        let signals = swung(&chain, 0.0, |_, _| 0.0);
+        let point = OperatingPoint::of(chain.joints.len());
+        let at = At::new(&chain, &RigidArm::from_chain(&chain), &signals, &point);
+        let inertia = mean_inertia(std::slice::from_ref(&at), JOINT);
+        let in_band = |of: Transmission| {
+            let efforts = of.difference(&at, JOINT).unwrap();
+            signals.band.rows(&efforts[JOINT])
+        };
+        let (rate, damping) = (0.8 * FLANK_RATE, 0.25 * FLANK_DAMPING);
+        let real = in_band(Transmission {
+            gap: GAP,
+            stiffness: inertia * rate * rate,
+            damping: 2.0 * damping * inertia * rate,
+        });
+        for factor in [0.8, 0.9, 1.0, 1.1, 1.25] {
+            let assumed = of_shape("backlash", &[factor * GAP], inertia);
+            let column = in_band(assumed);
+            let told = assumed.gap_told(dot(&column, &real) / dot(&column, &column));
+            assert!((told / GAP - 1.0).abs() < 0.06, "{factor}: {told}");
         }
     }
 }
