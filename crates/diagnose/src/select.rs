@@ -20,7 +20,7 @@ use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
-use crate::whitened::{Whitened, WrongBody};
+use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
@@ -146,7 +146,9 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         }
         let Best { scale, wide, answer: found } = best;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let rough = found.score;
         let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found, |_| true);
+        let polished = rough - found.score > PRICE_OF_CHOICE;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let mut doubtful = Vec::new();
         let mut found = confirm(&problem.whitened(scale, &wide), found, &point);
@@ -185,10 +187,11 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let reweighted = share < FEWER_SAMPLES * problem.rows.share
             || ((all || !seeks_change) && misfit.iter().zip(&problem.rows.misfit).any(differs));
         // moves that were not confirmed must not end the search before all was tried
-        is_right = still && !again && !reweighted;
+        // beside a law on the wrong size others were chosen, and how far links may be off, that took its part
+        is_right = still && !again && !reweighted && !polished;
         let done = (is_right && all) || pass + 1 == PASSES;
-        // with other weights another scale may be right; a reference holds its own
-        memory.scale = (seeks_change || !reweighted).then_some(scale);
+        // with other weights or sizes another scale may be right; a reference holds its own
+        memory.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
         let point_now = point.clone();
         last = Some(Selection { problem, answer: found, scale, wide, point: point_now, doubtful });
         if done {
