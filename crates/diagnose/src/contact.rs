@@ -1,6 +1,6 @@
 //! Windows of time in which a constant force on the tip explains what is left over.
 
-use armident_effects::{Effect, ExternalContact, Place};
+use armident_effects::{ExternalContact, Place};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::evidence::{At, Evidence};
@@ -28,11 +28,7 @@ impl ContactColumns {
     pub(crate) fn new(evidence: &Evidence<'_>, at: &[At<'_>]) -> Self {
         let samples: Vec<Vec<Vec<Vec<f64>>>> = at
             .iter()
-            .map(|at| {
-                let motion = at.arm_motion(evidence.chain, &at.rigid);
-                let columns = ExternalContact.arm_columns(0, &motion);
-                columns.into_iter().map(|column| at.all_recorded(column)).collect()
-            })
+            .map(|at| at.recorded_arm_columns(&ExternalContact, 0, evidence.chain))
             .collect();
         let rows = (0..3)
             .map(|axis| {

@@ -85,7 +85,7 @@ pub(crate) struct At<'a> {
     /// of each joint, formed when first asked for
     loads: Vec<OnceLock<Load>>,
     /// of joints that rest somewhere: with their held acceleration and the other links
-    carried: Vec<OnceLock<Vec<f64>>>,
+    carried: Vec<OnceLock<Option<Vec<f64>>>>,
 }
 
 impl<'a> At<'a> {
@@ -172,8 +172,13 @@ impl<'a> At<'a> {
 
     /// Rigid effort on a joint that rests somewhere, with another acceleration of its own; none on others.
     pub(crate) fn of_own(&self, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
+        self.of_own_on(&self.arm, j, acceleration)
+    }
+
+    /// The same of an arm with other links.
+    fn of_own_on(&self, arm: &RigidArm, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
         let rests = self.signals.rests[j].iter().any(|(start, _)| *start > 0);
-        let own = || self.motion().with_acceleration(j, &acceleration[j]).effort_on(&self.arm, j);
+        let own = || self.motion().with_acceleration(j, &acceleration[j]).effort_on(arm, j);
         rests.then(own)
     }
 
@@ -224,12 +229,9 @@ impl<'a> At<'a> {
     fn carried(&self, j: usize) -> Option<&[f64]> {
         self.others.as_ref()?;
         let (arm, efforts) = self.of_other_links();
-        let rests = self.answered[j].is_some();
-        let own = || {
-            let held = &self.signals.held_acceleration[j];
-            self.motion().with_acceleration(j, held).effort_on(arm, j)
-        };
-        Some(if rests { self.carried[j].get_or_init(own) } else { &efforts[j] })
+        let held = &self.signals.held_acceleration;
+        let own = self.carried[j].get_or_init(|| self.of_own_on(arm, j, held));
+        Some(own.as_ref().unwrap_or(&efforts[j]))
     }
 
     pub(crate) fn arm_motion<'b>(
@@ -247,6 +249,17 @@ impl<'a> At<'a> {
             acceleration: &self.signals.acceleration,
             rigid_effort: effort,
         }
+    }
+
+    /// Columns of a law on the whole arm as the channels record them: `[column][joint][sample]`.
+    pub(crate) fn recorded_arm_columns(
+        &self,
+        law: &dyn Effect,
+        j: usize,
+        chain: &DrivingAxisChain,
+    ) -> Vec<Vec<Vec<f64>>> {
+        let columns = law.arm_columns(j, &self.arm_motion(chain, &self.rigid));
+        columns.into_iter().map(|column| self.all_recorded(column)).collect()
     }
 }
 
@@ -579,15 +592,12 @@ impl<'a> Evidence<'a> {
                     .iter()
                     .zip(efforts)
                     .map(|(at, effort)| {
-                        // the clock shifts all that is recorded, not the rigid body alone
-                        let shifted = law.law().places == [Place::Time];
-                        let all = shifted.then(|| at.signals.with_taken(effort.clone()));
-                        let effort = all.as_ref().unwrap_or(&at.rigid);
-                        let columns = law.arm_columns(j, &at.arm_motion(self.chain, effort));
-                        match shifted {
-                            true => columns,
-                            false => columns.into_iter().map(|c| at.all_recorded(c)).collect(),
+                        if law.law().places != [Place::Time] {
+                            return at.recorded_arm_columns(*law, j, self.chain);
                         }
+                        // the clock shifts all that is recorded, not the rigid body alone
+                        let all = at.signals.with_taken(effort.clone());
+                        law.arm_columns(j, &at.arm_motion(self.chain, &all))
                     })
                     .collect();
                 let count = by_recording[0].len();

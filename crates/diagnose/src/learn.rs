@@ -237,6 +237,7 @@ mod tests {
     use super::*;
     use crate::made::{swung, ur5};
     use crate::select::select;
+    use crate::signals::Signals;
 
     /// The UR5, and one with other links.
     fn believed_and_real() -> (DrivingAxisChain, DrivingAxisChain) {
@@ -250,6 +251,14 @@ mod tests {
         (believed, real)
     }
 
+    /// The model that is learned from a recording.
+    fn learned_from(recorded: &Signals, chain: &DrivingAxisChain) -> DiagnosedModel {
+        let mut owner = Evidence::new(chain, vec![recorded.clone()]);
+        let selection = select(&mut owner).unwrap();
+        let metric = selection.metric();
+        learned(&ArmModel::from_chain(chain.clone()), &selection.view(&owner, &metric)).0
+    }
+
     /// What of an arm with wrong links a channel records too large is too large of their errors as well.
     #[test]
     fn the_gain_of_a_channel_holds_for_errors_of_links_too() {
@@ -258,15 +267,12 @@ mod tests {
         let (chain, real) = believed_and_real();
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
-        let effort = recorded.effort.clone();
 
-        let mut owner = Evidence::new(&chain, vec![recorded]);
-        let selection = select(&mut owner).unwrap();
-        let metric = selection.metric();
-        let view = selection.view(&owner, &metric);
-        assert!((view.gain[SCALED] - GAIN).abs() < 0.005, "{}", view.gain[SCALED]);
-        let (found, _) = learned(&ArmModel::from_chain(chain.clone()), &view);
-        for (j, predicted) in found.on_grid(&owner.signals[0]).unwrap().iter().enumerate() {
+        let found = learned_from(&recorded, &chain);
+        let gain = found.learned.gain[SCALED];
+        assert!((gain - GAIN).abs() < 0.005, "{gain}");
+        let effort = &recorded.effort;
+        for (j, predicted) in found.on_grid(&recorded).unwrap().iter().enumerate() {
             let left = predicted.iter().zip(&effort[j]).map(|(p, e)| (p - e).powi(2)).sum::<f64>();
             let left = (left / effort[j].len() as f64).sqrt();
             // even noise of 0.1 N m from end to end
@@ -289,11 +295,7 @@ mod tests {
         let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
         recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);
 
-        let mut owner = Evidence::new(&chain, vec![recorded]);
-        let selection = select(&mut owner).unwrap();
-        let metric = selection.metric();
-        let (found, _) =
-            learned(&ArmModel::from_chain(chain.clone()), &selection.view(&owner, &metric));
+        let found = learned_from(&recorded, &chain);
         let friction = found.arm.effects.iter().find(|on| on.effect == law.law().slug).unwrap();
         assert_eq!(friction.joint, chain.joints[LOADED].name);
         let [level, of_load] = friction.parameters[..] else { panic!("{friction:?}") };
