@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Place, Scope, effect};
+use armident_effects::{Place, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -424,9 +424,8 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             of(&group.shape, &moved).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
         })
         .collect();
-    // what was searched is uncertain too; of a link that rings or bounces behind its motor the misfit is too
-    // jagged to say how much
-    let smooth = law.law().scope != Scope::ThroughJoint && group.site.window.is_none();
+    // what was searched is uncertain too; of a link that bounces in a gap the misfit is too jagged to say how much
+    let smooth = group.slug() != "backlash" && group.site.window.is_none();
     let deviations = match group.shape.is_empty() || !smooth {
         true => Vec::new(),
         false => shape_deviations(evidence, view.at(), metric, answer, id, scatter.late.as_ref()),

@@ -8,8 +8,9 @@ use crate::flexible;
 use crate::material::{LEAST, band_noise, excess};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::refine;
+use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer};
-use crate::select::{Best, Memory, keep_better, search_at};
+use crate::select::{Best, Memory, keep_better, laws_at, search_at};
 use crate::transmission;
 use crate::whitened::WrongBody;
 
@@ -17,6 +18,8 @@ use crate::whitened::WrongBody;
 /// name, and on how many joints.
 const LEAST_UNEXPLAINED: f64 = 0.7;
 const DESCRIBED_JOINTS: usize = 2;
+/// Joints beside these whose transmission is simulated: what they leave over as a share of the most that is left.
+const SHARE_OF_WORST: f64 = 0.5;
 
 /// Transmissions with a hidden link where something is left over or moves by itself, and descriptions
 /// without a name where even that explains nothing: at the scale found, and at none, where a wish for
@@ -24,7 +27,7 @@ const DESCRIBED_JOINTS: usize = 2;
 pub(crate) fn with_hidden_motion(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
-    contact: &ContactColumns,
+    (ripple, contact): (&RippleColumns, &ContactColumns),
     problem: &mut Problem,
     mut starts: Vec<Vec<usize>>,
     memory: &Memory,
@@ -48,14 +51,15 @@ pub(crate) fn with_hidden_motion(
             }
         }
     }
-    // a resonance, or the motion in a gap, is narrower than the steps of a grid
+    // a resonance, or the motion in a gap, is narrower than the steps of a grid: beside it the best of them may be worse
+    // than none
     for &joint in &driven {
         let metric = (found.scale, &found.wide[..]);
         for slug in ["joint_elasticity", "backlash"] {
             let one = |g: &Group| g.slug() == slug && g.site.joints == [joint];
             let offered = offered.iter().copied().filter(|g| one(&problem.groups[*g]));
             let near = nearest(problem, metric, &found.answer, offered);
-            if let Some(near) = near.filter(|n| n.score < found.answer.score) {
+            if let Some(near) = near {
                 let polished = refine(evidence, at, contact, problem, metric, near, one);
                 starts.push(polished.set);
             }
@@ -68,7 +72,7 @@ pub(crate) fn with_hidden_motion(
         let library = if driven.is_empty() && best.as_ref().is_some_and(|b| b.scale == scale) {
             best.take()
         } else {
-            search_at(scale, problem, &starts, memory)
+            laws_at(scale, evidence, at, ripple, contact, problem, &mut starts, memory)
         };
         let Some(library) = library else { continue };
         let residual = problem.whitened(scale, &library.wide).residual(&library.answer.fit);
@@ -128,7 +132,10 @@ fn suspects(problem: &Problem, found: &Best, residual: &[Vec<f64>]) -> Vec<usize
         .filter(|g| g.places == [Place::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.site.joints[0])
         .collect();
-    joints.extend(worst.iter().take(DESCRIBED_JOINTS));
+    // the motion of a hidden link is felt by its neighbours nearly as much
+    let least = worst.first().map_or(0.0, |j| SHARE_OF_WORST * left[*j]);
+    let first = worst.iter().take(DESCRIBED_JOINTS);
+    joints.extend(first.chain(worst.iter().skip(DESCRIBED_JOINTS).filter(|j| left[**j] >= least)));
     joints.sort_unstable();
     joints.dedup();
     joints

@@ -262,7 +262,8 @@ fn beside(group: &Group) -> Vec<Vec<f64>> {
 fn step_of(group: &Group, constant: usize) -> (f64, f64, bool) {
     match group.slug() {
         // the damping of a spring is not known within a factor
-        "joint_elasticity" if constant == 1 => (0.6, 0.02, true),
+        "joint_elasticity" if constant == 1 => (0.6, 0.01, true),
+        "joint_elasticity" => (0.16, 0.001, true),
         "external_contact" => (0.16, 0.01, false),
         "torque_ripple" => (0.25, 0.01, false),
         "joint_coupling" => (0.1, 0.002, true),

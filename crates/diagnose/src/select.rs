@@ -38,8 +38,10 @@ const SAME_MISFIT: f64 = 0.3;
 pub(crate) const REFERENCE_SCALE: f64 = 0.2;
 /// Share of the independent samples from which on their number was clearly overrated.
 const FEWER_SAMPLES: f64 = 0.8;
-/// Passes of moving the operating point.
-const PASSES: usize = 5;
+/// Passes of moving the operating point; what is dear to try is tried from this one on wherever it moves: a spring that was
+/// not seen yet keeps it moving, and takes some passes to weigh the joints anew.
+const PASSES: usize = 8;
+const ALL_FROM: usize = 3;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s, 1\].
 const STILL: (f64, f64, f64, f64) = (1e-3, 5e-4, 2e-4, 2e-3);
 
@@ -139,9 +141,17 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let metric = problem.whitened(best.scale, &best.wide);
         let pruned = prune(&metric, best.answer.clone(), &point);
         let all =
-            is_right || is_still(&moves(&problem, &pruned, &point), &point) || pass + 1 == PASSES;
+            is_right || is_still(&moves(&problem, &pruned, &point), &point) || pass >= ALL_FROM;
         if all {
-            best = with_hidden_motion(evidence, &at, &contact, &mut problem, starts, &memory, best);
+            best = with_hidden_motion(
+                evidence,
+                &at,
+                (&ripple, &contact),
+                &mut problem,
+                starts,
+                &memory,
+                best,
+            );
             best.answer = with_held(&problem, &best, &point);
         }
         let Best { scale, wide, answer: found } = best;
@@ -326,7 +336,7 @@ pub(crate) fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
 
 /// The best answer at one scale, with ripples and contacts scanned on what is left until nothing new
 /// comes.
-fn laws_at(
+pub(crate) fn laws_at(
     scale: f64,
     evidence: &Evidence<'_>,
     at: &[At<'_>],

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::band::Band;
 use crate::noise::{Noise, noise_of};
 use crate::stops::{
-    Channels, SmoothMotion, directions_and_stops, held, least_step, stands_at_ends,
+    Channels, SmoothMotion, directions_and_stops, held, least_step, stands_at_ends, starts_at_rest,
 };
 
 /// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
@@ -47,6 +47,8 @@ pub(crate) struct Signals {
     pub(crate) goes_on: Vec<Continuation>,
     /// whether the arm stands there
     pub(crate) stands: [bool; 2],
+    /// whether the arm rests at the first sample, however suddenly it moves then
+    pub(crate) starts_at_rest: bool,
     pub(crate) position: Vec<Vec<f64>>,
     pub(crate) velocity: Vec<Vec<f64>>,
     pub(crate) acceleration: Vec<Vec<f64>>,
@@ -138,6 +140,7 @@ impl Signals {
             recorded_position,
             goes_on: Vec::new(),
             stands: [false; 2],
+            starts_at_rest: false,
             velocity: Vec::new(),
             acceleration: Vec::new(),
             direction: Vec::new(),
@@ -169,6 +172,7 @@ impl Signals {
         let noises: Vec<f64> = of_positions.iter().map(|noise| noise.deviation).collect();
         let stands = stands_at_ends(&joints, &noises, &low_pass);
         signals.stands = stands;
+        signals.starts_at_rest = stands[0] || starts_at_rest(&joints, &noises);
         for (j, channels) in joints.iter_mut().enumerate() {
             let (recorded, of_position) = (&recorded_velocity[j], &of_positions[j]);
             let mut noise = of_position.deviation * signals.kinematics_gain(1);

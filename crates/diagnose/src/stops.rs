@@ -5,6 +5,7 @@
 //! from what it needed before to what it needs after. And what the drive follows goes on meanwhile: how far it runs while
 //! friction reverses is told by the rests in which the joint turns back.
 
+use armident_numeric::{Cholesky, dot};
 use armident_recording::{Continuation, QUARTIC_TERMS, Quartics, ZeroPhaseLowPass, differentiate};
 
 /// A speed below this many standard deviations of its noise has no sign...
@@ -38,6 +39,11 @@ const LEAST_PIECE_S: f64 = 0.1;
 const END_S: f64 = 0.03;
 const ROUND_END_S: f64 = 1.0;
 const CLEAR: f64 = 10.0;
+/// First positions of a recording that tell whether it starts at rest: through so many \[s\], and through so few, a cubic
+/// is laid. A speed of this share of the usual one is none.
+const ONSET_S: f64 = 0.06;
+const LEAST_ONSET: usize = 6;
+const STILL_SHARE: f64 = 5e-3;
 /// A drive gives up what its joint needed to slow down within this time of a rest \[s\].
 const HELD_S: f64 = 0.3;
 /// Friction fades to nothing in this time \[s\] when a joint slows down and goes on the same way, and in the second
@@ -130,6 +136,29 @@ impl Channels<'_> {
         })
     }
 
+    /// Twice the logarithm of how much likelier the first positions are of a joint that starts at rest than of one whose
+    /// speed there is as usual in the recording. `noise` is that of the position.
+    fn starts_at_rest_by(&self, noise: f64) -> f64 {
+        let near = ((ONSET_S * self.rate_hz).round() as usize).max(LEAST_ONSET + 1);
+        if noise <= 0.0 || self.position.len() <= 2 * near {
+            return 0.0;
+        }
+        let way = |(a, b): (&f64, &f64)| ((b - a) * self.rate_hz / near as f64).powi(2);
+        let later = &self.position[near..];
+        let usual = self.position.iter().zip(later).map(way).sum::<f64>() / later.len() as f64;
+        let by = |samples: usize| -> Option<f64> {
+            let Onset { speed, variance, left } =
+                Onset::of(&self.position[..samples], self.rate_hz)?;
+            // what a cubic does not follow of the motion counts as noise
+            let still = noise.powi(2).max(left) * variance + STILL_SHARE.powi(2) * usual;
+            let [resting, moving] =
+                [still, still + usual].map(|v: f64| -v.ln() - speed.powi(2) / v);
+            Some(resting - moving)
+        };
+        // a light joint is off at once: little of its start is smooth
+        [near, LEAST_ONSET].into_iter().filter_map(by).fold(f64::MIN, f64::max)
+    }
+
     /// Where the joint stays at one place though it would have left it at its accelerations around: among them the
     /// rests of stick and slip, too short to be seen in a filtered velocity. `noise` is that of the position.
     pub(crate) fn rests(&self, acceleration: &[f64], noise: f64) -> Vec<(usize, usize)> {
@@ -164,6 +193,47 @@ pub(crate) fn stands_at_ends(
         }
     }
     sums.map(|sum| sum > CLEAR)
+}
+
+/// Whether an arm starts to move at the first sample or rests there: all its joints together say so clearly, also where
+/// they are off so suddenly that their motion is none of joints that [stand](stands_at_ends). `noises` are those of the
+/// positions.
+pub(crate) fn starts_at_rest(joints: &[Channels<'_>], noises: &[f64]) -> bool {
+    let by = joints.iter().zip(noises).map(|(joint, noise)| joint.starts_at_rest_by(*noise));
+    by.sum::<f64>() > CLEAR
+}
+
+/// Speed of a motion at its first sample.
+struct Onset {
+    speed: f64,
+    /// of the speed, for positions of variance 1
+    variance: f64,
+    /// variance of the positions about the cubic
+    left: f64,
+}
+
+impl Onset {
+    /// Of the cubic through some positions.
+    fn of(positions: &[f64], rate_hz: f64) -> Option<Self> {
+        const TERMS: usize = 4;
+        let samples = positions.len() as f64;
+        let powers = |k: usize| -> [f64; TERMS] {
+            let x = k as f64 / samples;
+            [1.0, x, x * x, x * x * x]
+        };
+        let sum = |of: &dyn Fn(usize) -> f64| (0..positions.len()).map(of).sum::<f64>();
+        let factor = Cholesky::of(TERMS, |a, b| sum(&|k| powers(k)[a] * powers(k)[b]))?;
+        let way = |k: usize| positions[k] - positions[0];
+        let rhs: Vec<f64> = (0..TERMS).map(|a| sum(&|k| powers(k)[a] * way(k))).collect();
+        let cubic = factor.solve(&rhs);
+        let left = sum(&|k| (way(k) - dot(&cubic, &powers(k))).powi(2));
+        let per_second = rate_hz / samples;
+        Some(Self {
+            speed: cubic[1] * per_second,
+            variance: factor.inverse_diagonal()[1] * per_second.powi(2),
+            left: left / (samples - TERMS as f64),
+        })
+    }
 }
 
 /// A recording cut where its joint stops, without what is too short to be smoothed for itself; nothing if it never
@@ -541,6 +611,29 @@ mod tests {
         let middle = usize::midpoint(start, end);
         assert!((held[middle] + 1.5).abs() < 0.15, "{}", held[middle]);
         assert_eq!(held[end..], sharp.acceleration[end..]);
+    }
+
+    /// Joints that are off at once start at rest; the same motion cut out of its middle does not.
+    #[test]
+    fn a_sudden_start_is_one_from_rest() {
+        const STEP: f64 = 1e-5;
+        // 0.3 rad/s within some 10 ms, and a sine beside
+        let position =
+            |t: f64| 0.3 * (t - 0.01 * (1.0 - (-t / 0.01).exp())) + 0.2 * (1.0 - (2.0 * t).cos());
+        let arm_from = |start_s: f64| -> Vec<Vec<f64>> {
+            let of = |j: usize| {
+                let at = |k: usize| (1.0 + 0.3 * j as f64) * position(start_s + k as f64 / RATE_HZ);
+                (0..2000).map(|k| (at(k) / STEP).round() * STEP).collect()
+            };
+            (0..3).map(of).collect()
+        };
+        let rests = |positions: Vec<Vec<f64>>| {
+            let joints: Vec<Channels<'_>> = positions.iter().map(|q| channels(q)).collect();
+            starts_at_rest(&joints, &[STEP / 12.0_f64.sqrt(); 3])
+        };
+        assert!(rests(arm_from(0.0)));
+        assert!(!rests(arm_from(0.02)));
+        assert!(!rests(arm_from(1.0)));
     }
 
     /// While a joint rests and turns back its friction reverses in a line. Where it goes on the same way, friction gives

@@ -144,7 +144,7 @@ impl Transmission {
         let (arm, load) = (at.of_other_links().0, at.load(joint));
         let first: Vec<f64> = at.position.iter().map(|q| q[0]).collect();
         let borne = |twist: f64| {
-            if at.signals.stands[0] {
+            if at.signals.starts_at_rest {
                 let mut links = first.clone();
                 links[joint] -= twist;
                 return gravity_effort(arm, &links)[joint];
@@ -160,7 +160,7 @@ impl Transmission {
         let n = motor.position.len();
         let steps = (1.0 / (rate_hz * STEP_S)).ceil().max(1.0) as usize;
         let h = 1.0 / (rate_hz * steps as f64);
-        let (mut q, mut v) = (motor.position[0] - start, motor.velocity[0]);
+        let (mut q, mut v) = (motor.position[0] - start, motor.start_velocity);
         let (mut position, mut velocity, mut acceleration) = (vec![q; n], vec![v; n], vec![0.0; n]);
         for t in 0..n - 1 {
             let before = v;
@@ -169,16 +169,24 @@ impl Transmission {
                 let line = |values: &[f64]| values[t] + x * (values[t + 1] - values[t]);
                 let (theta, omega) = (motor.at(t, x, rate_hz), line(&motor.velocity));
                 let m = line(&load.inertia);
-                // the spring is taken at the end of the step, so that no stiffness is too high
                 let passed = self.effort(theta - q, omega - v);
-                let pressed = self.gap == 0.0 || passed != 0.0;
-                let (stiffness, damping) =
-                    if pressed { (self.stiffness, self.damping) } else { (0.0, 0.0) };
-                let implicit = m + h * damping + h * h * stiffness;
-                let bias = line(&load.bias) + line(&load.slope) * (q - line(&load.position));
-                let force = passed - bias + h * stiffness * (omega - v);
-                v += h * force / implicit;
-                q += h * v;
+                let slope = line(&load.slope);
+                let bias = line(&load.bias) + slope * (q - line(&load.position));
+                if self.gap > 0.0 {
+                    // flanks are taken at the end of the step, so that none is too stiff
+                    let pressed = f64::from(u8::from(passed != 0.0));
+                    let (stiffness, damping) = (pressed * self.stiffness, pressed * self.damping);
+                    let implicit = m + h * damping + h * h * stiffness;
+                    v += h * (passed - bias + h * stiffness * (omega - v)) / implicit;
+                    q += h * v;
+                } else {
+                    // a spring in the middle of it: of second order, without a damping of its own
+                    let stiffness = self.stiffness + slope;
+                    let implicit = m + 0.5 * h * self.damping + 0.25 * h * h * stiffness;
+                    let gained = h * (passed - bias - 0.5 * h * stiffness * v) / implicit;
+                    q += h * (v + 0.5 * gained);
+                    v += gained;
+                }
             }
             position[t + 1] = q;
             velocity[t + 1] = v;
@@ -186,6 +194,15 @@ impl Transmission {
             let mean = (v - before) * rate_hz;
             acceleration[t] = if t == 0 { mean } else { 0.5 * (acceleration[t] + mean) };
             acceleration[t + 1] = mean;
+        }
+        if self.gap == 0.0 {
+            // a spring has no impacts: what accelerates its link is known at every sample
+            for t in 0..n {
+                let passed =
+                    self.effort(motor.position[t] - position[t], motor.velocity[t] - velocity[t]);
+                let bias = load.bias[t] + load.slope[t] * (position[t] - load.position[t]);
+                acceleration[t] = (passed - bias) / load.inertia[t];
+            }
         }
         [position, velocity, acceleration]
     }
@@ -195,6 +212,8 @@ impl Transmission {
 struct Motor {
     position: Vec<f64>,
     velocity: Vec<f64>,
+    /// at the first sample
+    start_velocity: f64,
 }
 
 impl Motor {
@@ -209,6 +228,7 @@ impl Motor {
         let inner = margin..margin + signals.len();
         Ok(Self {
             position: smooth[inner.clone()].iter().map(|q| q - offset).collect(),
+            start_velocity: if signals.starts_at_rest { 0.0 } else { rate[margin] },
             velocity: rate[inner].to_vec(),
         })
     }
@@ -485,7 +505,7 @@ mod tests {
         });
         let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
         let mut signals = Signals::below(&recording, &names, BAND_HZ).unwrap();
-        signals.stands = [true; 2];
+        signals.starts_at_rest = true;
         let none = OperatingPoint::of(names.len());
         let at = At::new(&chain, &RigidArm::from_chain(&chain), &signals, &none);
         let spring = Transmission { gap: 0.0, stiffness: 120.0, damping: 0.4 };
@@ -495,6 +515,31 @@ mod tests {
             let rings = effort.iter().map(|e| (e - effort[0]).abs()).fold(0.0, f64::max);
             // N m; loads are linear in the position within a turn
             assert!(rings < 1e-4, "{rings}");
+        }
+    }
+
+    /// A link that swings freely behind a resting motor loses of its swing what the spring's damping takes and no more: after
+    /// 5 s as much as the solution of the equation of motion has.
+    #[test]
+    fn a_light_spring_rings_for_its_time() {
+        const RATE_HZ: f64 = 200.0;
+        const SAMPLES: usize = 1001;
+        let (rate, share) = (std::f64::consts::TAU * 2.5, 0.025);
+        let zero = vec![0.0; SAMPLES];
+        let motor = Motor { position: zero.clone(), velocity: zero.clone(), start_velocity: 0.0 };
+        let inertia = vec![1.0; SAMPLES];
+        let load = Load { inertia, bias: zero.clone(), slope: zero.clone(), position: zero };
+        let spring = Transmission { gap: 0.0, stiffness: rate * rate, damping: 2.0 * share * rate };
+        let [position, _, acceleration] = spring.link(&motor, &load, -0.1, RATE_HZ);
+        let ringing = rate * (1.0 - share * share).sqrt();
+        for (t, (q, a)) in position.iter().zip(&acceleration).enumerate() {
+            let (angle, left) =
+                (ringing * t as f64 / RATE_HZ, (-share * rate * t as f64 / RATE_HZ).exp());
+            let expected = 0.1 * left * (angle.cos() + share * rate / ringing * angle.sin());
+            let rate_of_it = -0.1 * left * rate * rate / ringing * angle.sin();
+            let expected_acceleration = -rate * rate * expected - 2.0 * share * rate * rate_of_it;
+            assert!((q - expected).abs() < 1e-4, "{t}: {q} {expected}");
+            assert!((a - expected_acceleration).abs() < 1e-4 * rate * rate, "{t}: {a}");
         }
     }
 
