@@ -19,7 +19,7 @@ use crate::whitened::WrongBody;
 const LEAST_UNEXPLAINED: f64 = 0.7;
 const DESCRIBED_JOINTS: usize = 2;
 /// Joints beside these whose transmission is simulated: what they leave over as a share of the most that is left.
-const SHARE_OF_WORST: f64 = 0.5;
+const SHARE_OF_WORST: f64 = 0.8;
 
 /// Transmissions with a hidden link where something is left over or moves by itself, and descriptions
 /// without a name where even that explains nothing: at the scale found, and at none, where a wish for
@@ -51,15 +51,16 @@ pub(crate) fn with_hidden_motion(
             }
         }
     }
-    // a resonance, or the motion in a gap, is narrower than the steps of a grid: beside it the best of them may be worse
-    // than none
+    // a resonance, or the motion in a gap, is narrower than the steps of a grid: beside a resonance the best of them may be
+    // worse than none
     for &joint in &driven {
         let metric = (found.scale, &found.wide[..]);
         for slug in ["joint_elasticity", "backlash"] {
             let one = |g: &Group| g.slug() == slug && g.site.joints == [joint];
             let offered = offered.iter().copied().filter(|g| one(&problem.groups[*g]));
             let near = nearest(problem, metric, &found.answer, offered);
-            if let Some(near) = near {
+            let worth = |n: &Answer| slug == "joint_elasticity" || n.score < found.answer.score;
+            if let Some(near) = near.filter(worth) {
                 let polished = refine(evidence, at, contact, problem, metric, near, one);
                 starts.push(polished.set);
             }
@@ -72,9 +73,16 @@ pub(crate) fn with_hidden_motion(
         let library = if driven.is_empty() && best.as_ref().is_some_and(|b| b.scale == scale) {
             best.take()
         } else {
-            laws_at(scale, evidence, at, ripple, contact, problem, &mut starts, memory)
+            search_at(scale, problem, &starts, memory)
         };
-        let Some(library) = library else { continue };
+        let Some(mut library) = library else { continue };
+        // what a link that rings hid is scanned for again
+        if moves_by_itself(problem, &library.answer)
+            && let Some(again) =
+                laws_at(scale, evidence, at, ripple, contact, problem, &mut starts, memory)
+        {
+            library = again;
+        }
         let residual = problem.whitened(scale, &library.wide).residual(&library.answer.fit);
         let left = excess(problem, &residual);
         let mut worst: Vec<usize> =
@@ -97,6 +105,12 @@ pub(crate) fn with_hidden_motion(
         keep_better(&mut best, with_all);
     }
     best.unwrap_or(fallback)
+}
+
+/// Whether a link moves by itself in an answer.
+fn moves_by_itself(problem: &Problem, found: &Answer) -> bool {
+    let groups = || found.set.iter().map(|g| &problem.groups[*g]);
+    groups().any(|g| ["joint_elasticity", "backlash"].contains(&g.slug()) && !g.shape.is_empty())
 }
 
 /// The best answer with one of the offered groups beside what it does not exclude.

@@ -45,6 +45,9 @@ const ALL_FROM: usize = 3;
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s, 1\].
 const STILL: (f64, f64, f64, f64) = (1e-3, 5e-4, 2e-4, 2e-3);
 
+/// A stiffness or a gap that moves by less than this share is settled.
+const SETTLED: f64 = 5e-3;
+
 /// The answer of the selection, and all it stands on.
 pub(crate) struct Selection {
     pub(crate) problem: Problem,
@@ -171,7 +174,9 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             found = everyday_first(&problem.whitened(scale, &wide), found, &point);
         }
         let fractional = fractional_ripples(evidence, &problem, &found);
-        memory.groups = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
+        let groups: Vec<Group> = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
+        let settled = groups.iter().all(|g| is_settled(g, &memory.groups));
+        memory.groups = groups;
         let again = !fractional.is_empty();
         memory.no_ripple.extend(fractional);
         if again {
@@ -182,7 +187,9 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let mut target = moves(&problem, &found, &point);
         let metric = problem.whitened(scale, &wide);
         let links = other_links(&metric, &found);
-        let still = is_still(&target, &point) && (links.is_none() || point.links.is_some());
+        // the links behind a transmission were found beside it, and it beside those of the pass before
+        let still =
+            is_still(&target, &point) && (links.is_none() || (point.links.is_some() && settled));
         target.links = links;
         let (misfit, share) = if seeks_change {
             (misfits_after(&metric, &found), problem.rows.share)
@@ -259,6 +266,19 @@ fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
         && to.offset.iter().zip(&from.offset).all(|(a, b)| (a - b).abs() < STILL.1)
         && (to.delay_s - from.delay_s).abs() < STILL.2
         && to.gain.iter().zip(&from.gain).all(|(a, b)| (a - b).abs() < STILL.3)
+}
+
+/// Whether the constants of a transmission are those of the pass before; what is none always is.
+fn is_settled(group: &Group, before: &[Group]) -> bool {
+    let is_through = effect(group.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint);
+    let near = |(a, b): (&f64, &f64)| (a / b).ln().abs() < SETTLED;
+    !is_through
+        || group.shape.is_empty()
+        || before.iter().any(|other| {
+            other.meaning == group.meaning
+                && other.site == group.site
+                && group.shape.iter().zip(&other.shape).take(1).all(near)
+        })
 }
 
 /// The operating point with what a fit adds to it.
