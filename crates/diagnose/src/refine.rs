@@ -1,14 +1,19 @@
 //! Constants that were tried on a grid, polished; and groups formed again in another problem.
 
+use std::ops::Range;
+
 use armident_effects::{Scope, effect};
+use armident_numeric::dot;
 
 use crate::contact::ContactColumns;
+use crate::crossval::stretches;
 use crate::evidence::{At, Evidence};
 use crate::flexible;
 use crate::problem::{Group, Meaning, Problem};
+use crate::scatter::LEFT_OUT_PER_RECORDING;
 use crate::search::{Answer, answer};
 use crate::transmission;
-use crate::whitened::{Integral, Whitened, WrongBody};
+use crate::whitened::{Fit, Integral, Whitened, WrongBody};
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
@@ -78,10 +83,43 @@ fn formed(
     }
 }
 
+/// Misfit of a shape: all of it, and that of every stretch.
+struct Misfit {
+    whole: f64,
+    by_stretch: Vec<f64>,
+}
+
+impl Misfit {
+    fn of(metric: &Whitened<'_>, fit: &Fit) -> Self {
+        let rows = &metric.problem.rows;
+        let residual = metric.residual(fit);
+        let in_stretch = |inside: Range<usize>| -> f64 {
+            let squares = residual.iter().map(|r| dot(&r[inside.clone()], &r[inside.clone()]));
+            rows.share * squares.sum::<f64>()
+        };
+        let stretches = stretches(&rows.starts[rows.changed_from..], LEFT_OUT_PER_RECORDING);
+        Self {
+            whole: rows.share * fit.sum_of_squares,
+            by_stretch: stretches.into_iter().map(in_stretch).collect(),
+        }
+    }
+
+    /// How much the stretches disagree about the slope of the misfit, from its values on both sides, twice as much as a
+    /// step apart: root sum of squares about the mean.
+    fn scatter_of_slope(below: &Self, above: &Self, step: f64) -> f64 {
+        let slopes =
+            below.by_stretch.iter().zip(&above.by_stretch).map(|(b, a)| (a - b) / (2.0 * step));
+        let slopes: Vec<f64> = slopes.collect();
+        let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
+        slopes.iter().map(|slope| (slope - mean).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
 /// What a shape constant is uncertain by.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ShapeDeviation {
-    /// standard deviation, from the curvature of the misfit with all coefficients fitted again
+    /// standard deviation, from the curvature of the misfit with all coefficients fitted again, or where that is more from
+    /// how much stretches of the recordings disagree: what a simulated link is off by lasts longer than noise
     pub(crate) by_noise: f64,
     /// change where the efforts are late by a standard deviation of what is not known of it
     pub(crate) by_lag: f64,
@@ -105,38 +143,42 @@ pub(crate) fn shape_deviations(
     let Some(place) = of.set.iter().position(|g| *g == group) else { return Vec::new() };
     let original = problem.groups[group].clone();
     let Meaning::Law(slug) = original.meaning else { return Vec::new() };
-    let misfit = |small: &mut Problem, constant: usize, value: f64| -> Option<f64> {
+    let misfit = |small: &mut Problem, constant: usize, value: f64| -> Option<Misfit> {
         let mut moved = original.clone();
         moved.shape[constant] = value;
         let mut set = set.clone();
         set[place] = formed(evidence, at, small, slug, &moved)?;
         let metric = small.whitened(metric.scale, &metric.wide);
         let fit = metric.fit(metric.columns_of(&set))?;
-        Some(problem.rows.share * fit.sum_of_squares)
+        Some(Misfit::of(&metric, &fit))
     };
     (0..original.shape.len())
         .map(|k| {
             let value = original.shape[k];
-            let middle = misfit(&mut small, k, value)?;
+            let middle = misfit(&mut small, k, value)?.whole;
             let mut step = 1e-2 * value.abs().max(f64::MIN_POSITIVE);
             let mut found = None;
             for _ in 0..ROUNDS {
                 let sides = [value - step, value + step];
                 let [below, above] = sides.map(|value| misfit(&mut small, k, value));
                 let (below, above) = (below?, above?);
-                let curvature = (above + below - 2.0 * middle) / (step * step);
+                let curvature = (above.whole + below.whole - 2.0 * middle) / (step * step);
                 if curvature <= 0.0 {
                     return found;
                 }
-                let by_noise = (2.0 / curvature).sqrt();
+                let by_curvature = (2.0 / curvature).sqrt();
+                let by_stretches = Misfit::scatter_of_slope(&below, &above, step) / curvature;
+                let by_noise = by_curvature.max(by_stretches);
                 // where the slope of the misfit, changed by the lag, is zero again
                 let mut by_lag = 0.0;
                 if let Some(lagging) = &mut lagging {
                     let [lower, upper] = sides.map(|value| misfit(lagging, k, value));
-                    by_lag = ((upper? - lower?) - (above - below)) / (2.0 * step * curvature);
+                    let (lagging, prompt) =
+                        (upper?.whole - lower?.whole, above.whole - below.whole);
+                    by_lag = (lagging - prompt) / (2.0 * step * curvature);
                 }
                 found = Some(ShapeDeviation { by_noise, by_lag });
-                step = by_noise.min(0.3 * value.abs());
+                step = by_curvature.min(0.3 * value.abs());
             }
             found
         })

@@ -10,7 +10,7 @@ use crate::search::Answer;
 use crate::whitened::Whitened;
 
 /// Stretches of a recording that are left out one after the other for a standard error.
-const LEFT_OUT_PER_RECORDING: usize = 5;
+pub(crate) const LEFT_OUT_PER_RECORDING: usize = 5;
 
 /// How coefficients scatter when stretches of the recordings are left out: what a model leaves over lasts longer
 /// than noise, and is more. And what the clocks are not known by does to them.
