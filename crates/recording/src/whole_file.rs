@@ -36,10 +36,13 @@ pub fn write_whole(
     let mut partial = target.as_os_str().to_owned();
     partial.push(".part");
     let partial = PathBuf::from(partial);
-    partials(|all| all.push(partial.clone()));
-    let written = File::create(&partial)
-        .and_then(|file| filled(file, content))
-        .and_then(|()| fs::rename(&partial, &target));
+    // made while the list is held, so that none is made behind the back of a program that ends
+    let created = partials(|all| {
+        all.push(partial.clone());
+        File::create(&partial)
+    });
+    let written =
+        created.and_then(|file| filled(file, content)).and_then(|()| fs::rename(&partial, &target));
     if written.is_err() {
         let _ = fs::remove_file(&partial);
     }
@@ -47,13 +50,14 @@ pub fn write_whole(
     written
 }
 
-/// Removes what [`write_whole`] has not finished; for a program that is about to end.
+/// Removes what [`write_whole`] has not finished; for a program that is about to end: whoever begins another file after
+/// this waits for the end.
 pub fn remove_partial_files() {
-    partials(|all| {
-        for path in all.drain(..) {
-            let _ = fs::remove_file(path);
-        }
-    });
+    let mut all = PARTIAL.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in all.drain(..) {
+        let _ = fs::remove_file(path);
+    }
+    std::mem::forget(all);
 }
 
 fn filled(file: File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
