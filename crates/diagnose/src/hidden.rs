@@ -77,7 +77,7 @@ pub(crate) fn with_hidden_motion(
         };
         let Some(mut library) = library else { continue };
         // what a link that rings hid is scanned for again
-        if moves_by_itself(problem, &library.answer)
+        if library.answer.set.iter().any(|g| problem.groups[*g].moves_its_link())
             && let Some(again) =
                 laws_at(scale, evidence, at, ripple, contact, problem, &mut starts, memory)
         {
@@ -105,12 +105,6 @@ pub(crate) fn with_hidden_motion(
         keep_better(&mut best, with_all);
     }
     best.unwrap_or(fallback)
-}
-
-/// Whether a link moves by itself in an answer.
-fn moves_by_itself(problem: &Problem, found: &Answer) -> bool {
-    let groups = || found.set.iter().map(|g| &problem.groups[*g]);
-    groups().any(|g| ["joint_elasticity", "backlash"].contains(&g.slug()) && !g.shape.is_empty())
 }
 
 /// The best answer with one of the offered groups beside what it does not exclude.

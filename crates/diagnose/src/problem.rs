@@ -1,6 +1,6 @@
 //! The weighted linear problem: columns, their products, and the groups of columns that are laws.
 
-use armident_effects::{EffectOnJoint, Place};
+use armident_effects::{EffectOnJoint, Place, Scope, effect};
 use armident_numeric::{dot, products_of_columns};
 use rayon::prelude::*;
 
@@ -55,6 +55,12 @@ impl Group {
             Meaning::Law(slug) => slug,
             Meaning::Flexible(_) => crate::UNMODELLED,
         }
+    }
+
+    /// Whether a link moves by itself behind its motor: what is through a joint and has constants that were tried.
+    pub(crate) fn moves_its_link(&self) -> bool {
+        !self.shape.is_empty()
+            && effect(self.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint)
     }
 
     /// Adds what coefficients of the group change of the links' standard parameters, `10` a link.

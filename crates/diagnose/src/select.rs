@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 
-use armident_effects::{Scope, effect};
 use armident_numeric::dot;
 use rayon::prelude::*;
 
@@ -244,12 +243,8 @@ fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
 /// By what the links are changed, where one of them moves by itself behind its motor or friction follows the load.
 fn other_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
     let groups = || found.set.iter().map(|g| &metric.problem.groups[*g]);
-    // as in `refine`: what is through a joint and has constants that were tried
-    let matters = |group: &Group| {
-        let is_simulated = !group.shape.is_empty()
-            && effect(group.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint);
-        is_simulated || group.slug() == "load_dependent_friction"
-    };
+    let matters =
+        |group: &Group| group.moves_its_link() || group.slug() == "load_dependent_friction";
     if !groups().any(matters) {
         return None;
     }
@@ -270,10 +265,8 @@ fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
 
 /// Whether the constants of a transmission are those of the pass before; what is none always is.
 fn is_settled(group: &Group, before: &[Group]) -> bool {
-    let is_through = effect(group.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint);
     let near = |(a, b): (&f64, &f64)| (a / b).ln().abs() < SETTLED;
-    !is_through
-        || group.shape.is_empty()
+    !group.moves_its_link()
         || before.iter().any(|other| {
             other.meaning == group.meaning
                 && other.site == group.site
