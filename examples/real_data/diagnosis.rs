@@ -13,7 +13,7 @@ use armident_ident::{
 use armident_recording::Recording;
 
 use crate::estimators::{STRETCHES, in_errors};
-use crate::sets::{Data, SETS, part};
+use crate::sets::{Data, KeptOut, SETS, part};
 
 /// Share of a recording that is fitted where there is only one; it is cut in two.
 const TRAINING_SHARE: f64 = 0.7;
@@ -34,83 +34,77 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     );
     println!("| set | joint | as given | plain | identified | diagnosed | diagnosed / plain |");
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
-    let mut logs = Vec::new();
-    let mut of_identified = Vec::new();
-    let mut found = Vec::new();
-    let mut total = Placebo::default();
-    let mut largest = Vec::new();
+    let mut all = Vec::new();
     for set in &SETS {
         let data = Data::read(set, folder)?;
-        let (train, holdout) = data.train_and_holdout(|whole| {
-            let (first, last) = (whole.time_s[0], whole.time_s[whole.len() - 1]);
-            let at = |share: f64| first + share * (last - first);
-            let between = |from: f64, to: f64| part(whole, |t| at(from) <= t && t < at(to));
-            let half = 0.5 * TRAINING_SHARE;
-            let kept_out = part(whole, |t| t >= at(TRAINING_SHARE))?;
-            Ok((vec![between(0.0, half)?, between(half, TRAINING_SHARE)?], vec![kept_out]))
-        })?;
-        let books = Books::of(&data.model, &train)?;
-        let in_effort = |r: &Vec<Recording>| -> Vec<Recording> {
-            r.iter().map(|r| books.in_effort(r)).collect()
-        };
-        let (train, holdout) = (in_effort(&train), in_effort(&holdout));
-        let heard = heard(&data.model, books, &train)?;
-        let Some(Said { mut diagnosis, placebo, books }) = heard else {
-            println!("| {} | all | - | - | - | columns in doubt |", set.folder);
-            continue;
-        };
-        diagnosis.confirm(&diagnosis.see(&holdout)?)?;
-        let plain = plain_errors(&data, &train, &holdout)?;
-        let identified = identified_errors(&data, &train, &holdout)?;
-        let after = diagnosed_errors(&diagnosis.model, &holdout)?;
-        let given = diagnosed_errors(&diagnosis.believed, &holdout)?;
-        for (j, joint) in data.model.chain.joint_names().iter().enumerate() {
-            let [given, plain, identified, after] =
-                [&given[j], &plain[j], &identified[j], &after[j]];
-            if books.faults.iter().any(|fault| fault.joint.as_deref() == Some(joint)) {
-                println!(
-                    "| {} | {joint} | {:.4} | {:.4} | {:.4} | - | left out |",
-                    set.folder, given.rmse, plain.rmse, identified.rmse
-                );
-                continue;
-            }
-            let ratio = after.rmse / plain.rmse;
-            logs.push(ratio.ln());
-            of_identified.push((identified.rmse / plain.rmse).ln());
-            println!(
-                "| {} | {joint} | {:.4} | {:.4} | {:.4} | {:.4} | {ratio:.2} ({:+.1}) |",
-                set.folder,
-                given.rmse,
-                plain.rmse,
-                identified.rmse,
-                after.rmse,
-                in_errors(&after.stretches, &plain.stretches),
-            );
-        }
+        let judged = Judged::of(&data, KeptOut::Last)?;
+        judged.print_rows(set.folder);
+        all.push((set.folder, data, judged));
+    }
+    let ratios: Vec<Ratios> = all.iter().flat_map(|(_, _, judged)| judged.ratios()).collect();
+    let mean = |of: fn(&Ratios) -> f64, ratios: &[Ratios]| {
+        (ratios.iter().map(|r| of(r).ln()).sum::<f64>() / ratios.len() as f64).exp()
+    };
+    let mut sorted: Vec<f64> = ratios.iter().map(|r| r.diagnosed).collect();
+    sorted.sort_by(f64::total_cmp);
+    let mut total = Placebo::default();
+    let mut largest = Vec::new();
+    for (set, _, Judged { said, .. }) in &all {
+        let Some(Said { placebo, .. }) = said else { continue };
         total.terms += placebo.terms;
         total.improve += placebo.improve;
         total.named += placebo.named;
-        let of_set = format!("{} {:.0} %", set.folder, 100.0 * placebo.largest);
-        largest.push(of_set);
-        found.push((set.folder, diagnosis, books));
+        largest.push(format!("{set} {:.0} %", 100.0 * placebo.largest));
     }
-    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
-    let identified = (of_identified.iter().sum::<f64>() / of_identified.len() as f64).exp();
-    logs.sort_by(f64::total_cmp);
-    let median = logs[logs.len() / 2].exp();
-    let above = logs.iter().filter(|log| **log > 0.0).count();
     println!(
-        "\nGeometric mean of the ratio: **{:.3}**, median {median:.2}, above 1 on {above} of {} (`identify`: {identified:.3}). Of {} wrong terms (laws of the \
+        "\nGeometric mean of the ratio: **{:.3}**, median {:.2}, above 1 on {} of {} (`identify`: {:.3}). Of {} wrong terms (laws of the \
          library on columns shifted in time) {} lower the error of stretches that were not fitted by more \
          than its standard error, {} would have been named. The largest matters, in what a name asks for: {}.",
-        mean.exp(),
-        logs.len(),
+        mean(|r| r.diagnosed, &ratios),
+        sorted[sorted.len() / 2],
+        sorted.iter().filter(|ratio| **ratio > 1.0).count(),
+        sorted.len(),
+        mean(|r| r.identified, &ratios),
         total.terms,
         total.improve,
         total.named,
         largest.join(", ")
     );
-    for (set, diagnosis, books) in &found {
+    println!(
+        "\nThe same with other motion kept out, so that a table does not hang on which stretch it was: the last, the \
+         first and the middle {:.0} % of a recording, or other files. Geometric means over the joints of a set, and in brackets on how many \
+         joints the ratio is above 1.\n",
+        100.0 * (1.0 - TRAINING_SHARE)
+    );
+    println!("| set | kept out | joints | identified / plain | diagnosed / plain |");
+    println!("| --- | --- | ---: | ---: | ---: |");
+    let row = |set: &str, kept_out: &str, ratios: &[Ratios]| {
+        let above = |of: fn(&Ratios) -> f64| ratios.iter().filter(|r| of(r) > 1.0).count();
+        println!(
+            "| {set} | {kept_out} | {} | {:.3} ({}) | {:.3} ({}) |",
+            ratios.len(),
+            mean(|r| r.identified, ratios),
+            above(|r| r.identified),
+            mean(|r| r.diagnosed, ratios),
+            above(|r| r.diagnosed)
+        );
+    };
+    let mut of_all = Vec::new();
+    for (set, data, judged) in &all {
+        for &kept_out in data.turns() {
+            let ratios = match kept_out {
+                KeptOut::Last => judged.ratios(),
+                other => Judged::of(data, other)?.ratios(),
+            };
+            if !ratios.is_empty() {
+                row(set, kept_out.name(), &ratios);
+            }
+            of_all.extend(ratios);
+        }
+    }
+    row("all", "each", &of_all);
+    for (set, _, Judged { said, .. }) in &all {
+        let Some(Said { diagnosis, books, .. }) = said else { continue };
         println!("\n### {set}\n");
         for fault in &books.faults {
             let joint = fault.joint.as_deref().unwrap_or("all");
@@ -124,6 +118,102 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Errors of one joint over those of plain least squares.
+struct Ratios {
+    identified: f64,
+    diagnosed: f64,
+}
+
+/// A set with something kept out.
+struct Judged {
+    /// none where the columns are in doubt
+    said: Option<Said>,
+    joints: Vec<String>,
+    given: Vec<JointError>,
+    plain: Vec<JointError>,
+    identified: Vec<JointError>,
+    diagnosed: Vec<JointError>,
+}
+
+impl Judged {
+    fn of(data: &Data, kept_out: KeptOut) -> Result<Self, Box<dyn Error>> {
+        let (mut train, holdout) = data.split(kept_out, 1.0 - TRAINING_SHARE)?;
+        if data.is_one_recording()
+            && let [whole] = train.as_slice()
+        {
+            train = halves(whole)?;
+        }
+        let books = Books::of(&data.model, &train)?;
+        let in_effort = |r: &Vec<Recording>| -> Vec<Recording> {
+            r.iter().map(|r| books.in_effort(r)).collect()
+        };
+        let (train, holdout) = (in_effort(&train), in_effort(&holdout));
+        let joints: Vec<String> =
+            data.model.chain.joint_names().iter().map(|name| (*name).to_owned()).collect();
+        let Some(mut said) = heard(&data.model, books, &train)? else {
+            let [given, plain, identified, diagnosed] = [const { Vec::new() }; 4];
+            return Ok(Self { said: None, joints, given, plain, identified, diagnosed });
+        };
+        let diagnosis = &mut said.diagnosis;
+        diagnosis.confirm(&diagnosis.see(&holdout)?)?;
+        Ok(Self {
+            given: diagnosed_errors(&diagnosis.believed, &holdout)?,
+            plain: plain_errors(data, &train, &holdout)?,
+            identified: identified_errors(data, &train, &holdout)?,
+            diagnosed: diagnosed_errors(&diagnosis.model, &holdout)?,
+            said: Some(said),
+            joints,
+        })
+    }
+
+    /// Whether a joint's column is what its name says.
+    fn is_right(&self, joint: usize) -> bool {
+        let faults = self.said.as_ref().map_or(&[][..], |said| &said.books.faults);
+        faults.iter().all(|fault| fault.joint.as_ref() != Some(&self.joints[joint]))
+    }
+
+    fn ratios(&self) -> Vec<Ratios> {
+        let of = |j: usize| Ratios {
+            identified: self.identified[j].rmse / self.plain[j].rmse,
+            diagnosed: self.diagnosed[j].rmse / self.plain[j].rmse,
+        };
+        (0..self.plain.len()).filter(|j| self.is_right(*j)).map(of).collect()
+    }
+
+    fn print_rows(&self, set: &str) {
+        if self.said.is_none() {
+            println!("| {set} | all | - | - | - | columns in doubt |");
+        }
+        for (j, diagnosed) in self.diagnosed.iter().enumerate() {
+            let [given, plain, identified] =
+                [&self.given, &self.plain, &self.identified].map(|of| &of[j]);
+            let joint = &self.joints[j];
+            if !self.is_right(j) {
+                println!(
+                    "| {set} | {joint} | {:.4} | {:.4} | {:.4} | - | left out |",
+                    given.rmse, plain.rmse, identified.rmse
+                );
+                continue;
+            }
+            println!(
+                "| {set} | {joint} | {:.4} | {:.4} | {:.4} | {:.4} | {:.2} ({:+.1}) |",
+                given.rmse,
+                plain.rmse,
+                identified.rmse,
+                diagnosed.rmse,
+                diagnosed.rmse / plain.rmse,
+                in_errors(&diagnosed.stretches, &plain.stretches),
+            );
+        }
+    }
+}
+
+/// A recording in two.
+fn halves(whole: &Recording) -> Result<Vec<Recording>, Box<dyn Error>> {
+    let middle = 0.5 * (whole.time_s[0] + whole.time_s[whole.len() - 1]);
+    Ok(vec![part(whole, |t| t < middle)?, part(whole, |t| t >= middle)?])
 }
 
 /// Of one set.

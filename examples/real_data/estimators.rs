@@ -10,7 +10,7 @@ use armident_ident::{
 };
 use armident_recording::Motion;
 
-use crate::sets::{Data, SETS, Set, part};
+use crate::sets::{Data, KeptOut, SETS, Set};
 
 /// Stretches that a hold-out is cut into, for the scatter of the difference of two errors.
 pub(crate) const STRETCHES: usize = 8;
@@ -62,11 +62,7 @@ fn table(
     notes: &mut Vec<String>,
 ) -> Result<(), Box<dyn Error>> {
     let data = Data::read(set, root)?;
-    let (train, holdout) = data.train_and_holdout(|whole| {
-        let (first, last) = (whole.time_s[0], whole.time_s[whole.len() - 1]);
-        let cut = first + TRAINING_SHARE * (last - first);
-        Ok((vec![part(whole, |t| t < cut)?], vec![part(whole, |t| t >= cut)?]))
-    })?;
+    let (train, holdout) = data.split(KeptOut::Last, 1.0 - TRAINING_SHARE)?;
     let [train, holdout] = [train, holdout].map(|r| with_drive_signals(&r).0);
     let Data { model, .. } = &data;
     let names = model.chain.joint_names();

@@ -57,6 +57,48 @@ pub(crate) fn named(folder: &str) -> Option<&'static Set> {
     SETS.iter().find(|set| set.folder == folder)
 }
 
+/// Which stretch of a recording is kept out of the fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum KeptOut {
+    Last,
+    First,
+    Middle,
+}
+
+impl KeptOut {
+    pub(crate) const ALL: [Self; 3] = [Self::Last, Self::First, Self::Middle];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Last => "last",
+            Self::First => "first",
+            Self::Middle => "middle",
+        }
+    }
+
+    /// What is left of a recording, and the stretch of this share of its length.
+    fn of(
+        self,
+        whole: &Recording,
+        share: f64,
+    ) -> Result<(Vec<Recording>, Vec<Recording>), RecordingError> {
+        let (first, last) = (whole.time_s[0], whole.time_s[whole.len() - 1]);
+        let at = |share: f64| first + share * (last - first);
+        let between = |from: f64, to: f64| part(whole, |t| at(from) <= t && t < at(to));
+        // beyond the last stamp
+        const END: f64 = 2.0;
+        let left = 1.0 - share;
+        Ok(match self {
+            Self::Last => (vec![between(0.0, left)?], vec![between(left, END)?]),
+            Self::First => (vec![between(share, END)?], vec![between(0.0, share)?]),
+            Self::Middle => {
+                let (from, to) = (0.5 * left, 0.5 * (1.0 + share));
+                (vec![between(0.0, from)?, between(to, END)?], vec![between(from, to)?])
+            }
+        })
+    }
+}
+
 /// What a set's folder holds.
 pub(crate) struct Data {
     pub(crate) model: ArmModel,
@@ -134,15 +176,32 @@ impl Data {
         Ok(Self { model, cutoff_hz, training, holdout })
     }
 
-    /// What is fitted and what is kept out; `cut` cuts the recording of a set that has only one.
-    pub(crate) fn train_and_holdout(
+    /// What is fitted and what is kept out. Of a set of one recording a stretch of this share; of files those
+    /// named, or as many others.
+    pub(crate) fn split(
         &self,
-        cut: impl Fn(&Recording) -> Result<(Vec<Recording>, Vec<Recording>), RecordingError>,
+        kept_out: KeptOut,
+        share: f64,
     ) -> Result<(Vec<Recording>, Vec<Recording>), RecordingError> {
-        match self.holdout.is_empty() {
-            true => cut(&self.training[0]),
-            false => Ok((self.training.clone(), self.holdout.clone())),
+        if self.holdout.is_empty() {
+            return kept_out.of(&self.training[0], share);
         }
+        let mut files: Vec<Recording> = self.all().cloned().collect();
+        let turn = KeptOut::ALL.iter().position(|k| *k == kept_out).unwrap_or(0);
+        files.rotate_left(turn);
+        let holdout = files.split_off(self.training.len());
+        Ok((files, holdout))
+    }
+
+    /// Whether a stretch of a recording is kept out, and not files.
+    pub(crate) fn is_one_recording(&self) -> bool {
+        self.holdout.is_empty()
+    }
+
+    /// All that can be kept out in turn.
+    pub(crate) fn turns(&self) -> &'static [KeptOut] {
+        let files = self.training.len() + self.holdout.len();
+        if files == 1 { &KeptOut::ALL } else { &KeptOut::ALL[..files.min(KeptOut::ALL.len())] }
     }
 
     /// Everything that was recorded.

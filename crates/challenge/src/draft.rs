@@ -23,6 +23,8 @@ pub(crate) struct Context<'a> {
     pub(crate) plans: &'a [Exact],
     /// Noise \[N m or N\].
     pub(crate) sigma: &'a [f64],
+    /// Effort range of each joint \[N m or N\].
+    pub(crate) range: &'a [f64],
     /// Dry friction and viscous coefficient that a joint has or would have.
     pub(crate) level: &'a [f64],
     pub(crate) viscous: &'a [f64],
@@ -119,7 +121,12 @@ impl Draft {
             "coulomb_friction" => set(&[0.12 * speed], 4.0 * sigma, endless),
             "quadratic_drag" => set(&[], 4.0 * sigma / speed.powi(2), endless),
             "asymmetric_coulomb_friction" => set(&[level, side], 0.3, 0.8),
-            "stribeck_friction" => set(&[level, random.between(0.15, 0.45) * speed], 1.0, 8.0),
+            "stribeck_friction" => {
+                // break-away over sliding friction, of which there is as much as shows
+                let ratio = random.between(1.5, 3.0);
+                let width = random.between(0.15, 0.45) * speed;
+                set(&[ratio, width], level, 10.0 * level);
+            }
             "load_dependent_friction" => set(&[level], 0.1, 0.35),
             "presliding_hysteresis" => {
                 let level = level * random.between(1.0, 4.0);
@@ -129,8 +136,11 @@ impl Draft {
             "joint_elasticity" => {
                 let motor = inertia * random.between(0.08, 0.3);
                 let both = motor * inertia / (motor + inertia);
-                // the resonance stays above 6 Hz
-                let most = 1.0 / (both * (TAU * 6.0).powi(2));
+                // the resonance stays above 6 Hz, and the gear is no rubber: several times what a harmonic drive
+                // winds up under its rated load
+                let twist = if rotational { 0.04 } else { 4e-3 };
+                let of_resonance = 1.0 / (both * (TAU * 6.0).powi(2));
+                let most = of_resonance.min(twist / context.range[joint]);
                 set(&[motor, both], 0.25 * most, most);
             }
             "backlash" => {
@@ -234,7 +244,7 @@ impl Draft {
         let c = &self.constants;
         match self.slug {
             "asymmetric_coulomb_friction" => vec![c[0] * (1.0 + c[1] * x), c[0] * (1.0 - c[1] * x)],
-            "stribeck_friction" => vec![c[0] * (1.0 + x), c[0], c[1]],
+            "stribeck_friction" => vec![c[0] * x, x, c[1]],
             "load_dependent_friction" => vec![c[0], x],
             "presliding_hysteresis" => {
                 let stiffness = c[0] / (x * c[1]);

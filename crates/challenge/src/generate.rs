@@ -424,6 +424,7 @@ fn draw_effects(
         arm: &true_arm,
         plans: &scene.planned[..2],
         sigma: &scene.sensing.sigma,
+        range: &scene.range,
         level: &scene.level,
         viscous: &scene.viscous,
         duration_s: scene.duration_s,

@@ -14,7 +14,7 @@ use crate::search::{Answer, answer};
 use crate::whitened::{PRICE_OF_SELDOM, Whitened};
 
 /// Share of what a name needs that another law may leave over and still pass for the same.
-const TOLD_APART: f64 = 0.25;
+const TOLD_APART: f64 = 1.0 / 3.0;
 /// Difference of scores (twice a logarithm of odds) below which two laws are not told apart: twenty to one.
 const ODDS: f64 = 6.0;
 /// Most alternatives of one finding.

@@ -12,7 +12,7 @@ use crate::evidence::OperatingPoint;
 use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
-use crate::search::{Answer, all_admissible, answer};
+use crate::search::{Answer, admissible_part, answer};
 use crate::whitened::{Whitened, WrongBody};
 
 /// Stretches that each recording is cut into.
@@ -44,16 +44,14 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
         let metrics = metrics(&folds, metric.scale, &metric.wide);
         let errors = |set: &[usize]| all_errors(&folds, &metrics, set);
         let with = errors(&set);
-        let mut worst: Option<(f64, usize)> = None;
+        let mut worst: Option<(f64, Answer)> = None;
         for &g in &of.set {
             let group = &metric.problem.groups[g];
             if group.site.window.is_some() || !held(group, point).is_empty() {
                 continue;
             }
-            let rest: Vec<usize> = unnamed_rest(metric.problem, &of.set, g)
-                .iter()
-                .filter_map(|g| small_id(*g))
-                .collect();
+            let Some(without) = answer_without(metric, &of, g) else { continue };
+            let rest: Vec<usize> = without.set.iter().filter_map(|g| small_id(*g)).collect();
             let gains = gains(group, &errors(&rest), &with);
             if gains.len() < 2 {
                 continue;
@@ -63,13 +61,12 @@ pub(crate) fn confirm(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPo
                 let least = least_evidence(metric.problem.groups.len(), metric.problem, group);
                 ratio = ratio.min(evidence(metric.problem, &gains) / least);
             }
-            if ratio < 1.0 && worst.is_none_or(|w| ratio < w.0) {
-                worst = Some((ratio, g));
+            if ratio < 1.0 && worst.as_ref().is_none_or(|w| ratio < w.0) {
+                worst = Some((ratio, without));
             }
         }
-        let Some((_, g)) = worst else { return of };
-        match answer_without(metric, &of, g) {
-            Some(next) => of = next,
+        match worst {
+            Some((_, without)) => of = without,
             None => return of,
         }
     }
@@ -351,19 +348,6 @@ fn with_everyday(problem: &Problem, set: &[usize]) -> Vec<usize> {
         }
     }
     all
-}
-
-/// The answer of a set without those terms beside `named` that have the wrong sign.
-fn admissible_part(metric: &Whitened<'_>, mut set: Vec<usize>, named: &[usize]) -> Option<Answer> {
-    loop {
-        let columns = metric.columns_of(&set);
-        let fit = metric.fit(columns)?;
-        let before = set.len();
-        set.retain(|g| named.contains(g) || all_admissible(metric.problem, &[*g], &fit));
-        if set.len() == before {
-            return answer(metric, set);
-        }
-    }
 }
 
 /// What the reference by itself leaves over of stretches that were not fitted, on each joint, in its order and in

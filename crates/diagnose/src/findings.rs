@@ -11,7 +11,7 @@ use crate::atlas::Character;
 use crate::certain::{Doubt, LeftOpen};
 use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
-use crate::material::{Materiality, link_materiality, materiality};
+use crate::material::{Materiality, chance_beside, link_materiality, materiality};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::shape_deviations;
 use crate::scatter::Scatter;
@@ -120,12 +120,14 @@ pub(crate) fn claims(
         let open = LeftOpen::of(evidence, numbers.at(), metric, answer);
         open.widen(&mut scatter, metric, answer);
     }
+    let chance = chance_beside(&metric, &selection.answer);
     let mut found: Vec<Claim> = selection
         .answer
         .set
         .iter()
         .map(|&g| {
-            let (size, without) = materiality(&metric, &selection.answer, g, &selection.point);
+            let (size, without) =
+                materiality(&metric, &selection.answer, g, &selection.point, &chance);
             let numbers = parameters(numbers, g, &scatter);
             let mut finding = finding_of_group(&view, g, &size, numbers);
             let rivals = rivals(&metric, &selection.answer, g, &selection.point);
@@ -140,7 +142,7 @@ pub(crate) fn claims(
         .collect();
     let errors = metric.inertial_errors(&selection.answer.fit);
     for &WrongBody { link, .. } in &selection.wide {
-        let size = link_materiality(&metric, &selection.answer, link);
+        let size = link_materiality(&metric, &selection.answer, link, &chance);
         if size.ratio() < 1.0 {
             continue;
         }

@@ -41,6 +41,7 @@ mod bands;
 mod bodies;
 mod books;
 mod certain;
+mod chance;
 mod change;
 mod constants;
 mod contact;

@@ -4,23 +4,21 @@
 
 use armident_effects::effect;
 
+use crate::chance::Chance;
 use crate::evidence::OperatingPoint;
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
-use crate::search::{Answer, answer};
+use crate::search::{Answer, admissible_part};
 use crate::whitened::Whitened;
 
 /// Least root mean square effort, in standard deviations of one recorded sample, that must come back
-/// when an effect is removed and all others are fitted again: 28 % more error of prediction. What comes
-/// about by chance is far smaller: of wrong terms ([`crate::Placebo`]) the largest reaches a tenth of it on
-/// simulated arms and under a half on most real ones (docs/real-data.md).
-pub(crate) const LEAST: f64 = 0.8;
-/// The same where inertial errors are fitted too: they absorb part of what comes back.
-pub(crate) const LEAST_BESIDE_INERTIA: f64 = 0.6;
+/// when an effect is removed and all others are fitted again: a sixth more error of prediction, what is worth a name.
+/// What comes about by chance on these recordings ([`Chance`]) may ask for more.
+pub(crate) const LEAST: f64 = 0.6;
 /// The same of a change, 8 % more error of prediction: what a model of the arm is imperfect by is known from the
 /// reference, and how sure a change is asks [`crate::certain`] of it.
 const LEAST_CHANGE: f64 = 0.4;
-/// What a joint's own leftover hides: nothing smaller is named there.
+/// What a joint's own leftover hides: nothing smaller is named there, for it may be of what is left.
 const SHARE_OF_EXCESS: f64 = 0.9;
 /// The same for a change: an imperfect model is imperfect before and after, and a change must hold in stretch
 /// after stretch (`crossval::least_gain`).
@@ -63,16 +61,53 @@ pub(crate) fn band_noise(problem: &Problem, joint: usize) -> f64 {
     rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
 
-fn share_of_excess(problem: &Problem) -> f64 {
-    if problem.rows.changed_from > 0 { SHARE_FOR_CHANGE } else { SHARE_OF_EXCESS }
+/// What an answer asks of a name.
+struct Asked<'a> {
+    problem: &'a Problem,
+    chance: &'a Chance,
+    /// what is left on each joint beyond its noise
+    left: Vec<f64>,
 }
 
-/// What must come back where inertial errors of this size are fitted too.
-fn least(problem: &Problem, scale: f64) -> f64 {
-    match (problem.rows.changed_from > 0, scale > 0.0) {
-        (true, _) => LEAST_CHANGE,
-        (false, true) => LEAST_BESIDE_INERTIA,
-        (false, false) => LEAST,
+impl<'a> Asked<'a> {
+    fn of(problem: &'a Problem, chance: &'a Chance, residual: &[Vec<f64>]) -> Self {
+        Self { problem, chance, left: excess(problem, residual) }
+    }
+
+    /// Least that is named of a group of so many columns on a joint.
+    fn least(&self, joint: usize, columns: usize) -> f64 {
+        let left = self.left[joint];
+        match self.problem.rows.changed_from {
+            0 => LEAST.max(SHARE_OF_EXCESS * left).max(self.chance.least(joint, columns)),
+            _ => LEAST_CHANGE.max(SHARE_FOR_CHANGE * left),
+        }
+    }
+
+    /// Effort of columns with these coefficients by itself, on the joint where it matters most.
+    fn of_effort(&self, terms: &[(usize, f64)]) -> Materiality {
+        let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
+        for j in 0..self.left.len() {
+            let found = self.of_effort_on(terms, j);
+            if found.ratio() > worst.ratio() {
+                worst = found;
+            }
+        }
+        worst
+    }
+
+    /// The same on one joint.
+    fn of_effort_on(&self, terms: &[(usize, f64)], joint: usize) -> Materiality {
+        let rows = &self.problem.rows;
+        let mut effort = vec![0.0; rows.len()];
+        for &(column, coefficient) in terms {
+            for (e, x) in effort.iter_mut().zip(&self.problem.columns[column][joint]) {
+                *e += coefficient * x;
+            }
+        }
+        let value = rows.in_sample_noise(joint, &effort);
+        // errors of further links hardly show on a joint in more combinations than those of one
+        const OF_A_LINK: usize = 10;
+        Materiality { value, least: self.least(joint, terms.len().min(OF_A_LINK)), joint }
     }
 }
 
@@ -83,29 +118,27 @@ pub(crate) fn materiality(
     of: &Answer,
     group: usize,
     point: &OperatingPoint,
+    chance: &Chance,
 ) -> (Materiality, Option<Answer>) {
     let problem = metric.problem;
     let with = metric.residual(&of.fit);
-    let left = excess(problem, &with);
+    let asked = Asked::of(problem, chance, &with);
     let without = reduced(metric, of, group, point);
-    let least = least(problem, metric.scale);
-    let mut worst = Materiality { value: 0.0, least, joint: 0 };
+    let columns = &problem.groups[group].columns;
+    let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
     let absorbed = metric.scale > 0.0 && problem.rows.changed_from == 0;
     if absorbed && problem.groups[group].transform.is_some() {
         // uncertain inertias would take the place of a load: what counts is its own effort
-        let size = own_materiality(metric, of, group, &left);
-        return (size, without.map(|w| w.0));
+        let terms: Vec<(usize, f64)> =
+            columns.iter().map(|&c| (c, of.fit.coefficient(c))).collect();
+        return (asked.of_effort(&terms), without.map(|w| w.0));
     }
     if let Some((_, rest)) = &without {
         for j in 0..with.len() {
             let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
             let in_band = (square(&rest[j]) - square(&with[j])).max(0.0).sqrt();
             let value = in_band * problem.groups[group].above_band;
-            let found = Materiality {
-                value,
-                least: least.max(share_of_excess(problem) * left[j]),
-                joint: j,
-            };
+            let found = Materiality { value, least: asked.least(j, columns.len()), joint: j };
             if found.ratio() > worst.ratio() {
                 worst = found;
             }
@@ -158,8 +191,8 @@ pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Ve
 
 /// The answer without a group, its simpler relatives in its place where these are admissible.
 pub(crate) fn answer_without(metric: &Whitened<'_>, of: &Answer, group: usize) -> Option<Answer> {
-    let plain = || of.set.iter().copied().filter(|g| *g != group).collect();
-    answer(metric, unnamed_rest(metric.problem, &of.set, group)).or_else(|| answer(metric, plain()))
+    let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
+    admissible_part(metric, unnamed_rest(metric.problem, &of.set, group), &rest)
 }
 
 /// The answer without a group, its simpler relative in its place where that is admissible, and what it
@@ -178,10 +211,10 @@ fn reduced(
         let metric = moved.whitened(metric.scale, &metric.wide);
         return unnamed(&metric, rest);
     }
-    let with_relative = answer(metric, unnamed_rest(metric.problem, &of.set, group))
+    let with_relatives = answer_without(metric, of, group)
         .map(|found| (metric.residual(&found.fit), found))
         .map(|(residual, found)| (found, residual));
-    with_relative.or_else(|| unnamed(metric, rest))
+    with_relatives.or_else(|| unnamed(metric, rest))
 }
 
 /// A set whose names do not count: without the effect in question they may be inadmissible.
@@ -194,14 +227,23 @@ pub(crate) fn unnamed(metric: &Whitened<'_>, set: Vec<usize>) -> Option<(Answer,
     Some((Answer { set, fit, score }, residual))
 }
 
+/// What comes back by chance, beside an answer; what changed asks more of its names elsewhere ([`crate::certain`]).
+pub(crate) fn chance_beside(metric: &Whitened<'_>, of: &Answer) -> Chance {
+    match metric.problem.rows.changed_from {
+        0 => Chance::beside(metric, of),
+        _ => Chance::none(metric.problem.rows.joints()),
+    }
+}
+
 /// Removes what does not matter, the least first.
 pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoint) -> Answer {
+    let chance = chance_beside(metric, &of);
     loop {
         let least = of
             .set
             .iter()
             .filter_map(|&g| {
-                let (size, without) = materiality(metric, &of, g, point);
+                let (size, without) = materiality(metric, &of, g, point, &chance);
                 without.map(|without| (size.ratio(), without))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
@@ -212,19 +254,16 @@ pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoin
     }
 }
 
-/// Effort of a group by itself, on the joint where it is largest.
-fn own_materiality(metric: &Whitened<'_>, of: &Answer, group: usize, left: &[f64]) -> Materiality {
-    let columns = &metric.problem.groups[group].columns;
-    let terms: Vec<(usize, f64)> = columns.iter().map(|&c| (c, of.fit.coefficient(c))).collect();
-    effort_materiality(metric.problem, &terms, left)
-}
-
 /// Effort of the inertial errors of one link, on the joint where it is largest.
-pub(crate) fn link_materiality(metric: &Whitened<'_>, of: &Answer, link: usize) -> Materiality {
+pub(crate) fn link_materiality(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    link: usize,
+    chance: &Chance,
+) -> Materiality {
     let errors = metric.inertial_errors(&of.fit);
     let terms: Vec<(usize, f64)> = (10 * link..10 * (link + 1)).map(|p| (p, errors[p])).collect();
-    let left = excess(metric.problem, &metric.residual(&of.fit));
-    effort_materiality(metric.problem, &terms, &left)
+    Asked::of(metric.problem, chance, &metric.residual(&of.fit)).of_effort(&terms)
 }
 
 /// Joints on which the inertial errors of all links together matter.
@@ -235,31 +274,7 @@ pub(crate) fn joints_of_inertial_errors(metric: &Whitened<'_>, of: &Answer) -> V
     }
     let terms: Vec<(usize, f64)> =
         metric.inertial_errors(&of.fit).into_iter().enumerate().collect();
-    let left = excess(problem, &metric.residual(&of.fit));
-    (0..left.len()).filter(|j| effort_on(problem, &terms, &left, *j).ratio() >= 1.0).collect()
-}
-
-/// Effort of columns with these coefficients, in standard deviations of one recorded sample, on the
-/// joint where it matters most.
-fn effort_materiality(problem: &Problem, terms: &[(usize, f64)], left: &[f64]) -> Materiality {
-    let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
-    for j in 0..left.len() {
-        let found = effort_on(problem, terms, left, j);
-        if found.ratio() > worst.ratio() {
-            worst = found;
-        }
-    }
-    worst
-}
-
-/// The same on one joint.
-fn effort_on(problem: &Problem, terms: &[(usize, f64)], left: &[f64], joint: usize) -> Materiality {
-    let mut effort = vec![0.0; problem.rows.len()];
-    for &(column, coefficient) in terms {
-        for (e, x) in effort.iter_mut().zip(&problem.columns[column][joint]) {
-            *e += coefficient * x;
-        }
-    }
-    let value = problem.rows.in_sample_noise(joint, &effort);
-    Materiality { value, least: LEAST.max(share_of_excess(problem) * left[joint]), joint }
+    let chance = chance_beside(metric, of);
+    let asked = Asked::of(problem, &chance, &metric.residual(&of.fit));
+    (0..problem.rows.joints()).filter(|j| asked.of_effort_on(&terms, *j).ratio() >= 1.0).collect()
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::crossval::usefulness;
 use crate::evidence::Evidence;
-use crate::material::materiality;
+use crate::material::{chance_beside, materiality};
 use crate::problem::{Group, Meaning, Site};
 use crate::search::answer;
 use crate::select::Selection;
@@ -36,6 +36,7 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
         .iter()
         .filter(|law| law.law().scope == Scope::Joint && law.law().slug != "torque_offset")
         .collect();
+    let chance = chance_beside(&selection.metric(), &selection.answer);
     let mut found = Placebo::default();
     for k in 0..terms {
         let joint = k % evidence.joints();
@@ -84,7 +85,7 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
         // a term of the wrong sign is refused, as in the selection
         let Some(with) = answer(&metric, set) else { continue };
         let useful = usefulness(&metric, &with, group).is_some_and(|u| u > 1.0);
-        let (size, _) = materiality(&metric, &with, group, &selection.point);
+        let (size, _) = materiality(&metric, &with, group, &selection.point, &chance);
         found.improve += usize::from(useful);
         found.largest = found.largest.max(size.ratio());
         let shorter = with.score < selection.answer.score;

@@ -78,6 +78,23 @@ pub(crate) fn answer(metric: &Whitened<'_>, mut set: Vec<usize>) -> Option<Answe
     Some(Answer { set, fit, score })
 }
 
+/// The answer of a set without those groups beside `named` that have the wrong sign.
+pub(crate) fn admissible_part(
+    metric: &Whitened<'_>,
+    mut set: Vec<usize>,
+    named: &[usize],
+) -> Option<Answer> {
+    loop {
+        let columns = metric.columns_of(&set);
+        let fit = metric.fit(columns)?;
+        let before = set.len();
+        set.retain(|g| named.contains(g) || all_admissible(metric.problem, &[*g], &fit));
+        if set.len() == before {
+            return answer(metric, set);
+        }
+    }
+}
+
 /// The best set reachable from any of the starts and from the empty set, of groups that are not banned.
 pub(crate) fn search(
     metric: &Whitened<'_>,

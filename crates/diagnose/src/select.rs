@@ -164,6 +164,10 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let mut doubtful = Vec::new();
         let mut found = confirm(&problem.whitened(scale, &wide), found, &point);
+        // simpler relatives that came in need to matter as well
+        if !seeks_change {
+            found = prune(&problem.whitened(scale, &wide), found, &point);
+        }
         if seeks_change {
             let metric = problem.whitened(scale, &wide);
             found = load_first(&metric, with_changes(&metric, found));

@@ -170,8 +170,10 @@ impl Transmission {
                 let (theta, omega) = (motor.at(t, x, rate_hz), line(&motor.velocity));
                 let m = line(&load.inertia);
                 let passed = self.effort(theta - q, omega - v);
-                let slope = line(&load.slope);
-                let bias = line(&load.bias) + slope * (q - line(&load.position));
+                let (slope, drag) = (line(&load.slope), line(&load.drag));
+                let bias = line(&load.bias)
+                    + slope * (q - line(&load.position))
+                    + drag * (v - line(&load.velocity));
                 if self.gap > 0.0 {
                     // flanks are taken at the end of the step, so that none is too stiff
                     let pressed = f64::from(u8::from(passed != 0.0));
@@ -182,7 +184,7 @@ impl Transmission {
                 } else {
                     // a spring in the middle of it: of second order, without a damping of its own
                     let stiffness = self.stiffness + slope;
-                    let implicit = m + 0.5 * h * self.damping + 0.25 * h * h * stiffness;
+                    let implicit = m + 0.5 * h * (self.damping + drag) + 0.25 * h * h * stiffness;
                     let gained = h * (passed - bias - 0.5 * h * stiffness * v) / implicit;
                     q += h * (v + 0.5 * gained);
                     v += gained;
@@ -200,7 +202,9 @@ impl Transmission {
             for t in 0..n {
                 let passed =
                     self.effort(motor.position[t] - position[t], motor.velocity[t] - velocity[t]);
-                let bias = load.bias[t] + load.slope[t] * (position[t] - load.position[t]);
+                let bias = load.bias[t]
+                    + load.slope[t] * (position[t] - load.position[t])
+                    + load.drag[t] * (velocity[t] - load.velocity[t]);
                 acceleration[t] = (passed - bias) / load.inertia[t];
             }
         }
@@ -251,45 +255,58 @@ pub(crate) struct Load {
     bias: Vec<f64>,
     /// change of `bias` with the position of the link: a soft spring lets it fall far from its motor
     slope: Vec<f64>,
+    /// and with its velocity, in which it is linear: other joints in motion take energy from a link that rings, or
+    /// give it some
+    drag: Vec<f64>,
     position: Vec<f64>,
+    velocity: Vec<f64>,
 }
 
 impl Load {
     /// About a link that follows its motor.
     pub(crate) fn of(at: &At<'_>, joint: usize) -> Self {
         let (position, velocity) = (&at.position[joint], &at.signals.velocity[joint]);
-        let (bias, slope) = bias_and_slope(at, joint, position, velocity);
         let one = vec![1.0; at.signals.len()];
         let arm = at.of_other_links().0;
         let unit = at.motion().with_acceleration(joint, &one).effort_on(arm, joint);
-        let inertia = unit.iter().zip(&bias).map(|(a, b)| (a - b).max(1e-9)).collect();
-        Self { inertia, bias, slope, position: position.clone() }
+        let mut load = Self::about(at, joint, position, velocity, Vec::new());
+        load.inertia = unit.iter().zip(&load.bias).map(|(a, b)| (a - b).max(1e-9)).collect();
+        load
     }
 
     /// About another motion of the link; the inertia about a joint does not depend on its own position.
     fn moved(&self, at: &At<'_>, joint: usize, position: &[f64], velocity: &[f64]) -> Self {
-        let (bias, slope) = bias_and_slope(at, joint, position, velocity);
-        Self { inertia: self.inertia.clone(), bias, slope, position: position.to_vec() }
+        Self::about(at, joint, position, velocity, self.inertia.clone())
     }
-}
 
-/// All efforts on a joint but that of its own acceleration, and how they change with its position.
-fn bias_and_slope(
-    at: &At<'_>,
-    joint: usize,
-    position: &[f64],
-    velocity: &[f64],
-) -> (Vec<f64>, Vec<f64>) {
-    const STEP: f64 = 1e-4;
-    let (motion, arm) = (at.motion(), at.of_other_links().0);
-    let none = vec![0.0; position.len()];
-    let bias_at = |position: &[f64]| {
-        motion.with_joint(arm, joint, [position, velocity, &none]).effort_on(arm, joint)
-    };
-    let beside: Vec<f64> = position.iter().map(|q| q + STEP).collect();
-    let (bias, beside) = (bias_at(position), bias_at(&beside));
-    let slope = beside.iter().zip(&bias).map(|(a, b)| (a - b) / STEP).collect();
-    (bias, slope)
+    /// All efforts on a joint but that of its own acceleration, and how they change with its motion.
+    fn about(
+        at: &At<'_>,
+        joint: usize,
+        position: &[f64],
+        velocity: &[f64],
+        inertia: Vec<f64>,
+    ) -> Self {
+        const STEP: f64 = 1e-4;
+        let (motion, arm) = (at.motion(), at.of_other_links().0);
+        let none = vec![0.0; position.len()];
+        let bias_at = |position: &[f64], velocity: &[f64]| {
+            motion.with_joint(arm, joint, [position, velocity, &none]).effort_on(arm, joint)
+        };
+        let bias = bias_at(position, velocity);
+        let beside = |of: &[f64]| -> Vec<f64> { of.iter().map(|x| x + STEP).collect() };
+        let change = |moved: Vec<f64>| -> Vec<f64> {
+            moved.iter().zip(&bias).map(|(a, b)| (a - b) / STEP).collect()
+        };
+        Self {
+            slope: change(bias_at(&beside(position), velocity)),
+            drag: change(bias_at(position, &beside(velocity))),
+            inertia,
+            bias,
+            position: position.to_vec(),
+            velocity: velocity.to_vec(),
+        }
+    }
 }
 
 /// Adds the group of a transmission on a joint; gives its id.
