@@ -121,12 +121,8 @@ impl Draft {
             "coulomb_friction" => set(&[0.12 * speed], 4.0 * sigma, endless),
             "quadratic_drag" => set(&[], 4.0 * sigma / speed.powi(2), endless),
             "asymmetric_coulomb_friction" => set(&[level, side], 0.3, 0.8),
-            "stribeck_friction" => {
-                // break-away over sliding friction, of which there is as much as shows
-                let ratio = random.between(1.5, 3.0);
-                let width = random.between(0.15, 0.45) * speed;
-                set(&[ratio, width], level, 10.0 * level);
-            }
+            // break-away is up to 3.5 times sliding friction
+            "stribeck_friction" => set(&[level, random.between(0.15, 0.45) * speed], 1.0, 2.5),
             "load_dependent_friction" => set(&[level], 0.1, 0.35),
             "presliding_hysteresis" => {
                 let level = level * random.between(1.0, 4.0);
@@ -239,12 +235,17 @@ impl Draft {
         if self.slug == "presliding_hysteresis" { x * self.constants[1] } else { f64::INFINITY }
     }
 
+    /// What a joint with the effect takes at most while it sticks, over what it would with everyday friction.
+    pub(crate) fn sticking(&self, x: f64) -> f64 {
+        if self.slug == "stribeck_friction" { 1.0 + x } else { 1.0 }
+    }
+
     /// Parameters of the library's law, or of an unlisted one, at a size.
     pub(crate) fn parameters(&self, x: f64) -> Vec<f64> {
         let c = &self.constants;
         match self.slug {
             "asymmetric_coulomb_friction" => vec![c[0] * (1.0 + c[1] * x), c[0] * (1.0 - c[1] * x)],
-            "stribeck_friction" => vec![c[0] * x, x, c[1]],
+            "stribeck_friction" => vec![c[0] * (1.0 + x), c[0], c[1]],
             "load_dependent_friction" => vec![c[0], x],
             "presliding_hysteresis" => {
                 let stiffness = c[0] / (x * c[1]);

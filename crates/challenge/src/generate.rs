@@ -162,7 +162,7 @@ pub fn generate(request: &CaseRequest) -> Result<Case, ChallengeError> {
             }
             Err(other) => return Err(other),
         };
-        noise = effective_noise(&scene, &made);
+        noise = effective_noise(&scene, &drafts, &made);
         if let Some(truth) = truth_of(&scene, &drafts, &made, &noise, request)? {
             let [train_1, train_2, holdout, exam] = made.recorded;
             let robot_urdf = robot.urdf.clone();

@@ -33,13 +33,22 @@ pub(crate) struct Made {
     pub(crate) lag_over_noise: f64,
 }
 
-/// What noise and stick phases leave to a careful user \[N m or N\].
-pub(crate) fn effective_noise(scene: &Scene<'_>, made: &Made) -> Vec<f64> {
-    let of_joint = |(name, sigma): (&String, &f64)| match made.holdout.attainable_rmse.get(name) {
-        Some(attainable) if scene.kind.is_field() => attainable.max(*sigma),
-        _ => *sigma,
+/// What noise and stick phases of everyday friction leave to a careful user \[N m or N\].
+pub(crate) fn effective_noise(scene: &Scene<'_>, drafts: &[Sized], made: &Made) -> Vec<f64> {
+    let of_joint = |(j, name): (usize, &String)| {
+        let sigma = scene.sensing.sigma[j];
+        let Some(attainable) =
+            made.holdout.attainable_rmse.get(name).filter(|_| scene.kind.is_field())
+        else {
+            return sigma;
+        };
+        // a concealed law that sticks harder is not hidden by how hard it sticks
+        let own = drafts.iter().filter(|sized| sized.draft.joint == j);
+        let sticking: f64 = own.map(|sized| sized.draft.sticking(sized.x)).product();
+        let of_stick_phases = (attainable.powi(2) - sigma.powi(2)).max(0.0);
+        (sigma.powi(2) + of_stick_phases / sticking.powi(2)).sqrt()
     };
-    scene.robot.names.iter().zip(&scene.sensing.sigma).map(of_joint).collect()
+    scene.robot.names.iter().enumerate().map(of_joint).collect()
 }
 
 /// The answer; nothing if some effect is not visible enough, or too much, in what was recorded.

@@ -121,3 +121,45 @@ fn shifted_columns(metric: &Whitened<'_>, joint: usize) -> Vec<Vec<f64>> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evidence::{Evidence, OperatingPoint};
+    use crate::made::{swung, ur5};
+    use crate::material::{LEAST, band_noise};
+    use crate::search::answer;
+
+    /// Of white noise a wrong column explains one part in as many as there are independent samples; of as much that
+    /// lasts for half a second, several times more.
+    #[test]
+    fn what_lasts_hides_more_than_noise() {
+        const JOINT: usize = 2;
+        let chain = ur5();
+        // Knuth's generator, from 0 to 1
+        let drawn = |k: usize| {
+            let mixed = (k as u64 + 1).wrapping_mul(6_364_136_223_846_793_005);
+            let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(1_442_695_040_888_963_407);
+            (mixed >> 40) as f64 / (1_u64 << 24) as f64
+        };
+        let chance = |lasting_nm: f64| {
+            let mut recorded = swung(&chain, 0.1, |_, _| 0.0);
+            for (t, effort) in recorded.effort[JOINT].iter_mut().enumerate() {
+                *effort += 0.1 * (drawn(t) - 0.5) + lasting_nm * (drawn(1_000_000 + t / 100) - 0.5);
+            }
+            // the noise that the arm was recorded with has as much power, but next to nothing in the band
+            let evidence = Evidence::new(&chain, vec![recorded]);
+            let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
+            let metric = problem.whitened(0.0, &[]);
+            let found = Chance::beside(&metric, &answer(&metric, Vec::new()).unwrap());
+            let independent = problem.rows.share * problem.rows.len() as f64;
+            let share = found.square[JOINT] * independent / band_noise(&problem, JOINT).powi(2);
+            (share, found.least(JOINT, 1), found.least(JOINT, 2))
+        };
+        let (of_noise, one, two) = chance(0.0);
+        let (of_lasting, lasting, _) = chance(0.1);
+        assert!((0.4..2.5).contains(&of_noise), "{of_noise}");
+        assert!(one < two && two < 0.5 * LEAST, "{one} {two}");
+        assert!(of_lasting > 4.0 * of_noise && lasting > one, "{of_lasting} {of_noise} {lasting}");
+    }
+}

@@ -104,6 +104,25 @@ impl Transmission {
         joint: usize,
         most_turns: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let link = self.hidden_link(at, joint, most_turns)?;
+        let (arm, rigid) = at.of_other_links();
+        let link = link.each_ref().map(Vec::as_slice);
+        let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
+        for (effort, rigid) in effort.iter_mut().zip(rigid) {
+            for (e, r) in effort.iter_mut().zip(rigid) {
+                *e -= r;
+            }
+        }
+        Ok(effort)
+    }
+
+    /// Position, velocity and acceleration of the link at every sample.
+    fn hidden_link(
+        &self,
+        at: &At<'_>,
+        joint: usize,
+        most_turns: usize,
+    ) -> Result<[Vec<f64>; 3], RecordingError> {
         let motor =
             Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
         let (followed, rate_hz) = (at.load(joint), at.signals.rate_hz);
@@ -120,15 +139,7 @@ impl Transmission {
                 break;
             }
         }
-        let link = link.each_ref().map(Vec::as_slice);
-        let (arm, rigid) = at.of_other_links();
-        let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
-        for (effort, rigid) in effort.iter_mut().zip(rigid) {
-            for (e, r) in effort.iter_mut().zip(rigid) {
-                *e -= r;
-            }
-        }
-        Ok(effort)
+        Ok(link)
     }
 
     /// Deflection under an effort.
@@ -545,7 +556,9 @@ mod tests {
         let zero = vec![0.0; SAMPLES];
         let motor = Motor { position: zero.clone(), velocity: zero.clone(), start_velocity: 0.0 };
         let inertia = vec![1.0; SAMPLES];
-        let load = Load { inertia, bias: zero.clone(), slope: zero.clone(), position: zero };
+        let [bias, slope, drag, position, velocity] =
+            [const { Vec::new() }; 5].map(|_: Vec<f64>| zero.clone());
+        let load = Load { inertia, bias, slope, drag, position, velocity };
         let spring = Transmission { gap: 0.0, stiffness: rate * rate, damping: 2.0 * share * rate };
         let [position, _, acceleration] = spring.link(&motor, &load, -0.1, RATE_HZ);
         let ringing = rate * (1.0 - share * share).sqrt();
@@ -557,6 +570,30 @@ mod tests {
             let expected_acceleration = -rate * rate * expected - 2.0 * share * rate * rate_of_it;
             assert!((q - expected).abs() < 1e-4, "{t}: {q} {expected}");
             assert!((a - expected_acceleration).abs() < 1e-4 * rate * rate, "{t}: {a}");
+        }
+    }
+
+    /// The motion that a link is given is one of its equation of motion: what passes the spring is all that its own motion
+    /// asks for, Coriolis efforts of its own speed beside other joints' among it.
+    #[test]
+    fn what_passes_a_spring_is_what_its_link_needs() {
+        const JOINT: usize = 0;
+        let chain = ur5();
+        let signals = swung(&chain, 0.0, |_, _| 0.0);
+        let point = OperatingPoint::of(chain.joints.len());
+        let at = At::new(&chain, &RigidArm::from_chain(&chain), &signals, &point);
+        let inertia = mean_inertia(std::slice::from_ref(&at), JOINT);
+        let rate = std::f64::consts::TAU * 4.0;
+        let (stiffness, damping) = (inertia * rate * rate, 0.04 * inertia * rate);
+        let spring = Transmission { gap: 0.0, stiffness, damping };
+        let [q, v, a] = spring.hidden_link(&at, JOINT, MOST_TURNS).unwrap();
+        let motor = Motor::of(&signals, JOINT, 0.0).unwrap();
+        let arm = at.of_other_links().0;
+        let needed = at.motion().with_joint(arm, JOINT, [&q, &v, &a]).effort_on(arm, JOINT);
+        let largest = needed.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        for (t, needed) in needed.iter().enumerate() {
+            let passed = spring.effort(motor.position[t] - q[t], motor.velocity[t] - v[t]);
+            assert!((passed - needed).abs() < 1e-4 * largest, "{t}: {passed} {needed} {largest}");
         }
     }
 
