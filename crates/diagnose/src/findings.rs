@@ -13,7 +13,6 @@ use crate::evidence::Evidence;
 use crate::learn::{View, law_parameters};
 use crate::material::{Materiality, chance_beside, link_materiality, materiality};
 use crate::problem::{Group, Meaning, Problem};
-use crate::refine::shape_deviations;
 use crate::scatter::Scatter;
 use crate::search::{Answer, answer};
 use crate::select::Selection;
@@ -120,6 +119,7 @@ pub(crate) fn claims(
         let open = LeftOpen::of(evidence, numbers.at(), metric, answer);
         open.widen(&mut scatter, metric, answer);
     }
+    let scatter = scatter.with_shapes(evidence, numbers.at(), numbers.metric, numbers.answer);
     let chance = chance_beside(&metric, &selection.answer);
     let mut found: Vec<Claim> = selection
         .answer
@@ -371,7 +371,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
     let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
     let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = answer.fit.of_group(group);
-    let (covariance, widened) = scatter.covariance(metric, answer, group);
+    let covariance = scatter.joint_covariance(metric, answer, id);
     let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[group.site.joints[0]];
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         match group.slug() {
@@ -417,32 +417,15 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
         }
     };
     let values = of(&group.shape, &coefficients);
-    // propagation of the covariance of the coefficients through the formulas
-    let slopes: Vec<Vec<f64>> = (0..coefficients.len())
+    // propagation of the covariance of coefficients and searched constants through the formulas
+    let numbers = [&coefficients[..], &group.shape[..]].concat();
+    let slopes: Vec<Vec<f64>> = (0..numbers.len())
         .map(|k| {
             let step = 1e-4 * covariance[k][k].sqrt().max(1e-12);
-            let mut moved = coefficients.clone();
+            let mut moved = numbers.clone();
             moved[k] += step;
-            of(&group.shape, &moved).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
-        })
-        .collect();
-    // what was searched is uncertain too; of a link that bounces in a gap the misfit is too jagged to say how much
-    let smooth = group.slug() != "backlash" && group.site.window.is_none();
-    let deviations = match group.shape.is_empty() || !smooth {
-        true => Vec::new(),
-        false => shape_deviations(evidence, view.at(), metric, answer, id, scatter.late.as_ref()),
-    };
-    let by_shape: Vec<Vec<f64>> = deviations
-        .iter()
-        .enumerate()
-        .filter_map(|(k, deviation)| {
-            let deviation = (*deviation)?;
-            let step = 1e-3 * deviation.by_noise;
-            let mut moved = group.shape.clone();
-            moved[k] += step;
-            let slopes = of(&moved, &coefficients);
-            let by = (widened * deviation.by_noise).hypot(deviation.by_lag) / step;
-            Some(slopes.iter().zip(&values).map(|(a, b)| (a - b) * by).collect())
+            let (coefficients, shape) = moved.split_at(coefficients.len());
+            of(shape, coefficients).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
         })
         .collect();
     let unseen = unseen(evidence, group);
@@ -453,11 +436,10 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
         .enumerate()
         .filter(|(p, _)| !unseen.get(*p).is_some_and(|unseen| *unseen))
         .map(|(p, (parameter, &value))| {
-            let variance: f64 = (0..coefficients.len())
-                .flat_map(|a| (0..coefficients.len()).map(move |b| (a, b)))
+            let variance: f64 = (0..numbers.len())
+                .flat_map(|a| (0..numbers.len()).map(move |b| (a, b)))
                 .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
-                .sum::<f64>()
-                + by_shape.iter().map(|change| change[p].powi(2)).sum::<f64>();
+                .sum();
             let stderr = (variance > 0.0).then(|| variance.sqrt());
             (parameter.name, Value { value, stderr, unit: parameter.unit(kind) })
         })

@@ -1,17 +1,18 @@
 //! Constants that were tried on a grid, polished; and groups formed again in another problem.
 
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 use armident_effects::{Scope, effect};
-use armident_numeric::dot;
+use armident_numeric::{Cholesky, dot};
 
 use crate::contact::ContactColumns;
-use crate::crossval::stretches;
+use crate::crossval::{stretches, with_everyday_terms_of};
 use crate::evidence::{At, Evidence};
 use crate::flexible;
 use crate::problem::{Group, Meaning, Problem};
 use crate::scatter::LEFT_OUT_PER_RECORDING;
-use crate::search::{Answer, answer};
+use crate::search::{Answer, all_admissible, answer};
 use crate::transmission;
 use crate::whitened::{Fit, Integral, Whitened, WrongBody};
 
@@ -103,89 +104,214 @@ impl Misfit {
             by_stretch: stretches.into_iter().map(in_stretch).collect(),
         }
     }
+}
 
-    /// How much the stretches disagree about the slope of the misfit, from its values on both sides, twice as much as a
-    /// step apart: root sum of squares about the mean.
-    fn scatter_of_slope(below: &Self, above: &Self, step: f64) -> f64 {
-        let slopes =
-            below.by_stretch.iter().zip(&above.by_stretch).map(|(b, a)| (a - b) / (2.0 * step));
-        let slopes: Vec<f64> = slopes.collect();
-        let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
-        slopes.iter().map(|slope| (slope - mean).powi(2)).sum::<f64>().sqrt()
+/// What the shape constants of a group are uncertain by, and what the coefficients are by that.
+#[derive(Debug, Clone)]
+pub(crate) struct ShapeScatter {
+    /// the group
+    pub(crate) group: usize,
+    /// which of its constants; of the others the misfit has no bottom
+    pub(crate) constants: Vec<usize>,
+    /// covariance of these, from the curvature of the misfit with all coefficients fitted again, or where that is more
+    /// from how much stretches of the recordings disagree: what a simulated link is off by lasts longer than noise
+    pub(crate) covariance: Vec<Vec<f64>>,
+    /// their change where the efforts are late by a standard deviation of what is not known of it
+    pub(crate) by_lag: Vec<f64>,
+    /// by column of the problem: change of the coefficient over that of each constant
+    pub(crate) slopes: BTreeMap<usize, Vec<f64>>,
+}
+
+/// A fit with the shape of a group moved.
+struct Moved {
+    misfit: Misfit,
+    /// by column of the problem
+    coefficients: BTreeMap<usize, f64>,
+}
+
+/// Trials of the shape of one group of an answer, all coefficients fitted again.
+struct ShapeTrials<'a, 'e> {
+    evidence: &'a Evidence<'e>,
+    at: &'a [At<'e>],
+    metric: &'a Whitened<'a>,
+    of: &'a Answer,
+    slug: &'static str,
+    original: &'a Group,
+    /// place of the group in the answer
+    place: usize,
+}
+
+impl ShapeTrials<'_, '_> {
+    /// In a problem of the answer's groups, `set` in their order.
+    fn moved(&self, small: &mut Problem, set: &[usize], shape: &[f64]) -> Option<Moved> {
+        let moved = Group { shape: shape.to_vec(), ..self.original.clone() };
+        let mut set = set.to_vec();
+        set[self.place] = formed(self.evidence, self.at, small, self.slug, &moved)?;
+        let metric = small.whitened(self.metric.scale, &self.metric.wide);
+        let fit = metric.fit(metric.columns_of(&set))?;
+        let pairs = self.of.set.iter().zip(&set).flat_map(|(&g, &here)| {
+            let columns = self.metric.problem.groups[g].columns.iter();
+            columns.copied().zip(small.groups[here].columns.iter().copied())
+        });
+        let coefficients = pairs.map(|(column, here)| (column, fit.coefficient(here))).collect();
+        Some(Moved { misfit: Misfit::of(&metric, &fit), coefficients })
     }
 }
 
-/// What a shape constant is uncertain by.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ShapeDeviation {
-    /// standard deviation, from the curvature of the misfit with all coefficients fitted again, or where that is more from
-    /// how much stretches of the recordings disagree: what a simulated link is off by lasts longer than noise
-    pub(crate) by_noise: f64,
-    /// change where the efforts are late by a standard deviation of what is not known of it
-    pub(crate) by_lag: f64,
+/// Along one constant: a step of about its standard deviation, and the fits on both sides.
+struct Along {
+    constant: usize,
+    step: f64,
+    curvature: f64,
+    sides: [Moved; 2],
 }
 
-/// Of a group's shape constants; none for a constant in which the misfit has no bottom. `late`: the
-/// problem of the answer's groups with late efforts.
-pub(crate) fn shape_deviations(
+/// Of a group of an answer; none where it has no shape, or the misfit no bottom. `late`: the problem of the answer's
+/// groups with late efforts.
+pub(crate) fn shape_scatter(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     metric: &Whitened<'_>,
     of: &Answer,
     group: usize,
     late: Option<&Problem>,
-) -> Vec<Option<ShapeDeviation>> {
+) -> Option<ShapeScatter> {
     // near enough to the curvature once the first step was a standard deviation
     const ROUNDS: usize = 3;
     let problem = metric.problem;
     let (mut small, set) = problem.restricted(&of.set);
-    let mut lagging = late.cloned();
-    let Some(place) = of.set.iter().position(|g| *g == group) else { return Vec::new() };
-    let original = problem.groups[group].clone();
-    let Meaning::Law(slug) = original.meaning else { return Vec::new() };
-    let misfit = |small: &mut Problem, constant: usize, value: f64| -> Option<Misfit> {
-        let mut moved = original.clone();
-        moved.shape[constant] = value;
-        let mut set = set.clone();
-        set[place] = formed(evidence, at, small, slug, &moved)?;
-        let metric = small.whitened(metric.scale, &metric.wide);
-        let fit = metric.fit(metric.columns_of(&set))?;
-        Some(Misfit::of(&metric, &fit))
+    let original = &problem.groups[group];
+    let Meaning::Law(slug) = original.meaning else { return None };
+    let place = of.set.iter().position(|g| *g == group)?;
+    let trials = ShapeTrials { evidence, at, metric, of, slug, original, place };
+    let shape = &original.shape;
+    let middle = trials.moved(&mut small, &set, shape)?.misfit.whole;
+    let moved_by = |steps: &[(usize, f64)]| -> Vec<f64> {
+        let mut moved = shape.clone();
+        steps.iter().for_each(|(k, step)| moved[*k] += step);
+        moved
     };
-    (0..original.shape.len())
-        .map(|k| {
-            let value = original.shape[k];
-            let middle = misfit(&mut small, k, value)?.whole;
-            let mut step = 1e-2 * value.abs().max(f64::MIN_POSITIVE);
-            let mut found = None;
-            for _ in 0..ROUNDS {
-                let sides = [value - step, value + step];
-                let [below, above] = sides.map(|value| misfit(&mut small, k, value));
-                let (below, above) = (below?, above?);
-                let curvature = (above.whole + below.whole - 2.0 * middle) / (step * step);
-                if curvature <= 0.0 {
-                    return found;
-                }
-                let by_curvature = (2.0 / curvature).sqrt();
-                let by_stretches = Misfit::scatter_of_slope(&below, &above, step) / curvature;
-                let by_noise = by_curvature.max(by_stretches);
-                // where the slope of the misfit, changed by the lag, is zero again
-                let mut by_lag = 0.0;
-                if let Some(lagging) = &mut lagging {
-                    let [lower, upper] = sides.map(|value| misfit(lagging, k, value));
-                    let (lagging, prompt) =
-                        (upper?.whole - lower?.whole, above.whole - below.whole);
-                    by_lag = (lagging - prompt) / (2.0 * step * curvature);
-                }
-                found = Some(ShapeDeviation { by_noise, by_lag });
-                step = by_curvature.min(0.3 * value.abs());
+    let mut along: Vec<Along> = Vec::new();
+    for (k, value) in shape.iter().enumerate() {
+        let mut step = 1e-2 * value.abs().max(f64::MIN_POSITIVE);
+        let mut found = None;
+        for _ in 0..ROUNDS {
+            let mut side = |step: f64| trials.moved(&mut small, &set, &moved_by(&[(k, step)]));
+            let (Some(below), Some(above)) = (side(-step), side(step)) else { break };
+            let sides = [below, above];
+            let [below, above] = sides.each_ref().map(|side| side.misfit.whole);
+            let curvature = (above + below - 2.0 * middle) / (step * step);
+            if curvature <= 0.0 {
+                break;
             }
-            found
+            let wanted = (2.0 / curvature).sqrt().min(0.3 * value.abs());
+            found = Some(Along { constant: k, step, curvature, sides });
+            step = wanted;
+        }
+        along.extend(found);
+    }
+    if along.is_empty() {
+        return None;
+    }
+    let count = along.len();
+    let mut hessian = vec![vec![0.0; count]; count];
+    for a in 0..count {
+        hessian[a][a] = along[a].curvature;
+        for b in 0..a {
+            let (one, other) = (&along[a], &along[b]);
+            let mut corner = |sign: f64| -> Option<f64> {
+                let steps = [(one.constant, sign * one.step), (other.constant, sign * other.step)];
+                Some(trials.moved(&mut small, &set, &moved_by(&steps))?.misfit.whole)
+            };
+            let corners = corner(-1.0)? + corner(1.0)?;
+            let on_axes: f64 =
+                [one, other].iter().flat_map(|a| &a.sides).map(|side| side.misfit.whole).sum();
+            let mixed = (corners - on_axes + 2.0 * middle) / (2.0 * one.step * other.step);
+            hessian[a][b] = mixed;
+            hessian[b][a] = mixed;
+        }
+    }
+    let inverse = inverse(&hessian).unwrap_or_else(|| {
+        // no bottom in some direction between the constants: each by itself
+        let alone = |a: usize, b: usize| if a == b { 1.0 / hessian[a][a] } else { 0.0 };
+        (0..count).map(|a| (0..count).map(|b| alone(a, b)).collect()).collect()
+    });
+    let times_inverse = |slope: &[f64]| -> Vec<f64> {
+        inverse.iter().map(|row| row.iter().zip(slope).map(|(x, s)| x * s).sum()).collect()
+    };
+    // how much the stretches disagree about the slope of the misfit
+    let by_stretch: Vec<Vec<f64>> = (0..along[0].sides[0].misfit.by_stretch.len())
+        .map(|stretch| along.iter().map(|along| along.slope_of_stretch(stretch)).collect())
+        .collect();
+    let mean = |k: usize| by_stretch.iter().map(|s| s[k]).sum::<f64>() / by_stretch.len() as f64;
+    let means: Vec<f64> = (0..count).map(mean).collect();
+    let mut by_stretches = vec![0.0; count];
+    for slope in &by_stretch {
+        let off: Vec<f64> = slope.iter().zip(&means).map(|(s, m)| s - m).collect();
+        for (sum, moved) in by_stretches.iter_mut().zip(times_inverse(&off)) {
+            *sum += moved * moved;
+        }
+    }
+    let wider: Vec<f64> =
+        (0..count).map(|k| (by_stretches[k] / (2.0 * inverse[k][k])).sqrt().max(1.0)).collect();
+    let covariance = (0..count)
+        .map(|a| (0..count).map(|b| 2.0 * inverse[a][b] * wider[a] * wider[b]).collect())
+        .collect();
+    // where the slope of the misfit, changed by the lag, is zero again
+    let by_lag = match late {
+        None => vec![0.0; count],
+        Some(late) => {
+            let mut late = late.clone();
+            let set: Vec<usize> = (0..of.set.len()).collect();
+            let mut slopes = Vec::new();
+            for along in &along {
+                let mut side = |sign: f64| -> Option<f64> {
+                    let shape = moved_by(&[(along.constant, sign * along.step)]);
+                    Some(trials.moved(&mut late, &set, &shape)?.misfit.whole)
+                };
+                let lagging = side(1.0)? - side(-1.0)?;
+                let [below, above] = along.sides.each_ref().map(|side| side.misfit.whole);
+                slopes.push((above - below - lagging) / (2.0 * along.step));
+            }
+            times_inverse(&slopes)
+        }
+    };
+    let columns = along[0].sides[0].coefficients.keys();
+    let slopes = columns
+        .map(|column| {
+            let of = |along: &Along| {
+                let [below, above] = along.sides.each_ref().map(|side| side.coefficients[column]);
+                (above - below) / (2.0 * along.step)
+            };
+            (*column, along.iter().map(of).collect())
         })
-        .collect()
+        .collect();
+    let constants = along.iter().map(|along| along.constant).collect();
+    Some(ShapeScatter { group, constants, covariance, by_lag, slopes })
 }
 
-/// Polishes the constants that were tried on a grid.
+impl Along {
+    /// Slope of the misfit of one stretch.
+    fn slope_of_stretch(&self, stretch: usize) -> f64 {
+        let [below, above] = self.sides.each_ref().map(|side| side.misfit.by_stretch[stretch]);
+        (above - below) / (2.0 * self.step)
+    }
+}
+
+/// Inverse of a symmetric positive definite matrix; none of another.
+fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let count = matrix.len();
+    let norm: Vec<f64> = (0..count).map(|k| matrix[k][k].sqrt()).collect();
+    let cholesky = Cholesky::of(count, |a, b| matrix[a][b] / (norm[a] * norm[b]))?;
+    let column = |b: usize| -> Vec<f64> {
+        let unit: Vec<f64> = (0..count).map(|k| if k == b { 1.0 / norm[k] } else { 0.0 }).collect();
+        cholesky.solve(&unit).iter().zip(&norm).map(|(x, n)| x / n).collect()
+    };
+    Some((0..count).map(column).collect())
+}
+
+/// Polishes the constants that were tried on a grid. Everyday terms of the same joints are fitted beside them, with any
+/// sign: what is too small to be named would otherwise be made up for by the constants.
 pub(crate) fn refine(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
@@ -195,13 +321,16 @@ pub(crate) fn refine(
     found: Answer,
     polished: impl Fn(&Group) -> bool,
 ) -> Answer {
+    let named = found.set.len();
+    let unnamed = everyday_beside(problem, (scale, wide), &found, &polished);
     // a problem of the answer's columns alone: trials are then cheap
-    let (small, set) = problem.restricted(&found.set);
+    let (small, set) = problem.restricted(&[&found.set[..], &unnamed].concat());
     let mut integral = small.integral(scale, wide);
-    let Some(best) = answer(&small.whitened_by(&mut integral), set) else { return found };
-    let mut trials = Trials { evidence, at, contact, small, integral, best };
+    let best = answer_of(&small.whitened_by(&mut integral), set, named);
+    let Some(best) = best else { return found };
+    let mut trials = Trials { evidence, at, contact, small, integral, best, named };
     for round in 0..2 {
-        for k in 0..trials.best.set.len() {
+        for k in 0..named {
             let group = trials.group(k).clone();
             if !polished(&group) {
                 continue;
@@ -238,8 +367,7 @@ pub(crate) fn refine(
     }
     // back to the full problem
     let Trials { small, best, .. } = trials;
-    let set: Vec<usize> = best
-        .set
+    let set: Vec<usize> = best.set[..named]
         .iter()
         .filter_map(|g| recreate(evidence, at, contact, problem, &small.groups[*g].clone()))
         .collect();
@@ -254,6 +382,45 @@ struct Trials<'a, 'e> {
     small: Problem,
     integral: Integral,
     best: Answer,
+    /// so many groups of the answer have a name; the others stand beside them
+    named: usize,
+}
+
+/// Fits a set in its order, of which the first groups have a name; none where it cannot be fitted or these are not
+/// admissible.
+fn answer_of(metric: &Whitened<'_>, set: Vec<usize>, named: usize) -> Option<Answer> {
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    all_admissible(metric.problem, &set[..named], &fit).then(|| {
+        let score = metric.score(fit.sum_of_squares, count, &set);
+        Answer { set, fit, score }
+    })
+}
+
+/// Everyday terms of the joints on which constants are polished, where they help and are admissible.
+fn everyday_beside(
+    problem: &Problem,
+    (scale, wide): (f64, &[WrongBody]),
+    found: &Answer,
+    polished: impl Fn(&Group) -> bool,
+) -> Vec<usize> {
+    let groups = &problem.groups;
+    let shaped: HashSet<usize> = found
+        .set
+        .iter()
+        .map(|g| &groups[*g])
+        .filter(|group| polished(group) && !group.shape.is_empty() && group.site.window.is_none())
+        .flat_map(|group| group.site.joints.iter().copied())
+        .collect();
+    if shaped.is_empty() || problem.rows.changed_from > 0 {
+        return Vec::new();
+    }
+    let mut all = with_everyday_terms_of(&problem.whitened(scale, wide), found);
+    all.retain(|g| {
+        !found.set.contains(g) && groups[*g].site.joints.iter().all(|j| shaped.contains(j))
+    });
+    all
 }
 
 impl Trials<'_, '_> {
@@ -270,8 +437,7 @@ impl Trials<'_, '_> {
             let mut set = self.best.set.clone();
             set[k] = id;
             let metric = self.small.whitened_by(&mut self.integral);
-            // keeps the order of groups, so that k stays the same group
-            answer(&metric, set.clone()).map(|next| Answer { set, ..next })
+            answer_of(&metric, set, self.named)
         });
         match next.filter(|next| next.score < self.best.score - 1e-3) {
             Some(next) => {

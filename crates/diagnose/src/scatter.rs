@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::crossval::stretches;
+use crate::evidence::{At, Evidence};
 use crate::problem::{Group, Problem};
+use crate::refine::{ShapeScatter, shape_scatter};
 use crate::search::Answer;
 use crate::whitened::Whitened;
 
@@ -21,11 +23,13 @@ pub(crate) struct Scatter {
     left_over: f64,
     /// the problem of the answer's groups, in their order, with efforts that are later by what is not known of it;
     /// none where the lag is part of the answer
-    pub(crate) late: Option<Problem>,
+    late: Option<Problem>,
     /// by column: change of the coefficient by that
     by_lag: BTreeMap<usize, f64>,
     /// by column: change of the coefficient by what a reference leaves open
     by_reference: BTreeMap<usize, f64>,
+    /// of the groups whose constants were searched
+    shapes: Vec<ShapeScatter>,
 }
 
 impl Scatter {
@@ -53,7 +57,7 @@ impl Scatter {
         }
         let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt();
         let (by_lag, by_reference) = (BTreeMap::new(), BTreeMap::new());
-        Self { variance, left_over, late: None, by_lag, by_reference }
+        Self { variance, left_over, late: None, by_lag, by_reference, shapes: Vec::new() }
     }
 
     /// Of the coefficients of an answer. `step_s` between samples as recorded \[s\]: within it nobody knows which
@@ -72,6 +76,81 @@ impl Scatter {
             Some(columns.map(by_lag).collect())
         });
         Self { late, by_lag: by_lag.unwrap_or_default(), ..Self::of(metric, of) }
+    }
+
+    /// The same where constants that were searched are uncertain too: all coefficients are by that.
+    pub(crate) fn with_shapes(
+        mut self,
+        evidence: &Evidence<'_>,
+        at: &[At<'_>],
+        metric: &Whitened<'_>,
+        of: &Answer,
+    ) -> Self {
+        // of a link that bounces in a gap the misfit is too jagged to say how much
+        let smooth = |g: &&usize| {
+            let group = &metric.problem.groups[**g];
+            group.slug() != "backlash" && group.site.window.is_none() && !group.shape.is_empty()
+        };
+        let scatter = |g: &usize| {
+            let mut scatter = shape_scatter(evidence, at, metric, of, *g, self.late.as_ref())?;
+            let (_, widened) = self.covariance(metric, of, &metric.problem.groups[*g]);
+            scatter.covariance.iter_mut().flatten().for_each(|x| *x *= widened * widened);
+            Some(scatter)
+        };
+        self.shapes = of.set.iter().filter(smooth).filter_map(scatter).collect();
+        self
+    }
+
+    /// Covariance of the coefficients of a group and, after them, of its shape constants.
+    pub(crate) fn joint_covariance(
+        &self,
+        metric: &Whitened<'_>,
+        of: &Answer,
+        id: usize,
+    ) -> Vec<Vec<f64>> {
+        let group = &metric.problem.groups[id];
+        let (linear, _) = self.covariance(metric, of, group);
+        let (coefficients, count) = (linear.len(), linear.len() + group.shape.len());
+        let mut covariance = vec![vec![0.0; count]; count];
+        for (row, of_row) in covariance.iter_mut().zip(&linear) {
+            row[..coefficients].copy_from_slice(of_row);
+        }
+        let lag_of_fit = |k: usize| {
+            let column = group.columns.get(k);
+            column.and_then(|column| self.by_lag.get(column)).copied().unwrap_or(0.0)
+        };
+        // what each number changes by with each searched constant
+        let mut lag: Vec<f64> = (0..count).map(lag_of_fit).collect();
+        for shape in &self.shapes {
+            let slopes: Vec<Vec<f64>> = (0..count)
+                .map(|k| match group.columns.get(k) {
+                    Some(column) => shape.slopes[column].clone(),
+                    None => {
+                        let own = |c: &usize| shape.group == id && *c + coefficients == k;
+                        shape.constants.iter().map(|c| f64::from(u8::from(own(c)))).collect()
+                    }
+                })
+                .collect();
+            for (k, row) in covariance.iter_mut().enumerate() {
+                for (l, x) in row.iter_mut().enumerate() {
+                    for (a, of_a) in shape.covariance.iter().enumerate() {
+                        for (b, between) in of_a.iter().enumerate() {
+                            *x += slopes[k][a] * slopes[l][b] * between;
+                        }
+                    }
+                }
+            }
+            for (lag, slopes) in lag.iter_mut().zip(&slopes) {
+                *lag += slopes.iter().zip(&shape.by_lag).map(|(s, by)| s * by).sum::<f64>();
+            }
+        }
+        // the lag moves all of them together
+        for (k, row) in covariance.iter_mut().enumerate() {
+            for (l, x) in row.iter_mut().enumerate() {
+                *x += lag[k] * lag[l] - lag_of_fit(k) * lag_of_fit(l);
+            }
+        }
+        covariance
     }
 
     /// A coefficient has this variance, and changes by so much, where what a reference leaves open is free.
