@@ -500,3 +500,103 @@ pub(crate) fn fractional_ripples(
         .map(|g| g.site.joints[0])
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evidence::OperatingPoint;
+    use crate::made::{evidence, ur5};
+    use armident_kinematics::DrivingAxisChain;
+
+    const JOINT: usize = 1;
+    /// Static and sliding level \[N m\] and speed \[rad/s\].
+    const STRIBECK: [f64; 3] = [9.0, 4.0, 0.15];
+
+    /// An arm with Stribeck friction on a joint, beside viscous friction \[N m s/rad\].
+    fn rubbing(chain: &DrivingAxisChain, viscous: f64) -> Evidence<'_> {
+        let [highest, sliding, speed] = STRIBECK;
+        evidence(chain, chain, |j, v| match j {
+            JOINT => {
+                let more = (highest - sliding) * (-(v / speed).powi(2)).exp();
+                v.signum() * (sliding + more) + viscous * v
+            }
+            _ => 0.0,
+        })
+    }
+
+    fn stribeck(
+        evidence: &Evidence<'_>,
+        at: &[At<'_>],
+        problem: &mut Problem,
+        speed: f64,
+    ) -> usize {
+        let law = effect("stribeck_friction").unwrap();
+        evidence.push_joint_law(problem, at, law, JOINT, &[speed]).unwrap()
+    }
+
+    /// With the speed as one more coefficient, of the derivative of the efforts by it, the linear answer has the
+    /// covariance that trials of the speed give.
+    #[test]
+    fn a_searched_constant_is_as_uncertain_as_a_coefficient_would_be() {
+        let chain = ur5();
+        let evidence = rubbing(&chain, 0.0);
+        let point = OperatingPoint::of(evidence.joints());
+        let at = evidence.at(&point);
+        let mut problem = evidence.problem_without_trials(&point);
+        let speed = STRIBECK[2];
+        let id = stribeck(&evidence, &at, &mut problem, speed);
+        let sides = [0.999, 1.001].map(|by| stribeck(&evidence, &at, &mut problem, by * speed));
+        let metric = problem.whitened(0.0, &[]);
+        let found = answer(&metric, vec![id]).unwrap();
+        let scatter = shape_scatter(&evidence, &at, &metric, &found, id, None).unwrap();
+
+        let columns = problem.groups[id].columns.clone();
+        let levels = found.fit.of_group(&problem.groups[id]);
+        let efforts = sides.map(|side| -> Vec<f64> {
+            let columns = problem.groups[side].columns.iter().map(|c| &problem.columns[*c][JOINT]);
+            let mut sum = vec![0.0; problem.rows.len()];
+            for (column, level) in columns.zip(&levels) {
+                sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += level * x);
+            }
+            sum
+        });
+        let slope: Vec<f64> =
+            efforts[0].iter().zip(&efforts[1]).map(|(a, b)| (b - a) / (0.002 * speed)).collect();
+        let all: Vec<&[f64]> = columns
+            .iter()
+            .map(|c| problem.columns[*c][JOINT].as_slice())
+            .chain([slope.as_slice()])
+            .collect();
+        let gram: Vec<Vec<f64>> = all
+            .iter()
+            .map(|a| all.iter().map(|b| problem.rows.share * dot(a, b)).collect())
+            .collect();
+        let covariance = inverse(&gram).unwrap();
+        let variance = covariance[2][2];
+        // stretches may disagree by more than the curvature says, never by less
+        let found_variance = scatter.covariance[0][0];
+        assert!((0.9..3.0).contains(&(found_variance / variance)), "{found_variance} {variance}");
+        for (k, column) in columns.iter().enumerate() {
+            let [expected, got] = [covariance[k][2] / variance, scatter.slopes[column][0]];
+            assert!((got - expected).abs() < 0.05 * expected.abs(), "{k}: {got} {expected}");
+        }
+    }
+
+    /// Viscous friction that nobody names does not change the speed that friction falls in.
+    #[test]
+    fn what_is_not_named_is_not_made_up_for() {
+        let chain = ur5();
+        let evidence = rubbing(&chain, 0.3);
+        let point = OperatingPoint::of(evidence.joints());
+        let at = evidence.at(&point);
+        let contact = ContactColumns::new(&evidence, &at);
+        let mut problem = evidence.problem(&point);
+        let start = stribeck(&evidence, &at, &mut problem, 0.2);
+        let found = answer(&problem.whitened(0.0, &[]), vec![start]).unwrap();
+        let all = |_: &Group| true;
+        let found = refine(&evidence, &at, &contact, &mut problem, (0.0, &[]), found, all);
+        let [group] = found.set[..] else { panic!("{:?}", found.set) };
+        let speed = problem.groups[group].shape[0];
+        assert!((speed / STRIBECK[2] - 1.0).abs() < 0.015, "{speed}");
+    }
+}
