@@ -167,7 +167,8 @@ struct Along {
 }
 
 /// Of a group of an answer; none where it has no shape, or the misfit no bottom. `late`: the problem of the answer's
-/// groups with late efforts.
+/// groups with late efforts. `least_wider`: by what coefficients of the group scatter more than the curvature says, 1 or
+/// more.
 pub(crate) fn shape_scatter(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
@@ -175,6 +176,7 @@ pub(crate) fn shape_scatter(
     of: &Answer,
     group: usize,
     late: Option<&Problem>,
+    least_wider: f64,
 ) -> Option<ShapeScatter> {
     // near enough to the curvature once the first step was a standard deviation
     const ROUNDS: usize = 3;
@@ -252,8 +254,9 @@ pub(crate) fn shape_scatter(
             *sum += moved * moved;
         }
     }
-    let wider: Vec<f64> =
-        (0..count).map(|k| (by_stretches[k] / (2.0 * inverse[k][k])).sqrt().max(1.0)).collect();
+    let wider: Vec<f64> = (0..count)
+        .map(|k| (by_stretches[k] / (2.0 * inverse[k][k])).sqrt().max(least_wider))
+        .collect();
     let covariance = (0..count)
         .map(|a| (0..count).map(|b| 2.0 * inverse[a][b] * wider[a] * wider[b]).collect())
         .collect();
@@ -548,7 +551,7 @@ mod tests {
         let sides = [0.999, 1.001].map(|by| stribeck(&evidence, &at, &mut problem, by * speed));
         let metric = problem.whitened(0.0, &[]);
         let found = answer(&metric, vec![id]).unwrap();
-        let scatter = shape_scatter(&evidence, &at, &metric, &found, id, None).unwrap();
+        let scatter = shape_scatter(&evidence, &at, &metric, &found, id, None, 1.0).unwrap();
 
         let columns = problem.groups[id].columns.clone();
         let levels = found.fit.of_group(&problem.groups[id]);

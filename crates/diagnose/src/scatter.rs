@@ -92,10 +92,8 @@ impl Scatter {
             group.slug() != "backlash" && group.site.window.is_none() && !group.shape.is_empty()
         };
         let scatter = |g: &usize| {
-            let mut scatter = shape_scatter(evidence, at, metric, of, *g, self.late.as_ref())?;
-            let (_, widened) = self.covariance(metric, of, &metric.problem.groups[*g]);
-            scatter.covariance.iter_mut().flatten().for_each(|x| *x *= widened * widened);
-            Some(scatter)
+            let (_, wider) = self.covariance(metric, of, &metric.problem.groups[*g]);
+            shape_scatter(evidence, at, metric, of, *g, self.late.as_ref(), wider)
         };
         self.shapes = of.set.iter().filter(smooth).filter_map(scatter).collect();
         self
