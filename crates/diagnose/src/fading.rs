@@ -1,5 +1,5 @@
-//! How sharply dry friction turns: a drive train that winds up first reverses its friction over some hundredths of
-//! the working speed, a stiff one at once.
+//! How sharply dry friction turns: a drive train that winds up first reverses its friction over some hundredths, sometimes a
+//! fifth of the working speed, a stiff one at once.
 //!
 //! Names are found with sharp friction. What fades is tried afterwards, by stretches that were not fitted: it seldom
 //! decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
@@ -18,7 +18,7 @@ use crate::search::answer;
 use crate::select::Selection;
 
 /// Speeds below which the direction fades that are tried, as shares of the root mean square speed.
-const SHARES: [f64; 3] = [0.02, 0.05, 0.1];
+const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 /// Stretches that were not fitted must say so by this many standard errors.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 

@@ -194,7 +194,7 @@ pub(crate) fn shape_scatter(
         moved
     };
     let mut along: Vec<Along> = Vec::new();
-    for (k, value) in shape.iter().enumerate() {
+    for (k, value) in shape.iter().enumerate().take(continuous(original)) {
         let mut step = 1e-2 * value.abs().max(f64::MIN_POSITIVE);
         let mut found = None;
         for _ in 0..ROUNDS {
@@ -343,8 +343,7 @@ pub(crate) fn refine(
                     trials.improved_by(k, &Group { shape, ..group.clone() });
                 }
             }
-            let count = if group.slug() == "torque_ripple" { 1 } else { group.shape.len() };
-            for c in 0..count {
+            for c in 0..continuous(&group) {
                 let (mut step, smallest, relative) = step_of(&group, c);
                 while step > smallest {
                     let moved = |sign: f64| {
@@ -470,6 +469,12 @@ fn beside(group: &Group) -> Vec<Vec<f64>> {
     };
     let all = DAMPINGS.iter().flat_map(|d| STIFFNESSES.map(|k| vec![k * stiffness, d * damping]));
     all.collect()
+}
+
+/// How many of a group's shape constants are numbers that can be polished: those of a ripple after its order say which
+/// harmonics it has.
+fn continuous(group: &Group) -> usize {
+    if group.slug() == "torque_ripple" { 1 } else { group.shape.len() }
 }
 
 /// First step of a constant, the smallest, and whether they are relative.
@@ -601,5 +606,21 @@ mod tests {
         let [group] = found.set[..] else { panic!("{:?}", found.set) };
         let speed = problem.groups[group].shape[0];
         assert!((speed / STRIBECK[2] - 1.0).abs() < 0.015, "{speed}");
+    }
+
+    /// How many harmonics a ripple has is no number that is a little more or less.
+    #[test]
+    fn of_a_ripple_the_order_is_uncertain() {
+        let chain = ur5();
+        let evidence = rubbing(&chain, 0.0);
+        let point = OperatingPoint::of(evidence.joints());
+        let at = evidence.at(&point);
+        let mut problem = evidence.problem_without_trials(&point);
+        let law = effect("torque_ripple").unwrap();
+        let id = evidence.push_joint_law(&mut problem, &at, law, JOINT, &[7.0, 2.0]).unwrap();
+        let metric = problem.whitened(0.0, &[]);
+        let found = answer(&metric, vec![id]).unwrap();
+        let scatter = shape_scatter(&evidence, &at, &metric, &found, id, None, 1.0);
+        assert!(scatter.is_none_or(|scatter| scatter.constants == [0]));
     }
 }
