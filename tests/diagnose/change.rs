@@ -149,7 +149,8 @@ fn a_reference_full_of_noise_leaves_it_open() {
     let folder = recordings("diagnose_open", &ripple);
     let (urdf, trajectory) = (super::urdf(), crate::shared::project("examples/ur5/holdout.csv"));
     let simulated = ["simulate", text(&urdf), text(&trajectory), "-o", "before.csv", "-q"];
-    let noise = ["--torque-noise", "2", "--encoder-bits", "19", "--effect", ripple[0]];
+    // half as much as a name asks for, in the noise of a sample
+    let noise = ["--torque-noise", "4", "--encoder-bits", "19", "--effect", ripple[0]];
     run_in(&folder, &[&simulated[..], &noise].concat()).fine();
     let change =
         diagnose(&folder, &["--reference", "before.csv", "--report", "change.html"]).fine().json();
