@@ -278,3 +278,38 @@ pub(crate) fn joints_of_inertial_errors(metric: &Whitened<'_>, of: &Answer) -> V
     let asked = Asked::of(problem, &chance, &metric.residual(&of.fit));
     (0..problem.rows.joints()).filter(|j| asked.of_effort_on(&terms, *j).ratio() >= 1.0).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made::{evidence, ur5};
+
+    /// A joint whose dry friction falls with speed, called a coupling: without it the dry friction stays, viscous friction
+    /// of the wrong sign does not take it along.
+    #[test]
+    fn a_law_gives_way_to_the_relatives_that_hold() {
+        const JOINT: usize = 1;
+        let chain = ur5();
+        let evidence = evidence(&chain, &chain, |j, v| match j {
+            JOINT => 4.0 * v.signum() - 1.5 * v,
+            _ => 0.0,
+        });
+        let point = OperatingPoint::of(evidence.joints());
+        let at = evidence.at(&point);
+        let mut problem = evidence.problem(&point);
+        let law = effect("joint_coupling").unwrap();
+        let coupling = evidence.push_pair_law(&mut problem, &at, law, JOINT, &[1.0]);
+        let metric = problem.whitened(0.0, &[]);
+        let (coupled, _) = unnamed(&metric, vec![coupling]).unwrap();
+        let without = answer_without(&metric, &coupled, coupling).unwrap();
+        let there = |slug: &str| {
+            let groups = without.set.iter().map(|g| &problem.groups[*g]);
+            groups.filter(|g| g.slug() == slug && g.site.joints == [JOINT]).count()
+        };
+        assert_eq!((there("coulomb_friction"), there("viscous_friction")), (1, 0));
+        let place = without.set.iter().position(|g| problem.groups[*g].site.joints == [JOINT]);
+        let level = without.fit.of_group(&problem.groups[without.set[place.unwrap()]])[0];
+        // what is left of the falling part is taken from the level
+        assert!((2.0..4.0).contains(&level), "{level}");
+    }
+}
