@@ -149,7 +149,7 @@ fn a_reference_full_of_noise_leaves_it_open() {
     let folder = recordings("diagnose_open", &ripple);
     let (urdf, trajectory) = (super::urdf(), crate::shared::project("examples/ur5/holdout.csv"));
     let simulated = ["simulate", text(&urdf), text(&trajectory), "-o", "before.csv", "-q"];
-    // half as much as a name asks for, in the noise of a sample
+    // 1.4 N m in 4 N m of noise: less than the 0.6 of it that a name asks for
     let noise = ["--torque-noise", "4", "--encoder-bits", "19", "--effect", ripple[0]];
     run_in(&folder, &[&simulated[..], &noise].concat()).fine();
     let change =

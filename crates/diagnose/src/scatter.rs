@@ -113,13 +113,10 @@ impl Scatter {
         for (row, of_row) in covariance.iter_mut().zip(&linear) {
             row[..coefficients].copy_from_slice(of_row);
         }
-        let lag_of_fit = |k: usize| {
-            let column = group.columns.get(k);
-            column.and_then(|column| self.by_lag.get(column)).copied().unwrap_or(0.0)
-        };
-        // what each number changes by with each searched constant
-        let mut lag: Vec<f64> = (0..count).map(lag_of_fit).collect();
+        let mut lag = changes(&self.by_lag, group);
+        lag.resize(count, 0.0);
         for shape in &self.shapes {
+            // what each number changes by with each searched constant
             let slopes: Vec<Vec<f64>> = (0..count)
                 .map(|k| match group.columns.get(k) {
                     Some(column) => shape.slopes[column].clone(),
@@ -145,7 +142,7 @@ impl Scatter {
         // the lag moves all of them together
         for (k, row) in covariance.iter_mut().enumerate() {
             for (l, x) in row.iter_mut().enumerate() {
-                *x += lag[k] * lag[l] - lag_of_fit(k) * lag_of_fit(l);
+                *x += lag[k] * lag[l];
             }
         }
         covariance
@@ -168,7 +165,8 @@ impl Scatter {
         if factor.is_finite() { factor.max(1.0) } else { 1.0 }
     }
 
-    /// Covariance of the coefficients of a group, and the largest factor that it was widened by.
+    /// Covariance of the coefficients of a group at the searched constants and with efforts on time, and the largest
+    /// factor that it was widened by.
     pub(crate) fn covariance(
         &self,
         metric: &Whitened<'_>,
@@ -179,18 +177,20 @@ impl Scatter {
         let factors: Vec<f64> = (group.columns.iter().enumerate())
             .map(|(k, &column)| self.factor(group, column, covariance[k][k]))
             .collect();
-        let change =
-            |of: &BTreeMap<usize, f64>, k: usize| of.get(&group.columns[k]).copied().unwrap_or(0.0);
+        let open = changes(&self.by_reference, group);
         for (k, row) in covariance.iter_mut().enumerate() {
             for (l, x) in row.iter_mut().enumerate() {
                 *x *= factors[k] * factors[l];
-                for of in [&self.by_lag, &self.by_reference] {
-                    *x += change(of, k) * change(of, l);
-                }
+                *x += open[k] * open[l];
             }
         }
         (covariance, factors.into_iter().fold(1.0, f64::max))
     }
+}
+
+/// Changes of the coefficients of a group, from those by column.
+fn changes(by_column: &BTreeMap<usize, f64>, group: &Group) -> Vec<f64> {
+    group.columns.iter().map(|column| by_column.get(column).copied().unwrap_or(0.0)).collect()
 }
 
 /// Columns of an answer, and the same in a problem restricted to it, whose groups have its order.
