@@ -105,7 +105,10 @@ impl Evidence<'_> {
         let mut ids = Vec::new();
         for direction in &transform {
             let mut blocks = vec![Vec::new(); self.joints()];
-            for (j, block) in blocks.iter_mut().enumerate().take(link + 1) {
+            for (j, block) in blocks.iter_mut().enumerate() {
+                if (0..10).all(|p| problem.columns[10 * link + p][j].is_empty()) {
+                    continue;
+                }
                 let mut sum = vec![0.0; self.rows.len()];
                 for (p, x) in direction.iter().enumerate() {
                     for (s, c) in sum.iter_mut().zip(&problem.columns[10 * link + p][j]) {

@@ -125,6 +125,7 @@ impl ContactColumns {
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,
+            is_of_size_one: false,
         });
         problem.groups.len() - 1
     }

@@ -18,6 +18,7 @@ use crate::fading::faded;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::{Blocks, Rows};
 use crate::signals::Signals;
+use crate::sprung::{Spring, Sprung};
 use crate::transmission::Load;
 
 /// Laws that turn the configuration itself: where they are assumed to be.
@@ -32,6 +33,8 @@ pub(crate) struct OperatingPoint {
     /// changes of the links' standard parameters, for links that move by themselves behind their motors: how
     /// they ring depends on what they really weigh
     pub(crate) links: Option<Vec<f64>>,
+    /// beside which the columns of links are formed
+    pub(crate) springs: Vec<Spring>,
     /// speeds below which dry friction fades \[rad/s or m/s\]; 0 where it is sharp
     pub(crate) fading: Vec<f64>,
     /// of the effort channels: what the arm does beside the believed one is recorded with it as well
@@ -41,7 +44,8 @@ pub(crate) struct OperatingPoint {
 impl OperatingPoint {
     pub(crate) fn of(joints: usize) -> Self {
         let (offset, fading, gain) = (vec![0.0; joints], vec![0.0; joints], vec![1.0; joints]);
-        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, fading, gain }
+        let springs = Vec::new();
+        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, fading, gain }
     }
 }
 
@@ -86,6 +90,8 @@ pub(crate) struct At<'a> {
     loads: Vec<OnceLock<Load>>,
     /// of joints that rest somewhere: with their held acceleration and the other links
     carried: Vec<OnceLock<Option<Vec<f64>>>>,
+    /// formed when first asked for
+    sprung: Vec<(Spring, OnceLock<Option<Sprung>>)>,
 }
 
 impl<'a> At<'a> {
@@ -132,6 +138,7 @@ impl<'a> At<'a> {
             others,
             loads,
             carried,
+            sprung: point.springs.iter().map(|s| (s.clone(), OnceLock::new())).collect(),
         };
         at.rigid = at.motion().efforts(&at.arm);
         let held = &signals.held_acceleration;
@@ -193,6 +200,18 @@ impl<'a> At<'a> {
             Some((arm, efforts)) => (arm, efforts.get_or_init(|| self.motion().efforts(arm))),
             None => (&self.arm, &self.rigid),
         }
+    }
+
+    /// The links behind springs of the operating point.
+    pub(crate) fn sprung(&self) -> impl Iterator<Item = &Sprung> {
+        self.sprung.iter().filter_map(|(spring, made)| {
+            made.get_or_init(|| Sprung::of(self, spring).ok()).as_ref()
+        })
+    }
+
+    /// Whether the operating point has a spring on a joint that is about right.
+    pub(crate) fn has_right_spring(&self, joint: usize) -> bool {
+        self.sprung().any(|sprung| sprung.joint() == joint && sprung.is_about_right())
     }
 
     /// What a joint has to move.
@@ -464,20 +483,33 @@ impl<'a> Evidence<'a> {
     fn rigid_columns(&self, at: &[At<'_>]) -> Vec<Blocks> {
         let n = self.joints();
         let standard = ParameterColumns::standard(n);
+        let yielding: Vec<Vec<(&Sprung, _)>> = at
+            .par_iter()
+            .map(|at| at.sprung().map(|s| (s, s.yields_to_parameters(at))).collect())
+            .collect();
+        let sprung = yielding.iter().flatten().map(|(sprung, _)| sprung.joint()).min();
         let of_row = |row: usize| -> Vec<(usize, Vec<f64>)> {
-            // a link loads the joints before it
-            let wanted: Vec<usize> = (10 * row..10 * n).collect();
+            // a link loads the joints before it, and moves all that it hangs with where one of these is sprung
+            let wanted = 10 * sprung.map_or(row, |first| first.min(row))..10 * n;
+            let parameters: Vec<usize> = wanted.clone().collect();
             let by_recording: Vec<Vec<Vec<f64>>> = at
                 .iter()
-                .map(|at| {
+                .zip(&yielding)
+                .map(|(at, yielding)| {
                     let motion = at.motion();
                     let answered =
                         motion.with_acceleration(row, &at.signals.held_acceleration[row]);
-                    let columns = standard.of_arm_motion(&at.arm, row, &answered, &wanted);
+                    let mut columns = standard.of_arm_motion(&at.arm, row, &answered, &parameters);
+                    for (sprung, yielding) in yielding {
+                        let more = sprung.columns_on(at, row, wanted.clone(), yielding);
+                        for (column, more) in columns.iter_mut().zip(more) {
+                            column.iter_mut().zip(more).for_each(|(c, m)| *c += m);
+                        }
+                    }
                     columns.into_iter().map(|column| at.recorded(row, column)).collect()
                 })
                 .collect();
-            let formed = wanted.iter().enumerate().filter_map(|(k, &parameter)| {
+            let formed = parameters.iter().enumerate().filter_map(|(k, &parameter)| {
                 let pieces = by_recording.iter().map(|c| c[k].as_slice());
                 let any = pieces.clone().flatten().any(|x| *x != 0.0);
                 any.then(|| (parameter, self.rows.form(&self.signals, row, pieces)))
@@ -649,6 +681,7 @@ pub(crate) fn push_law(
         transform: None,
         hidden: Vec::new(),
         above_band: 1.0,
+        is_of_size_one: false,
     });
     problem.groups.len() - 1
 }

@@ -344,6 +344,7 @@ pub(crate) fn recreate(
         transform: None,
         hidden: Vec::new(),
         above_band: 1.0,
+        is_of_size_one: false,
     });
     problem.groups.len() - 1
 }

@@ -72,6 +72,7 @@ mod search;
 mod seen;
 mod select;
 mod signals;
+mod sprung;
 mod stops;
 mod transmission;
 mod whitened;

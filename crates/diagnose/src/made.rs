@@ -31,8 +31,18 @@ pub(crate) fn swung(
     noise_nm: f64,
     added: impl Fn(usize, &[f64]) -> f64,
 ) -> Signals {
+    swung_for(6000, arm, noise_nm, added)
+}
+
+/// The same for so many samples.
+pub(crate) fn swung_for(
+    samples: u32,
+    arm: &DrivingAxisChain,
+    noise_nm: f64,
+    added: impl Fn(usize, &[f64]) -> f64,
+) -> Signals {
     let names: Vec<String> = arm.joints.iter().map(|j| j.name.clone()).collect();
-    let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 200.0).collect();
+    let time: Vec<f64> = (0..samples).map(|k| f64::from(k) / 200.0).collect();
     let recording = |efforts: Option<&Vec<Vec<f64>>>| {
         let joints = names.iter().enumerate().map(|(j, name)| {
             let swing = |t: &f64| 0.6 * ((1.0 + 0.4 * j as f64) * t).sin() - 0.2 * j as f64;

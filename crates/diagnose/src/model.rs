@@ -68,6 +68,7 @@ impl DiagnosedModel {
             delay_s: self.learned.delay_s,
             // those of the chain already
             links: None,
+            springs: Vec::new(),
             fading: self.learned.fading_speed.clone(),
             gain: self.learned.gain.clone(),
         }

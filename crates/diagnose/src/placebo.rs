@@ -77,6 +77,7 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,
+            is_of_size_one: false,
         });
         let group = selection.problem.groups.len() - 1;
         found.terms += 1;

@@ -47,6 +47,8 @@ pub(crate) struct Group {
     /// root mean square of its effort as recorded over that in the band, 1 or more: impacts in a gap are
     /// mostly above it
     pub(crate) above_band: f64,
+    /// whether the coefficient of its first column is 1 and not fitted
+    pub(crate) is_of_size_one: bool,
 }
 
 impl Group {

@@ -19,6 +19,7 @@ use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
+use crate::sprung::{Spring, half_way, is_turning_back, springs};
 use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
@@ -125,6 +126,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
     }
     drop(first);
     let mut last = None;
+    let mut before = None;
     let mut is_right = false;
     for pass in 0..PASSES {
         let evidence: &Evidence<'_> = owner;
@@ -142,8 +144,11 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         // what is dear to try waits until the configuration is right
         let metric = problem.whitened(best.scale, &best.wide);
         let pruned = prune(&metric, best.answer.clone(), &point);
-        let all =
-            is_right || is_still(&moves(&problem, &pruned, &point), &point) || pass >= ALL_FROM;
+        // beside wrong links a spring that was found may look like none until it is polished again
+        let all = is_right
+            || !point.springs.is_empty()
+            || is_still(&moves(&problem, &pruned, &point), &point)
+            || pass >= ALL_FROM;
         if all {
             best = with_hidden_motion(
                 evidence,
@@ -178,7 +183,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         }
         let fractional = fractional_ripples(evidence, &problem, &found);
         let groups: Vec<Group> = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
-        let settled = groups.iter().all(|g| is_settled(g, &memory.groups));
+        let settled = groups.iter().all(|g| is_settled(g, &memory.groups, &point));
         memory.groups = groups;
         let again = !fractional.is_empty();
         memory.no_ripple.extend(fractional);
@@ -193,7 +198,13 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         // the links behind a transmission were found beside it, and it beside those of the pass before
         let still =
             is_still(&target, &point) && (links.is_none() || (point.links.is_some() && settled));
+        if links.is_some() {
+            target.springs = springs(&metric, &found, &at);
+        }
         target.links = links;
+        if is_turning_back(&target, &point, before.as_ref()) {
+            half_way(&mut target, &point);
+        }
         let (misfit, share) = if seeks_change {
             (misfits_after(&metric, &found), problem.rows.share)
         } else {
@@ -217,7 +228,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         if done {
             break;
         }
-        point = target;
+        before = Some(std::mem::replace(&mut point, target));
         if reweighted || !seeks_change {
             for (j, misfit) in misfit.into_iter().enumerate() {
                 owner.rows.set_misfit(j, misfit);
@@ -244,11 +255,14 @@ fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
     answer(&metric, set).unwrap_or_else(|| best.answer.clone())
 }
 
-/// By what the links are changed, where one of them moves by itself behind its motor or friction follows the load.
+/// By what the links are changed, where one of them moves by itself behind its motor, or seems to to first order, or
+/// friction follows the load.
 fn other_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
     let groups = || found.set.iter().map(|g| &metric.problem.groups[*g]);
-    let matters =
-        |group: &Group| group.moves_its_link() || group.slug() == "load_dependent_friction";
+    let matters = |group: &Group| {
+        group.moves_its_link()
+            || ["joint_elasticity", "load_dependent_friction"].contains(&group.slug())
+    };
     if !groups().any(matters) {
         return None;
     }
@@ -267,21 +281,26 @@ fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
         && to.gain.iter().zip(&from.gain).all(|(a, b)| (a - b).abs() < STILL.3)
 }
 
-/// Whether the constants of a transmission are those of the pass before; what is none always is.
-fn is_settled(group: &Group, before: &[Group]) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a / b).ln().abs() < SETTLED;
-    !group.moves_its_link()
-        || before.iter().any(|other| {
-            other.meaning == group.meaning
-                && other.site == group.site
-                && group.shape.iter().zip(&other.shape).take(1).all(near)
-        })
+/// Whether the constants of a transmission are those beside which its links were fitted; what is none always is.
+fn is_settled(group: &Group, before: &[Group], point: &OperatingPoint) -> bool {
+    let near = |a: f64, b: f64| (a / b).ln().abs() < SETTLED;
+    if !group.moves_its_link() {
+        return true;
+    }
+    if group.slug() == "joint_elasticity" {
+        let same = |spring: &&Spring| spring.joint == group.site.joints[0];
+        let fitted_beside = point.springs.iter().find(same);
+        return fitted_beside.is_some_and(|s| near(group.shape[0], s.transmission.stiffness));
+    }
+    let same = |other: &&Group| other.meaning == group.meaning && other.site == group.site;
+    before.iter().find(same).is_some_and(|other| near(group.shape[0], other.shape[0]))
 }
 
 /// The operating point with what a fit adds to it.
 pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) -> OperatingPoint {
     let mut point = OperatingPoint::of(from.offset.len());
     point.links.clone_from(&from.links);
+    point.springs.clone_from(&from.springs);
     point.fading.clone_from(&from.fading);
     for &g in &found.set {
         let group = &problem.groups[g];

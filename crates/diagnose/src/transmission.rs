@@ -104,7 +104,7 @@ impl Transmission {
         joint: usize,
         most_turns: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
-        let link = self.hidden_link(at, joint, most_turns)?;
+        let link = self.hidden_link_in(at, joint, most_turns)?;
         let (arm, rigid) = at.of_other_links();
         let link = link.each_ref().map(Vec::as_slice);
         let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
@@ -117,7 +117,15 @@ impl Transmission {
     }
 
     /// Position, velocity and acceleration of the link at every sample.
-    fn hidden_link(
+    pub(crate) fn hidden_link(
+        &self,
+        at: &At<'_>,
+        joint: usize,
+    ) -> Result<[Vec<f64>; 3], RecordingError> {
+        self.hidden_link_in(at, joint, MOST_TURNS)
+    }
+
+    fn hidden_link_in(
         &self,
         at: &At<'_>,
         joint: usize,
@@ -140,6 +148,21 @@ impl Transmission {
             }
         }
         Ok(link)
+    }
+
+    /// How the link of a spring moves under an effort on it, beside a motion and the load about it: to first order.
+    /// `twist`: deflection at the first sample.
+    pub(crate) fn yields_to(
+        &self,
+        load: &Load,
+        effort: Vec<f64>,
+        twist: f64,
+        rate_hz: f64,
+    ) -> [Vec<f64>; 3] {
+        let still = vec![0.0; effort.len()];
+        let motor = Motor { position: still.clone(), velocity: still.clone(), start_velocity: 0.0 };
+        let load = Load { bias: effort, position: still.clone(), velocity: still, ..load.clone() };
+        self.link(&motor, &load, twist, rate_hz)
     }
 
     /// Deflection under an effort.
@@ -261,6 +284,7 @@ impl Motor {
 }
 
 /// Inertia of a joint and all other efforts on it, about a motion of its link.
+#[derive(Debug, Clone)]
 pub(crate) struct Load {
     inertia: Vec<f64>,
     bias: Vec<f64>,
@@ -285,8 +309,19 @@ impl Load {
         load
     }
 
+    /// Change of the efforts on the joint at the first sample with the position of its link.
+    pub(crate) fn slope_at_start(&self) -> f64 {
+        self.slope[0]
+    }
+
     /// About another motion of the link; the inertia about a joint does not depend on its own position.
-    fn moved(&self, at: &At<'_>, joint: usize, position: &[f64], velocity: &[f64]) -> Self {
+    pub(crate) fn moved(
+        &self,
+        at: &At<'_>,
+        joint: usize,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Self {
         Self::about(at, joint, position, velocity, self.inertia.clone())
     }
 
@@ -352,11 +387,17 @@ fn formed(
     let pieces: Vec<Vec<Vec<f64>>> = at
         .par_iter()
         .map(|at| {
-            transmission
-                .difference_in(at, joint, most_turns)
-                .map(|efforts| at.all_recorded(efforts))
+            let mut efforts = transmission.difference_in(at, joint, most_turns)?;
+            if transmission.gap == 0.0
+                && let Some(sprung) = at.sprung().find(|s| s.joint() == joint)
+            {
+                for (effort, counted) in efforts.iter_mut().zip(sprung.counted()) {
+                    effort.iter_mut().zip(counted).for_each(|(e, c)| *e -= c);
+                }
+            }
+            Ok(at.all_recorded(efforts))
         })
-        .collect::<Result<_, _>>()
+        .collect::<Result<_, RecordingError>>()
         .ok()?;
     if pieces.iter().flatten().flatten().any(|x| !x.is_finite()) {
         return None;
@@ -395,6 +436,8 @@ fn push_group(
         transform: None,
         hidden: Vec::new(),
         above_band,
+        is_of_size_one: slug == "joint_elasticity"
+            && at.iter().any(|at| at.has_right_spring(joint)),
     });
     problem.groups.len() - 1
 }
@@ -586,7 +629,7 @@ mod tests {
         let rate = std::f64::consts::TAU * 4.0;
         let (stiffness, damping) = (inertia * rate * rate, 0.04 * inertia * rate);
         let spring = Transmission { gap: 0.0, stiffness, damping };
-        let [q, v, a] = spring.hidden_link(&at, JOINT, MOST_TURNS).unwrap();
+        let [q, v, a] = spring.hidden_link(&at, JOINT).unwrap();
         let motor = Motor::of(&signals, JOINT, 0.0).unwrap();
         let arm = at.of_other_links().0;
         let needed = at.motion().with_joint(arm, JOINT, [&q, &v, &a]).effort_on(arm, JOINT);

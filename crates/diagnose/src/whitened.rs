@@ -1,5 +1,6 @@
 //! The problem with errors of all links integrated out: fits, their scores and their uncertainty.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use armident_effects::{Onset, effect};
@@ -68,6 +69,8 @@ pub(crate) struct Whitened<'a> {
     log_determinant: f64,
     norm: Vec<f64>,
     prior: Option<Arc<Prior>>,
+    /// columns whose coefficient is 1
+    of_size_one: HashSet<usize>,
 }
 
 /// What integrates inertial errors out.
@@ -83,9 +86,11 @@ struct Prior {
 /// The least-squares fit of a set of columns.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
-    /// ids of columns
+    /// ids of columns whose coefficients were fitted
     pub(crate) columns: Vec<usize>,
-    pub(crate) coefficients: Vec<f64>,
+    coefficients: Vec<f64>,
+    /// ids of those whose coefficient is 1
+    of_size_one: Vec<usize>,
     pub(crate) sum_of_squares: f64,
     cholesky: Cholesky,
     reduced: Vec<f64>,
@@ -93,7 +98,13 @@ pub(crate) struct Fit {
 
 impl Fit {
     pub(crate) fn coefficient(&self, column: usize) -> f64 {
-        self.columns.iter().position(|c| *c == column).map_or(0.0, |k| self.coefficients[k])
+        self.terms().find(|(c, _)| *c == column).map_or(0.0, |(_, x)| x)
+    }
+
+    /// Columns and their coefficients.
+    fn terms(&self) -> impl Iterator<Item = (usize, f64)> {
+        let fitted = self.columns.iter().copied().zip(self.coefficients.iter().copied());
+        fitted.chain(self.of_size_one.iter().map(|c| (*c, 1.0)))
     }
 
     pub(crate) fn of_group(&self, group: &Group) -> Vec<f64> {
@@ -119,19 +130,32 @@ impl Whitened<'_> {
 
     /// Fits a set of columns; none where they are numerically dependent beyond the ridge.
     pub(crate) fn fit(&self, columns: Vec<usize>) -> Option<Fit> {
+        let (of_size_one, columns): (Vec<usize>, Vec<usize>) =
+            columns.into_iter().partition(|c| self.of_size_one.contains(c));
         let cholesky = Cholesky::of(columns.len(), |i, j| {
             self.product(columns[i], columns[j]) + if i == j { RIDGE } else { 0.0 }
         })?;
-        let rhs: Vec<f64> = columns.iter().map(|&k| self.rhs[k] / self.norm[k]).collect();
+        let rhs: Vec<f64> = columns.iter().map(|&k| self.rhs_beside(&of_size_one, k)).collect();
         let reduced = cholesky.forward(&rhs);
-        let sum_of_squares = (self.square - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE);
+        // what is left beside those of size one
+        let explained = |&u: &usize| {
+            self.norm[u] * (self.rhs[u] / self.norm[u] + self.rhs_beside(&of_size_one, u))
+        };
+        let square = self.square - of_size_one.iter().map(explained).sum::<f64>();
+        let sum_of_squares = (square - dot(&reduced, &reduced)).max(f64::MIN_POSITIVE);
         let coefficients = cholesky
             .backward(&reduced)
             .iter()
             .zip(&columns)
             .map(|(x, &k)| x / self.norm[k])
             .collect();
-        Some(Fit { columns, coefficients, sum_of_squares, cholesky, reduced })
+        Some(Fit { columns, coefficients, of_size_one, sum_of_squares, cholesky, reduced })
+    }
+
+    /// Product of a normalised column with the efforts beside columns of size one.
+    fn rhs_beside(&self, of_size_one: &[usize], column: usize) -> f64 {
+        let beside = |&u: &usize| self.norm[u] * self.product(column, u);
+        self.rhs[column] / self.norm[column] - of_size_one.iter().map(beside).sum::<f64>()
     }
 
     /// What the sum of squares would lose if these columns were added to a fit.
@@ -149,7 +173,7 @@ impl Whitened<'_> {
         let rhs: Vec<f64> = added
             .iter()
             .zip(&across)
-            .map(|(&g, z)| self.rhs[g] / self.norm[g] - dot(z, &fit.reduced))
+            .map(|(&g, z)| self.rhs_beside(&fit.of_size_one, g) - dot(z, &fit.reduced))
             .collect();
         let own = Cholesky::of(added.len(), |i, j| {
             self.product(added[i], added[j]) - dot(&across[i], &across[j])
@@ -199,10 +223,8 @@ impl Whitened<'_> {
             .zip(w_y)
             .map(|(d, w_y)| {
                 let explained: f64 = fit
-                    .columns
-                    .iter()
-                    .zip(&fit.coefficients)
-                    .map(|(&c, x)| {
+                    .terms()
+                    .map(|(c, x)| {
                         x * (0..problem.rigid).map(|p| d[p] * problem.product(c, p)).sum::<f64>()
                     })
                     .sum();
@@ -285,8 +307,8 @@ impl Whitened<'_> {
         let mut residual = problem.effort.clone();
         let errors = self.inertial_errors(fit);
         let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);
-        let fitted = fit.columns.iter().copied().zip(&fit.coefficients);
-        for (k, x) in rigid.chain(fitted) {
+        let rigid = rigid.map(|(k, x)| (k, *x));
+        for (k, x) in rigid.chain(fit.terms()) {
             for (residual, column) in residual.iter_mut().zip(&problem.columns[k]) {
                 for (r, c) in residual.iter_mut().zip(column) {
                     *r -= x * c;
@@ -432,6 +454,7 @@ impl Problem {
             log_determinant: integral.log_determinant,
             norm,
             prior: integral.prior.clone(),
+            of_size_one: self.columns_of_size_one().collect(),
         }
     }
 
@@ -440,6 +463,11 @@ impl Problem {
     fn held_columns(&self) -> impl Iterator<Item = usize> {
         let described = |group: &&Group| matches!(group.meaning, Meaning::Flexible(_));
         self.groups.iter().filter(described).flat_map(|group| group.columns.iter().copied())
+    }
+
+    /// Columns whose coefficient is 1.
+    fn columns_of_size_one(&self) -> impl Iterator<Item = usize> {
+        self.groups.iter().filter(|group| group.is_of_size_one).map(|group| group.columns[0])
     }
 
     /// What it costs, as a change between two recordings, that a group seldom comes about.
@@ -468,16 +496,77 @@ mod tests {
     use crate::signals::Signals;
     use armident_recording::{JointChannels, Recording};
 
-    /// Two directions of a description that a stretch can hardly tell apart stay within their prior there; columns of
-    /// a law, which have none, do not.
-    #[test]
-    fn descriptions_stay_near_nothing_where_nothing_shows_them() {
+    /// A hinge that swings for 10 s.
+    fn swinging() -> Rows {
         let time: Vec<f64> = (0..2000).map(|k| f64::from(k) / 200.0).collect();
         let position = Some(time.iter().map(|t| (3.0 * t).sin()).collect());
         let joint = JointChannels { position, ..JointChannels::new("hinge") };
         let recording = Recording::new("made", time, vec![joint]).unwrap();
         let signals = Signals::below(&recording, &["hinge".to_owned()], BAND_HZ).unwrap();
-        let rows = Rows::new(&[signals], &[vec![vec![1.0]]]);
+        Rows::new(&[signals], &[vec![vec![1.0]]])
+    }
+
+    fn group(meaning: Meaning, columns: Vec<usize>) -> Group {
+        Group {
+            meaning,
+            site: Site::default(),
+            shape: Vec::new(),
+            columns,
+            searched: 0,
+            places: Vec::new(),
+            transform: None,
+            hidden: Vec::new(),
+            above_band: 1.0,
+            is_of_size_one: false,
+        }
+    }
+
+    /// A column whose coefficient is 1 is taken from the efforts, and all others are fitted to the rest.
+    #[test]
+    fn what_has_size_one_is_taken_from_the_efforts() {
+        let rows = swinging();
+        let along = |of: &dyn Fn(f64) -> f64| -> Blocks {
+            vec![(0..rows.len()).map(|row| of(row as f64)).collect()]
+        };
+        let columns = vec![
+            along(&|x| (0.1 * x).sin()),
+            along(&|x| (0.13 * x).cos()),
+            along(&|x| (0.07 * x).sin()),
+        ];
+        let effort = along(&|x| 2.0 * (0.1 * x).sin() + 0.3 * (0.13 * x).cos() + (0.11 * x).sin());
+        let rest: Blocks =
+            vec![effort[0].iter().zip(&columns[0][0]).map(|(effort, one)| effort - one).collect()];
+        let problem = |effort: &Blocks| {
+            let mut problem =
+                Problem::new(rows.clone(), effort.clone(), Vec::new(), Background::default());
+            problem.push_columns(columns.clone());
+            for column in 0..columns.len() {
+                problem.groups.push(group(Meaning::Law("viscous_friction"), vec![column]));
+            }
+            problem
+        };
+        let mut fixed = problem(&effort);
+        fixed.groups[0].is_of_size_one = true;
+        let fixed = fixed.whitened(0.0, &[]);
+        let fit = fixed.fit(vec![0, 1]).unwrap();
+        let expected = problem(&rest);
+        let expected = expected.whitened(0.0, &[]);
+        let of_rest = expected.fit(vec![1]).unwrap();
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.abs().max(1.0);
+        assert_eq!(fit.coefficient(0), 1.0);
+        assert!(near(fit.coefficient(1), of_rest.coefficient(1)));
+        assert!(near(fit.sum_of_squares, of_rest.sum_of_squares));
+        assert!(near(fixed.gain(&fit, &[2]), expected.gain(&of_rest, &[2])));
+        assert_eq!(fixed.covariance(&fit, &[0, 1])[0], [0.0, 0.0]);
+        let (left, left_of_rest) = (fixed.residual(&fit), expected.residual(&of_rest));
+        assert!(left[0].iter().zip(&left_of_rest[0]).all(|(a, b)| near(*a, *b)));
+    }
+
+    /// Two directions of a description that a stretch can hardly tell apart stay within their prior there; columns of
+    /// a law, which have none, do not.
+    #[test]
+    fn descriptions_stay_near_nothing_where_nothing_shows_them() {
+        let rows = swinging();
         let along = |of: &dyn Fn(f64) -> f64| -> Blocks {
             vec![(0..rows.len()).map(|row| of(row as f64)).collect()]
         };
@@ -489,17 +578,7 @@ mod tests {
                 along(&|x| (0.1 * x).sin()),
                 along(&|x| (0.1 * x).sin() + 1e-3 * (0.37 * x).cos()),
             ]);
-            problem.groups.push(Group {
-                meaning,
-                site: Site::default(),
-                shape: Vec::new(),
-                columns: vec![first, first + 1],
-                searched: 0,
-                places: Vec::new(),
-                transform: None,
-                hidden: Vec::new(),
-                above_band: 1.0,
-            });
+            problem.groups.push(group(meaning, vec![first, first + 1]));
             let metric = problem.whitened(0.0, &[]);
             let fit = metric.fit(metric.columns_of(&[0])).unwrap();
             fit.coefficients.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
