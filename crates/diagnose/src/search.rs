@@ -45,6 +45,10 @@ fn admissible(problem: &Problem, group: &Group, fit: &Fit) -> bool {
         Scope::Arm if group.slug() == "gravity_direction" => {
             coefficients.iter().all(|c| c.abs() < std::f64::consts::FRAC_PI_2)
         }
+        // so are those of a joint that is off by a little
+        Scope::ThroughJoint if group.slug() == "encoder_offset" => {
+            coefficients[0].abs() < std::f64::consts::FRAC_PI_2
+        }
         // a load has mass
         Scope::Link => group.slug() != "payload" || coefficients[0] > 0.0,
         // the simulated motion of the link, about as large as simulated, and the inertia of a motor
