@@ -74,6 +74,26 @@ fn the_scoreboard_as_text() {
     assert!(said.len() == 1 && said[0].starts_with("note: a diagnosis took "), "{}", board.stderr);
 }
 
+/// Nothing can be concealed in an arm without masses: that is no empty scoreboard.
+#[test]
+fn an_arm_that_shows_nothing_is_an_error() {
+    let mut urdf = std::fs::read_to_string("urdf/planar_2r.urdf").unwrap();
+    while let (Some(start), Some(end)) = (urdf.find("<inertial>"), urdf.find("</inertial>")) {
+        urdf.replace_range(start..end + "</inertial>".len(), "");
+    }
+    let file = scratch("massless").join("massless.urdf");
+    std::fs::write(&file, urdf).unwrap();
+    let run =
+        run(&["challenge", "--robot", text(&file), "--effect", "backlash", "--cases", "1", "-q"]);
+    assert_eq!((run.code, run.stdout.as_str()), (1, ""));
+    let said = run.stderr.replace(text(&file), "massless.urdf");
+    insta::assert_snapshot!(said, @r"
+    error: no case could be made: no arm that was tried shows the effects
+       in: massless.urdf
+     hint: its links need masses and inertias (`armident params` says which have none); or ask for other effects
+    ");
+}
+
 #[test]
 fn wrong_command_lines() {
     let code = |args: &[&str]| run(&[&["challenge"], args].concat()).code;

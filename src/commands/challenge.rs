@@ -34,6 +34,15 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
         output::create_folder(folder)?;
     }
     let sat = with_progress(args, &orders)?;
+    if sat.iter().all(|sat| sat.score.is_none()) {
+        return Err(Failure::new(
+            "no case could be made: no arm that was tried shows the effects",
+            args.robot.as_deref().unwrap_or("--effect, --margin"),
+            Some(
+                "its links need masses and inertias (`armident params` says which have none); or ask for other effects",
+            ),
+        ));
+    }
     let board = Scoreboard::new(sat.iter().filter_map(|sat| sat.score.clone()).collect());
     let text = match study {
         Some(study) => study.text(&orders, &sat),

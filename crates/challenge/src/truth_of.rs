@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
+use armident_effects::ArmFrames;
+use armident_kinematics::InertialParameters;
 use armident_recording::Recording;
 use serde_json::json;
 
@@ -156,7 +158,13 @@ fn described(sized: &Sized, scene: &Scene<'_>, accept: Vec<Vec<Named>>) -> TrueE
         "external_contact" => Some(chain.tip_link.clone()),
         _ => None,
     };
-    let values = draft.parameters(sized.x);
+    let mut values = draft.parameters(sized.x);
+    if draft.slug == "link_inertia_error" && scene.kind != CaseKind::Change {
+        // what the link is off the URDF by, and not only what was made wrong of it
+        for (value, error) in values.iter_mut().zip(background_of(scene, draft.joint)) {
+            *value += error;
+        }
+    }
     let own = draft.own.map(|law| law.law());
     let parameters: PerJoint = match armident_effects::effect(draft.slug) {
         Some(law) => law.law().parameters.iter().map(|p| p.name.to_owned()).zip(values).collect(),
@@ -192,6 +200,17 @@ fn described(sized: &Sized, scene: &Scene<'_>, accept: Vec<Vec<Named>>) -> TrueE
         naming_margin: None,
         raw_ratio: None,
     }
+}
+
+/// Errors of mass and first moment that a link has as all links have them, in its URDF frame \[kg, kg m\].
+fn background_of(scene: &Scene<'_>, joint: usize) -> [f64; 4] {
+    let believed = &scene.robot.chain;
+    let (real, of_urdf) =
+        (scene.chain.joints[joint].link.to_array(), believed.joints[joint].link.to_array());
+    let error = std::array::from_fn(|k| real[k] - of_urdf[k]);
+    let in_e = ArmFrames::of_chain(believed).link_in_e[joint];
+    let in_link = InertialParameters::from_array(&error).expressed_in(&in_e.inverse()).to_array();
+    std::array::from_fn(|k| in_link[k])
 }
 
 fn everyday(
