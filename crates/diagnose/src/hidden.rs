@@ -5,14 +5,14 @@ use armident_effects::Place;
 use crate::contact::ContactColumns;
 use crate::evidence::{At, Evidence, OperatingPoint};
 use crate::flexible;
-use crate::material::{LEAST, band_noise, excess};
+use crate::material::{LEAST, band_noise, excess, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::refine;
 use crate::ripple::RippleColumns;
-use crate::search::{Answer, answer};
+use crate::search::{Answer, all_admissible, answer};
 use crate::select::{Best, Memory, laws_at, score_of_what_matters, search_at};
 use crate::transmission;
-use crate::whitened::WrongBody;
+use crate::whitened::{Whitened, WrongBody};
 
 /// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
 /// name, and on how many joints.
@@ -123,9 +123,21 @@ fn nearest(
     offered
         .filter_map(|g| {
             let others = beside.set.iter().copied().filter(|o| !groups[*o].excludes(&groups[g]));
-            answer(&metric, others.chain([g]).collect())
+            let set: Vec<usize> = others.chain([g]).collect();
+            answer(&metric, set.clone()).or_else(|| with_simpler(&metric, set, g))
         })
         .min_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// The answer of a set in which laws that made up for a group, and with it have a wrong sign, are their simpler
+/// relatives.
+fn with_simpler(metric: &Whitened<'_>, mut set: Vec<usize>, group: usize) -> Option<Answer> {
+    let fit = metric.fit(metric.columns_of(&set))?;
+    let wrong = |g: &usize| *g != group && !all_admissible(metric.problem, &[*g], &fit);
+    for g in set.clone().into_iter().filter(wrong) {
+        set = unnamed_rest(metric.problem, &set, g);
+    }
+    answer(metric, set)
 }
 
 /// Joints whose transmission is worth simulating: those with an inertia of their own in the answer, and

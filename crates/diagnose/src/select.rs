@@ -19,7 +19,7 @@ use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
-use crate::sprung::{Spring, half_way, is_turning_back, springs};
+use crate::sprung::{Spring, springs, stride};
 use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
@@ -202,9 +202,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             target.springs = springs(&metric, &found, &at);
         }
         target.links = links;
-        if is_turning_back(&target, &point, before.as_ref()) {
-            half_way(&mut target, &point);
-        }
+        stride(&mut target, &point, before.as_ref());
         let (misfit, share) = if seeks_change {
             (misfits_after(&metric, &found), problem.rows.share)
         } else {

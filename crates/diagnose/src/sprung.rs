@@ -80,7 +80,7 @@ impl Sprung {
     /// Whether the difference to a rigid transmission is about as large as simulated: from then on it is exactly that, for
     /// its size and the stiffness nearly say the same.
     pub(crate) fn is_about_right(&self) -> bool {
-        const NEAR: f64 = 0.1;
+        const NEAR: f64 = 0.2;
         (self.spring.share - 1.0).abs() < NEAR
     }
 
@@ -218,36 +218,46 @@ pub(crate) fn springs(metric: &Whitened<'_>, found: &Answer, at: &[At<'_>]) -> V
         .collect()
 }
 
-/// Whether springs go back on what they went last: what they and the links behind them are is all but one, and steps go
-/// beyond what is best.
-pub(crate) fn is_turning_back(
-    to: &OperatingPoint,
+/// Makes the step of springs and links from one operating point to the next half as long where springs go back on what
+/// they went last, for what they and the links are is nearly one and steps go beyond what is best; and three times as
+/// long where they go on by as much, for columns say what a link does to a spring only near both.
+pub(crate) fn stride(
+    to: &mut OperatingPoint,
     from: &OperatingPoint,
     before: Option<&OperatingPoint>,
-) -> bool {
-    let Some(before) = before else { return false };
+) {
+    /// Share of the last step.
+    const AS_MUCH: f64 = 0.7;
+    let Some(before) = before else { return };
     let stiffness = |point: &OperatingPoint, joint: usize| {
         let there = point.springs.iter().find(|spring| spring.joint == joint);
         there.map(|spring| spring.transmission.stiffness.ln())
     };
-    let steps = to.springs.iter().filter_map(|spring| {
-        let [to, from, before] = [to, from, before].map(|point| stiffness(point, spring.joint));
-        Some((to? - from?) * (from? - before?))
-    });
-    steps.sum::<f64>() < 0.0
-}
-
-/// Takes half of a step of the springs and of the links.
-pub(crate) fn half_way(to: &mut OperatingPoint, from: &OperatingPoint) {
+    let (mut along, mut last) = (0.0, 0.0);
+    for spring in &to.springs {
+        let [to, from, before] = [&*to, from, before].map(|point| stiffness(point, spring.joint));
+        if let (Some(to), Some(from), Some(before)) = (to, from, before) {
+            along += (to - from) * (from - before);
+            last += (from - before).powi(2);
+        }
+    }
+    let factor = if along < 0.0 {
+        0.5
+    } else if along > AS_MUCH * last && last > 0.0 {
+        3.0
+    } else {
+        return;
+    };
+    let scaled = |to: f64, from: f64| from * (to / from).powf(factor);
     for spring in &mut to.springs {
         if let Some(other) = from.springs.iter().find(|other| other.joint == spring.joint) {
             let (to, from) = (&mut spring.transmission, &other.transmission);
-            to.stiffness = (to.stiffness * from.stiffness).sqrt();
-            to.damping = 0.5 * (to.damping + from.damping);
+            to.stiffness = scaled(to.stiffness, from.stiffness);
+            to.damping = scaled(to.damping, from.damping);
         }
     }
     if let (Some(to), Some(from)) = (&mut to.links, &from.links) {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = 0.5 * (*to + from));
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = from + factor * (*to - from));
     }
 }
 
