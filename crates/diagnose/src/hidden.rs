@@ -3,14 +3,14 @@
 use armident_effects::Place;
 
 use crate::contact::ContactColumns;
-use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::evidence::{At, Evidence};
 use crate::flexible;
 use crate::material::{LEAST, band_noise, excess, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::refine;
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, all_admissible, answer};
-use crate::select::{Best, Memory, laws_at, score_of_what_matters, search_at};
+use crate::select::{Best, Memory, keep_better, laws_at, search_at};
 use crate::transmission;
 use crate::whitened::{Whitened, WrongBody};
 
@@ -26,7 +26,7 @@ const SHARE_OF_WORST: f64 = 0.8;
 /// uncertain inertias was a wrong law in disguise.
 pub(crate) fn with_hidden_motion(
     evidence: &Evidence<'_>,
-    (at, point): (&[At<'_>], &OperatingPoint),
+    at: &[At<'_>],
     (ripple, contact): (&RippleColumns, &ContactColumns),
     problem: &mut Problem,
     mut starts: Vec<Vec<usize>>,
@@ -38,6 +38,7 @@ pub(crate) fn with_hidden_motion(
         scales.push(0.0);
     }
     starts.push(found.answer.set.clone());
+    let fallback = found.clone();
     let mut offered = Vec::new();
     let mut driven: Vec<usize> = Vec::new();
     for &scale in &scales {
@@ -66,12 +67,11 @@ pub(crate) fn with_hidden_motion(
         }
     }
     starts.extend(offered.iter().map(|g| vec![*g]));
-    let mut best = found;
-    let mut least = score_of_what_matters(problem, &best, point);
+    let mut best = Some(found);
     let mut described: Vec<usize> = Vec::new();
     for &scale in &scales {
-        let library = if driven.is_empty() && best.scale == scale {
-            Some(best.clone())
+        let library = if driven.is_empty() && best.as_ref().is_some_and(|b| b.scale == scale) {
+            best.take()
         } else {
             search_at(scale, problem, &starts, memory)
         };
@@ -101,14 +101,10 @@ pub(crate) fn with_hidden_motion(
         if let Some(with_all) = &mut with_all {
             contest(problem, scale, with_all, library.answer.clone());
         }
-        for found in [Some(library), with_all].into_iter().flatten() {
-            let score = score_of_what_matters(problem, &found, point);
-            if score < least {
-                (least, best) = (score, found);
-            }
-        }
+        keep_better(&mut best, Some(library));
+        keep_better(&mut best, with_all);
     }
-    best
+    best.unwrap_or(fallback)
 }
 
 /// The best answer with one of the offered groups beside what it does not exclude.

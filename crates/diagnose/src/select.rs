@@ -139,7 +139,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
         let (mut best, starts) =
-            best_of_scales(evidence, &at, &point, &ripple, &contact, &mut problem, start, &memory)?;
+            best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
         best.answer = with_held(&problem, &best, &point);
         // what is dear to try waits until the configuration is right
         let metric = problem.whitened(best.scale, &best.wide);
@@ -152,7 +152,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         if all {
             best = with_hidden_motion(
                 evidence,
-                (&at, &point),
+                &at,
                 (&ripple, &contact),
                 &mut problem,
                 starts,
@@ -319,12 +319,10 @@ pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) ->
     point
 }
 
-/// Searches with every scale of inertial errors; the scans that one brings are offered to all. The best is that which
-/// explains most by what matters: many small laws together may look like a better arm.
+/// Searches with every scale of inertial errors; the scans that one brings are offered to all.
 fn best_of_scales(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
-    point: &OperatingPoint,
     ripple: &RippleColumns,
     contact: &ContactColumns,
     problem: &mut Problem,
@@ -335,38 +333,39 @@ fn best_of_scales(
         .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
         .collect();
     let mut starts = vec![start, everyday];
-    let mut best: Option<(f64, Best)> = None;
+    // widely spaced scales first, then the neighbours of the best; later passes stay near it
+    let mut best = None;
+    let first = match memory.scale {
+        Some(before) => [vec![0], neighbours(before)].concat(),
+        None => (0..SCALES.len()).step_by(2).collect(),
+    };
     let mut tried = Vec::new();
-    let mut try_scales = |scales: Vec<usize>, best: &mut Option<(f64, Best)>| {
-        for k in scales {
-            if tried.contains(&k) {
-                continue;
-            }
+    for k in first {
+        if !tried.contains(&k) {
             tried.push(k);
             let found =
                 laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
-            let Some(found) = found else { continue };
-            let score = score_of_what_matters(problem, &found, point);
-            if best.as_ref().is_none_or(|(least, _)| score < *least) {
-                *best = Some((score, found));
-            }
-        }
-    };
-    // widely spaced scales first, then the neighbours of the best; later passes stay near it
-    match memory.scale {
-        Some(before) => try_scales([vec![0], neighbours(before)].concat(), &mut best),
-        None => {
-            try_scales((0..SCALES.len()).step_by(2).collect(), &mut best);
-            let beside = best.as_ref().map(|(_, best)| neighbours(best.scale)).unwrap_or_default();
-            try_scales(beside, &mut best);
+            keep_better(&mut best, found);
         }
     }
-    best.map(|(_, best)| (best, starts))
+    if memory.scale.is_none() {
+        for k in best.as_ref().map(|b: &Best| neighbours(b.scale)).unwrap_or_default() {
+            if !tried.contains(&k) {
+                let found =
+                    laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
+                keep_better(&mut best, found);
+            }
+        }
+    }
+    Some((best?, starts))
 }
 
-/// Score of an answer without what is too small to be named.
-pub(crate) fn score_of_what_matters(problem: &Problem, of: &Best, point: &OperatingPoint) -> f64 {
-    prune(&problem.whitened(of.scale, &of.wide), of.answer.clone(), point).score
+pub(crate) fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
+    if let Some(found) = found
+        && best.as_ref().is_none_or(|b| found.answer.score < b.answer.score)
+    {
+        *best = Some(found);
+    }
 }
 
 /// The best answer at one scale, with ripples and contacts scanned on what is left until nothing new
