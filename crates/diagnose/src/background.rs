@@ -29,7 +29,7 @@ pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Backgro
         let scaled =
             |factor: f64| InertialParameters::from_com(mass * factor, com, inertia * factor);
         push(scaled(1.0 + STEP), STEP);
-        let size = (com.norm() + COM_SIZE_M) / 3.0_f64.sqrt();
+        let size = com.norm() + COM_SIZE_M;
         for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
             push(InertialParameters::from_com(mass, com + axis * (STEP * size), inertia), STEP);
         }

@@ -12,7 +12,7 @@ use armident_kinematics::DrivingAxisChain;
 use serde::Serialize;
 
 use crate::bar::Bars;
-use crate::numbers::{significant, uncertain};
+use crate::numbers::{significant, uncertain, unit_told};
 use crate::small_terms::{SmallTerm, small_terms_text};
 use crate::table::aligned;
 
@@ -614,7 +614,8 @@ fn paragraph(finding: &Finding) -> String {
             }
             None => significant(value.value, 3, 0.0),
         };
-        text.push_str(&format!("  {name} {number} {}\n", value.unit));
+        let line = format!("  {name} {number} {}", unit_told(&value.unit));
+        text.push_str(&format!("{}\n", line.trim_end()));
     }
     if !finding.evidence.variables.is_empty() {
         text.push_str(&format!("  depends on {}\n", finding.evidence.variables.join(", ")));

@@ -36,7 +36,7 @@ pub use identify::{
     ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
     LoadRow, MergedRow, StepRow,
 };
-pub use numbers::{significant, uncertain};
+pub use numbers::{significant, uncertain, unit_told};
 pub use params::ParamsReport;
 pub use plan::plan_text;
 pub use small_terms::{SmallTerm, small_terms_text};

@@ -28,6 +28,11 @@ pub fn significant(value: f64, digits: usize, zero: f64) -> String {
     }
 }
 
+/// A unit as it stands after a number: that of a pure number, `1` in JSON, is none.
+pub fn unit_told(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
+}
+
 /// A value rounded to two digits of its standard error, and the error: `("1.234", "0.012")`.
 pub fn uncertain(value: f64, standard_error: f64) -> (String, String) {
     if !standard_error.is_finite() || standard_error <= 0.0 || !value.is_finite() {
@@ -55,6 +60,11 @@ mod tests {
         assert_eq!(significant(123_456_789.0, 6, 0.0), "1.23457e8");
         assert_eq!(significant(120_000.0, 6, 0.0), "120000");
         assert_eq!(significant(f64::NAN, 6, 0.0), "-");
+    }
+
+    #[test]
+    fn pure_numbers_have_no_unit() {
+        assert_eq!((unit_told("1"), unit_told("1/s"), unit_told("N m")), ("", "1/s", "N m"));
     }
 
     #[test]

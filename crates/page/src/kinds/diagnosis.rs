@@ -5,7 +5,7 @@ mod say;
 use std::collections::BTreeMap;
 
 use armident_effects::effect;
-use armident_report::{SmallTerm, uncertain};
+use armident_report::{SmallTerm, uncertain, unit_told};
 use serde::Deserialize;
 
 use self::say::{
@@ -429,7 +429,8 @@ fn card(k: usize, finding: &Finding, of: &Diagnosis, drawing: &Drawing) -> Card 
                         format!("{} to {}", uncertain(ends[0], s).0, uncertain(ends[1], s).0)
                     },
                 );
-                Fitted { name: name.replace('_', " "), value, interval, unit: n.unit.clone() }
+                let unit = unit_told(&n.unit).to_owned();
+                Fitted { name: name.replace('_', " "), value, interval, unit }
             })
             .collect(),
         why,
