@@ -314,7 +314,7 @@ fn errors_with(
 fn in_words(finding: &Finding) -> String {
     let number = |(name, of): (&&str, &armident_diagnose::Value)| {
         let error = of.stderr.map_or_else(String::new, |e| format!(" +- {e:.2}"));
-        let unit = unit_told(&of.unit);
+        let unit = unit_told(of.unit);
         format!("{name} {:.3}{error} {unit}", of.value).trim_end().to_owned()
     };
     let parameters: &BTreeMap<_, _> = &finding.parameters;

@@ -614,7 +614,7 @@ fn paragraph(finding: &Finding) -> String {
             }
             None => significant(value.value, 3, 0.0),
         };
-        let line = format!("  {name} {number} {}", unit_told(&value.unit));
+        let line = format!("  {name} {number} {}", unit_told(value.unit));
         text.push_str(&format!("{}\n", line.trim_end()));
     }
     if !finding.evidence.variables.is_empty() {
