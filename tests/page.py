@@ -5,8 +5,9 @@ Each page is printed beside itself, NAME.pdf. For a person to look at, `--pictur
 NAME.phone.png and NAME.arm.png; nothing is judged by them.
 
 A headless browser now and then stops answering (a picture waits for a frame that its compositor never draws),
-whatever page it shows. A page has a browser of its own, an answer a minute, and a page whose browser fell
-silent is looked at again with a new one. A page that silences three is at fault itself.
+whatever page it shows; without frames a chart does not hear that it has come into sight either. A page has a
+browser of its own, an answer a minute, a chart twenty seconds, and a page whose browser fell silent is looked
+at again with a new one. A page that silences three is at fault itself.
 """
 
 import base64
@@ -31,6 +32,7 @@ FLAGS = [
 ]  # fmt: skip
 
 ANSWER_S = 60
+CHART_S = 20
 BROWSERS = 3
 # what a driver says of a browser that crashed or hangs
 GONE = {"timeout", "script timeout", "session not created", "invalid session id", "no such window",
@@ -38,7 +40,7 @@ GONE = {"timeout", "script timeout", "session not created", "invalid session id"
 
 
 class Silent(Exception):
-    """A browser that does not answer."""
+    """A browser that does not answer, or draws nothing."""
 
 
 class Browser:
@@ -141,6 +143,8 @@ def picture(browser, path, width, height, dark=False):
 
 
 VISIBLE = "[...document.querySelectorAll('.chart')].filter((c) => c.offsetParent)"
+# what a chart holds once its lines, map or picture are in it
+DRAWN = "querySelector('.main-svg .trace, .main-svg .hm, .main-svg image')"
 
 
 def look(browser, page, pictures):
@@ -162,9 +166,10 @@ def look(browser, page, pictures):
     browser.run("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
     for number in range(browser.run(f"return {VISIBLE}.length")):
         browser.run(f"{VISIBLE}[{number}].scrollIntoView({{block: 'center', behavior: 'instant'}})")
-        wait(browser, f"{VISIBLE}[{number}].querySelector('.main-svg')", 20)
+        if not wait(browser, f"!!{VISIBLE}[{number}].{DRAWN}", CHART_S):
+            raise Silent(f"chart {number + 1} is in sight and was not drawn within {CHART_S} s")
     charts = browser.run(f"return {VISIBLE}.length")
-    drawn = browser.run(f"return {VISIBLE}.filter((c) => c.querySelector('.main-svg .trace, .main-svg .hm, .main-svg image')).length")
+    drawn = browser.run(f"return {VISIBLE}.filter((c) => c.{DRAWN}).length")
     # every view of every chart is drawn once
     views = 0
     for select in range(browser.run("return document.querySelectorAll('.control select').length")):
