@@ -198,9 +198,8 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         // the links behind a transmission were found beside it, and it beside those of the pass before
         let still =
             is_still(&target, &point) && (links.is_none() || (point.links.is_some() && settled));
-        if links.is_some() {
-            target.springs = springs(&metric, &found, &at);
-        }
+        // a spring that went must not shape the columns of the next pass
+        target.springs = if links.is_some() { springs(&metric, &found, &at) } else { Vec::new() };
         target.links = links;
         stride(&mut target, &point, before.as_ref());
         let (misfit, share) = if seeks_change {
