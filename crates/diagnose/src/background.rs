@@ -29,7 +29,8 @@ pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Backgro
         let scaled =
             |factor: f64| InertialParameters::from_com(mass * factor, com, inertia * factor);
         push(scaled(1.0 + STEP), STEP);
-        let size = com.norm() + COM_SIZE_M;
+        // relative to the distance is the error in all: a third of its square along each axis
+        let size = (com.norm() + COM_SIZE_M) / 3f64.sqrt();
         for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
             push(InertialParameters::from_com(mass, com + axis * (STEP * size), inertia), STEP);
         }
@@ -69,5 +70,24 @@ impl Background {
             self.directions.push(direction);
         }
         self.free += deviations.len();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An error of so much of the distance is that much in all, not along each axis.
+    #[test]
+    fn a_centre_is_off_by_a_share_of_its_distance() {
+        let com = Vector3::new(0.3, 0.0, 0.4);
+        let link = InertialParameters::from_com(2.0, com, Matrix3::identity() * 0.1);
+        let directions = inertial_error_directions(&[link]).directions;
+        let moments: f64 = directions[1..4]
+            .iter()
+            .flat_map(|direction| direction[1..4].iter().map(|x| x * x))
+            .sum();
+        let off = moments.sqrt() / link.mass_kg;
+        assert!((off - (com.norm() + COM_SIZE_M)).abs() < 1e-6, "{off}");
     }
 }

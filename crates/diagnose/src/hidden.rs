@@ -9,8 +9,8 @@ use crate::material::{LEAST, band_noise, excess, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::refine;
 use crate::ripple::RippleColumns;
+use crate::scales::{Best, Memory, keep_better, laws_at, search_at};
 use crate::search::{Answer, all_admissible, answer};
-use crate::select::{Best, Memory, keep_better, laws_at, search_at};
 use crate::transmission;
 use crate::whitened::{Whitened, WrongBody};
 

@@ -67,6 +67,7 @@ mod real_links;
 mod refine;
 mod ripple;
 mod rows;
+mod scales;
 mod scatter;
 mod search;
 mod seen;

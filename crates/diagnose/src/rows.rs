@@ -125,16 +125,18 @@ impl Rows {
 
     /// Weighted rows counted as a whole one each: the sample size of the fit.
     pub(crate) fn effective(&self) -> f64 {
-        let of_rows = |j: usize, rows: Range<usize>, misfit: f64| -> f64 {
-            let rows = self.weight[j][rows.clone()].iter().zip(&self.deviation[j][rows]);
+        (0..self.joints()).map(|j| self.effective_on(j)).sum()
+    }
+
+    /// The same of one joint.
+    pub(crate) fn effective_on(&self, joint: usize) -> f64 {
+        let of_rows = |rows: Range<usize>, misfit: f64| -> f64 {
+            let rows = self.weight[joint][rows.clone()].iter().zip(&self.deviation[joint][rows]);
             rows.map(|(w, d)| (w * d * misfit).powi(2)).sum()
         };
         let judged = self.judged_from();
-        let of_joint = |j: usize| {
-            of_rows(j, 0..judged, self.misfit_before[j])
-                + of_rows(j, judged..self.len(), self.misfit[j])
-        };
-        (0..self.joints()).map(of_joint).sum()
+        of_rows(0..judged, self.misfit_before[joint])
+            + of_rows(judged..self.len(), self.misfit[joint])
     }
 
     /// Weighted rows of joint `joint` from columns at every sample of each recording.

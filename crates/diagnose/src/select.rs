@@ -1,15 +1,12 @@
 //! From evidence to the answer: search, scans, refinement, operating point.
 
-use std::collections::HashSet;
-
 use armident_numeric::dot;
-use rayon::prelude::*;
 
 use crate::alternatives::{everyday_first, load_first};
 use crate::certain::{Doubt, certain};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
-use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::evidence::{Evidence, OperatingPoint};
 use crate::fading::with_fading;
 use crate::hidden::with_hidden_motion;
 use crate::learn::View;
@@ -18,21 +15,12 @@ use crate::misfit::{first_misfits, independent_share, misfits, misfits_after, st
 use crate::problem::{Group, Problem};
 use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
-use crate::search::{Answer, answer, search};
+use crate::scales::{Best, ChosenBy, Memory, best_of_scales};
+use crate::search::{Answer, answer};
 use crate::sprung::{Spring, springs, stride};
 use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
 
-/// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
-const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
-/// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
-/// a draft, another body, one many times as heavy.
-const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
-/// Beyond this relative error of all links no single one is called wrong.
-const ALL_LINKS_WRONG: f64 = 0.2;
-/// Most links whose body is called wrong; more are a wrong arm.
-const MOST_WRONG_BODIES: usize = 2;
-/// Rounds of scanning what is left over.
-const ROUNDS: usize = 6;
+/// Logarithm of the ratio of two misfits that are the same.
 const SAME_MISFIT: f64 = 0.3;
 /// Relative inertial error with which the reference is looked at first: what a URDF is off by.
 pub(crate) const REFERENCE_SCALE: f64 = 0.2;
@@ -67,6 +55,26 @@ impl Selection {
         self.problem.whitened(self.scale, &self.wide)
     }
 
+    /// Description length with so many independent samples a row, what is left on each joint in units of its own size:
+    /// the score of selections that weighed joints differently.
+    fn length(&self, share: f64) -> f64 {
+        let (metric, rows, fit) = (self.metric(), &self.problem.rows, &self.answer.fit);
+        let residual = metric.residual(fit);
+        let squares: Vec<f64> = residual.iter().map(|r| dot(r, r)).collect();
+        let misfit = |(j, square): (usize, &f64)| -> f64 {
+            let samples = rows.effective_on(j);
+            if samples == 0.0 {
+                return 0.0;
+            }
+            // nothing is explained better than to the noise
+            samples * (square * rows.misfit[j].powi(2) / samples).max(1.0).ln()
+        };
+        let left: f64 = squares.iter().enumerate().map(misfit).sum();
+        let of_links = fit.sum_of_squares - squares.iter().sum::<f64>();
+        let columns = metric.columns_of(&self.answer.set).len();
+        share * left + rows.share * of_links + metric.price(columns, &self.answer.set)
+    }
+
     /// The answer; the metric is that of the selection.
     pub(crate) fn view<'a, 'e>(
         &'a self,
@@ -77,27 +85,45 @@ impl Selection {
     }
 }
 
-/// What was found about the answer so far, kept from one problem to the next.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Memory {
-    groups: Vec<Group>,
-    /// ripple is not offered on these joints: its order was no whole number
-    no_ripple: HashSet<usize>,
-    /// inertial error of the last pass
-    scale: Option<f64>,
-}
-
-/// What one search gives.
-#[derive(Debug, Clone)]
-pub(crate) struct Best {
-    pub(crate) scale: f64,
-    pub(crate) wide: Vec<WrongBody>,
-    pub(crate) answer: Answer,
-}
-
+/// The answer to what the recordings show.
+///
+/// How far all links may be off is chosen before the operating point is right and every law was tried, in one of two
+/// ways ([`ChosenBy`]). Where they part, both are walked to their ends, and the shorter description is the answer.
 pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
+    let rows = owner.rows.clone();
+    let mut memory = Memory::new(ChosenBy::All);
+    let End { mut found, rests } = walk(owner, &mut memory)?;
+    if owner.rows.changed_from > 0 {
+        return Some(found);
+    }
+    if memory.ways_part {
+        let rows = std::mem::replace(&mut owner.rows, rows);
+        let other = walk(owner, &mut Memory::new(ChosenBy::WhatMatters));
+        let share = rows.share.min(owner.rows.share);
+        // what still moves is no answer where the other one rests
+        let is_better = |other: &End| match (other.rests, rests) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => other.found.length(share) < found.length(share),
+        };
+        match other.filter(is_better) {
+            Some(other) => found = other.found,
+            None => owner.rows = rows,
+        }
+    }
+    Some(with_fading(owner, &found).unwrap_or(found))
+}
+
+/// Where a walk ended.
+struct End {
+    found: Selection,
+    /// whether nothing moved any more
+    rests: bool,
+}
+
+/// From the believed arm to where the operating point, the weights and the answer no longer move.
+fn walk(owner: &mut Evidence<'_>, memory: &mut Memory) -> Option<End> {
     let mut point = OperatingPoint::of(owner.joints());
-    let mut memory = Memory::default();
     let ripple = RippleColumns::new(owner, &owner.at(&point));
     let seeks_change = owner.rows.changed_from > 0;
     let mut first = owner.problem(&point);
@@ -139,7 +165,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
         let (mut best, starts) =
-            best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &memory)?;
+            best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &point, memory)?;
         best.answer = with_held(&problem, &best, &point);
         // what is dear to try waits until the configuration is right
         let metric = problem.whitened(best.scale, &best.wide);
@@ -156,7 +182,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
                 (&ripple, &contact),
                 &mut problem,
                 starts,
-                &memory,
+                memory,
                 best,
             );
             best.answer = with_held(&problem, &best, &point);
@@ -217,12 +243,13 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
         // moves that were not confirmed must not end the search before all was tried
         // beside a law on the wrong size others were chosen, and how far links may be off, that took its part
         is_right = still && !again && !reweighted && !polished;
-        let done = (is_right && all) || pass + 1 == PASSES;
+        let rests = is_right && all;
         // with other weights or sizes another scale may be right; a reference holds its own
         memory.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
         let point_now = point.clone();
-        last = Some(Selection { problem, answer: found, scale, wide, point: point_now, doubtful });
-        if done {
+        let found = Selection { problem, answer: found, scale, wide, point: point_now, doubtful };
+        last = Some(End { found, rests });
+        if rests || pass + 1 == PASSES {
             break;
         }
         before = Some(std::mem::replace(&mut point, target));
@@ -235,11 +262,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             owner.rows.share = share;
         }
     }
-    if seeks_change {
-        return last;
-    }
-    let sharp = last?;
-    Some(with_fading(owner, &sharp).unwrap_or(sharp))
+    last
 }
 
 /// The answer with what the operating point holds: at the right one nothing is left to add.
@@ -316,157 +339,4 @@ pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) ->
         }
     }
     point
-}
-
-/// Searches with every scale of inertial errors; the scans that one brings are offered to all.
-fn best_of_scales(
-    evidence: &Evidence<'_>,
-    at: &[At<'_>],
-    ripple: &RippleColumns,
-    contact: &ContactColumns,
-    problem: &mut Problem,
-    start: Vec<usize>,
-    memory: &Memory,
-) -> Option<(Best, Vec<Vec<usize>>)> {
-    let everyday: Vec<usize> = (0..problem.groups.len())
-        .filter(|g| ["viscous_friction", "coulomb_friction"].contains(&problem.groups[*g].slug()))
-        .collect();
-    let mut starts = vec![start, everyday];
-    // widely spaced scales first, then the neighbours of the best; later passes stay near it
-    let mut best = None;
-    let first = match memory.scale {
-        Some(before) => [vec![0], neighbours(before)].concat(),
-        None => (0..SCALES.len()).step_by(2).collect(),
-    };
-    let mut tried = Vec::new();
-    for k in first {
-        if !tried.contains(&k) {
-            tried.push(k);
-            let found =
-                laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
-            keep_better(&mut best, found);
-        }
-    }
-    if memory.scale.is_none() {
-        for k in best.as_ref().map(|b: &Best| neighbours(b.scale)).unwrap_or_default() {
-            if !tried.contains(&k) {
-                let found =
-                    laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
-                keep_better(&mut best, found);
-            }
-        }
-    }
-    Some((best?, starts))
-}
-
-pub(crate) fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
-    if let Some(found) = found
-        && best.as_ref().is_none_or(|b| found.answer.score < b.answer.score)
-    {
-        *best = Some(found);
-    }
-}
-
-/// The best answer at one scale, with ripples and contacts scanned on what is left until nothing new
-/// comes.
-pub(crate) fn laws_at(
-    scale: f64,
-    evidence: &Evidence<'_>,
-    at: &[At<'_>],
-    ripple: &RippleColumns,
-    contact: &ContactColumns,
-    problem: &mut Problem,
-    starts: &mut Vec<Vec<usize>>,
-    memory: &Memory,
-) -> Option<Best> {
-    let mut found = None;
-    for round in 0..ROUNDS {
-        let now = search_at(scale, problem, starts, memory)?;
-        let metric = problem.whitened(scale, &now.wide);
-        let mut residuals = vec![metric.residual(&now.answer.fit)];
-        if round == 0 {
-            residuals.extend(answer(&metric, Vec::new()).map(|a| metric.residual(&a.fit)));
-        }
-        let mut offered = Vec::new();
-        for residual in &residuals {
-            offered.extend(ripple.offer(evidence, at, problem, residual));
-            offered.extend(contact.offer(evidence, problem, residual));
-        }
-        starts.push(now.answer.set.clone());
-        found = Some(now);
-        if offered.is_empty() {
-            break;
-        }
-        starts.extend(offered.iter().map(|g| vec![*g]));
-    }
-    found
-}
-
-pub(crate) fn search_at(
-    scale: f64,
-    problem: &Problem,
-    starts: &[Vec<usize>],
-    memory: &Memory,
-) -> Option<Best> {
-    let banned = banned(problem, memory, scale);
-    let found = search(&problem.whitened(scale, &[]), starts, &banned)?;
-    Some(with_wrong_bodies(problem, scale, found, starts, &banned))
-}
-
-/// Places of a scale and of those beside it.
-fn neighbours(scale: f64) -> Vec<usize> {
-    let at = SCALES.iter().position(|s| *s == scale).unwrap_or(0);
-    (at.saturating_sub(1)..(at + 2).min(SCALES.len())).collect()
-}
-
-/// Groups that may not be named: ripples of no whole order, and single links where all links are
-/// uncertain, which wrong bodies stand for.
-fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
-    (0..problem.groups.len())
-        .filter(|&g| {
-            let group = &problem.groups[g];
-            (group.slug() == "torque_ripple" && memory.no_ripple.contains(&group.site.joints[0]))
-                || (scale > 0.0
-                    && problem.rows.changed_from == 0
-                    && group.slug() == "link_inertia_error")
-                || group.site.window.is_some_and(|(r, _)| r < problem.rows.changed_from)
-        })
-        .collect()
-}
-
-/// Lets the errors of single links be larger than those of all others, as long as that is a shorter
-/// description.
-fn with_wrong_bodies(
-    problem: &Problem,
-    scale: f64,
-    mut found: Answer,
-    starts: &[Vec<usize>],
-    banned: &HashSet<usize>,
-) -> Best {
-    let mut wide = Vec::new();
-    // where a change is sought, a link that changed is a law like the others
-    if scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0 {
-        let links = problem.background.links;
-        while wide.len() < MOST_WRONG_BODIES {
-            let right = (0..links).filter(|l| wide.iter().all(|body: &WrongBody| body.link != *l));
-            let bodies: Vec<WrongBody> =
-                right.flat_map(|link| TIMES.map(|times| WrongBody { link, times })).collect();
-            let judged = |body: &WrongBody| {
-                let trial = [&wide[..], &[*body]].concat();
-                let next = answer(&problem.whitened(scale, &trial), found.set.clone())?;
-                Some((next.score, trial))
-            };
-            let candidates: Vec<_> = bodies.par_iter().filter_map(judged).collect();
-            let least = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((score, trial)) = least else { break };
-            if score >= found.score {
-                break;
-            }
-            let metric = problem.whitened(scale, &trial);
-            let starts = [starts, &[found.set.clone()]].concat();
-            let Some(next) = search(&metric, &starts, banned) else { break };
-            (found, wide) = (next, trial);
-        }
-    }
-    Best { scale, wide, answer: found }
 }

@@ -185,14 +185,19 @@ impl Whitened<'_> {
         })
     }
 
-    /// A description length: misfit in units of its own size, a price for every column, every
-    /// searched constant and every choice of a group.
+    /// A description length: misfit in units of its own size, and its price.
     pub(crate) fn score(&self, sum_of_squares: f64, columns: usize, set: &[usize]) -> f64 {
         let rows = self.effective_rows;
         let samples = rows * self.problem.rows.share;
+        samples * (sum_of_squares / rows).ln() + self.price(columns, set)
+    }
+
+    /// A price for every column, every searched constant, every choice of a group, and for how much the errors of links
+    /// could explain.
+    pub(crate) fn price(&self, columns: usize, set: &[usize]) -> f64 {
+        let samples = self.effective_rows * self.problem.rows.share;
         let searched: usize = set.iter().map(|g| self.problem.groups[*g].searched).sum();
-        samples * (sum_of_squares / rows).ln()
-            + samples.ln() * (columns + searched) as f64
+        samples.ln() * (columns + searched) as f64
             + PRICE_OF_CHOICE * (set.len() + self.wide.len()) as f64
             + self.price_of_onsets(set)
             + self.log_determinant
