@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use armident_effects::effect;
 
+use crate::at::OperatingPoint;
 use crate::crossval::{errors_left_out, surely_less};
-use crate::evidence::OperatingPoint;
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning};
 use crate::search::{Answer, answer};

@@ -10,7 +10,8 @@ use armident_numeric::dot;
 use armident_recording::{RecordingError, differentiate};
 use serde::Serialize;
 
-use crate::evidence::{At, Evidence};
+use crate::at::At;
+use crate::evidence::Evidence;
 use crate::model::DiagnosedModel;
 use crate::ripple::wave_gain;
 
@@ -199,7 +200,7 @@ pub(crate) fn atlas(
             .collect()
     };
     let (of_before, of_rigid, of_after) = (left(before)?, left(rigid)?, left(after)?);
-    let point = crate::evidence::OperatingPoint::of(evidence.joints());
+    let point = crate::at::OperatingPoint::of(evidence.joints());
     let arm = RigidArm::from_chain(evidence.chain);
     let at: Vec<At<'_>> =
         signals.iter().map(|s| At::new(evidence.chain, &arm, s, &point)).collect();

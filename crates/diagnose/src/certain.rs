@@ -4,8 +4,9 @@ use armident_effects::EVERYDAY;
 use armident_numeric::Cholesky;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use crate::at::{At, OperatingPoint};
 use crate::background::as_large_as;
-use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::evidence::Evidence;
 use crate::material::{answer_without, held, unnamed};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::recreate_lasting;

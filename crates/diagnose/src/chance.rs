@@ -125,7 +125,8 @@ fn shifted_columns(metric: &Whitened<'_>, joint: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::{Evidence, OperatingPoint};
+    use crate::at::OperatingPoint;
+    use crate::evidence::Evidence;
     use crate::made::{swung, ur5};
     use crate::material::{LEAST, band_noise};
     use crate::search::answer;

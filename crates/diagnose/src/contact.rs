@@ -3,7 +3,8 @@
 use armident_effects::{ExternalContact, Place};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::evidence::{At, Evidence};
+use crate::at::At;
+use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
 
 /// Shortest and longest window \[s\], and the grid of its ends.

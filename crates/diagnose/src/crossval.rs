@@ -7,8 +7,8 @@ use armident_effects::EVERYDAY;
 use armident_numeric::dot;
 use rayon::prelude::*;
 
+use crate::at::OperatingPoint;
 use crate::certain::CHANCE;
-use crate::evidence::OperatingPoint;
 use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;

@@ -8,9 +8,10 @@ use std::collections::HashSet;
 
 use armident_effects::{LIBRARY, Place, Scope, direction};
 
+use crate::at::{At, OperatingPoint};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, errors_left_out, in_standard_errors, with_everyday_terms_of};
-use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::evidence::Evidence;
 use crate::material::prune;
 use crate::problem::{Group, Problem};
 use crate::refine::recreate;

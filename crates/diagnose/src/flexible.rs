@@ -6,7 +6,8 @@ use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::evidence::{At, Evidence};
+use crate::at::At;
+use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
 
 /// Knots along the joint's own position, its own velocity, and along each axis of products.

@@ -2,8 +2,9 @@
 
 use armident_effects::Place;
 
+use crate::at::At;
 use crate::contact::ContactColumns;
-use crate::evidence::{At, Evidence};
+use crate::evidence::Evidence;
 use crate::flexible;
 use crate::material::{LEAST, band_noise, excess, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};

@@ -7,7 +7,8 @@ use armident_ident::ArmModel;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
-use crate::evidence::{At, Evidence, OperatingPoint, changed};
+use crate::at::{At, OperatingPoint, changed};
+use crate::evidence::Evidence;
 use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
 use crate::problem::{Group, Meaning};

@@ -34,6 +34,7 @@
 //! effort in these motions one is named; contacts push on the tip.
 
 mod alternatives;
+mod at;
 mod atlas;
 mod background;
 mod band;

@@ -4,8 +4,9 @@ use armident_dynamics::RigidArm;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_recording::{JointChannels, Recording};
 
+use crate::at::{At, OperatingPoint};
 use crate::band::BAND_HZ;
-use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::evidence::Evidence;
 use crate::signals::Signals;
 
 pub(crate) fn ur5() -> DrivingAxisChain {

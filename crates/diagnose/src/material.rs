@@ -4,8 +4,8 @@
 
 use armident_effects::effect;
 
+use crate::at::OperatingPoint;
 use crate::chance::Chance;
-use crate::evidence::OperatingPoint;
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, admissible_part};

@@ -3,7 +3,8 @@
 use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
 
-use crate::evidence::{At, Evidence};
+use crate::at::At;
+use crate::evidence::Evidence;
 use crate::flexible;
 use crate::problem::Problem;
 use crate::search::Answer;

@@ -6,7 +6,7 @@ use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
-use crate::evidence::{At, OperatingPoint};
+use crate::at::{At, OperatingPoint};
 use crate::learned::Learned;
 use crate::seen::Seen;
 use crate::signals::{Signals, later, low_pass};

@@ -8,7 +8,7 @@ use armident_ident::{ConsistencyProblem, MinimalSet};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_numeric::{Mat, information_root};
 
-use crate::evidence::changed;
+use crate::at::changed;
 use crate::problem::Group;
 use crate::search::{Answer, all_admissible};
 use crate::whitened::{Fit, Whitened};
@@ -158,7 +158,7 @@ fn beside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::OperatingPoint;
+    use crate::at::OperatingPoint;
     use crate::made::{evidence, ur5};
     use crate::search::answer;
 

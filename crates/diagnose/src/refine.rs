@@ -6,9 +6,10 @@ use std::ops::Range;
 use armident_effects::{Scope, effect};
 use armident_numeric::{Cholesky, dot};
 
+use crate::at::At;
 use crate::contact::ContactColumns;
 use crate::crossval::{stretches, with_everyday_terms_of};
-use crate::evidence::{At, Evidence};
+use crate::evidence::Evidence;
 use crate::flexible;
 use crate::problem::{Group, Meaning, Problem};
 use crate::scatter::LEFT_OUT_PER_RECORDING;
@@ -512,7 +513,7 @@ pub(crate) fn fractional_ripples(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::OperatingPoint;
+    use crate::at::OperatingPoint;
     use crate::made::{evidence, ur5};
     use armident_kinematics::DrivingAxisChain;
 

@@ -4,7 +4,8 @@ use armident_effects::{Effect, JointMotion, TorqueRipple};
 use armident_kinematics::JointKind;
 use armident_numeric::dot;
 
-use crate::evidence::{At, Evidence};
+use crate::at::At;
+use crate::evidence::Evidence;
 use crate::problem::Problem;
 
 /// Orders tried on a rotational joint: whole numbers of cycles a turn.

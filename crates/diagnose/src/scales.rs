@@ -4,8 +4,9 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
+use crate::at::{At, OperatingPoint};
 use crate::contact::ContactColumns;
-use crate::evidence::{At, Evidence, OperatingPoint};
+use crate::evidence::Evidence;
 use crate::material::prune;
 use crate::problem::{Group, Problem};
 use crate::ripple::RippleColumns;

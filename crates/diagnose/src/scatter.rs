@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use crate::at::At;
 use crate::crossval::stretches;
-use crate::evidence::{At, Evidence};
+use crate::evidence::Evidence;
 use crate::problem::{Group, Problem};
 use crate::refine::{ShapeScatter, shape_scatter};
 use crate::search::Answer;

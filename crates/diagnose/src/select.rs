@@ -3,10 +3,11 @@
 use armident_numeric::dot;
 
 use crate::alternatives::{everyday_first, load_first};
+use crate::at::OperatingPoint;
 use crate::certain::{Doubt, certain};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
-use crate::evidence::{Evidence, OperatingPoint};
+use crate::evidence::Evidence;
 use crate::fading::with_fading;
 use crate::hidden::with_hidden_motion;
 use crate::learn::View;

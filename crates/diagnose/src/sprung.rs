@@ -14,7 +14,7 @@ use armident_dynamics::{ArmMotion, ParameterColumns, RigidArm};
 use armident_kinematics::InertialParameters;
 use armident_recording::RecordingError;
 
-use crate::evidence::{At, OperatingPoint};
+use crate::at::{At, OperatingPoint};
 use crate::problem::Group;
 use crate::search::Answer;
 use crate::transmission::{Load, Transmission, mean_inertia, of_shape};
@@ -264,7 +264,8 @@ pub(crate) fn stride(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::{Evidence, changed};
+    use crate::at::changed;
+    use crate::evidence::Evidence;
     use crate::made::{swung, swung_for, ur5};
     use crate::select::select;
     use armident_dynamics::RigidArm;

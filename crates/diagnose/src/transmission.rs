@@ -15,7 +15,8 @@ use armident_recording::{RecordingError, differentiate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::evidence::{At, Evidence};
+use crate::at::At;
+use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::Blocks;
 use crate::signals::{Signals, kinematics_filter, low_pass};
@@ -517,8 +518,8 @@ pub(crate) fn offer(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::at::{OperatingPoint, changed};
     use crate::band::BAND_HZ;
-    use crate::evidence::{OperatingPoint, changed};
     use crate::made::{swung, ur5};
     use armident_dynamics::RigidArm;
     use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};

@@ -1,0 +1,266 @@
+//! One recording at an operating point: what moves there, what it takes, what each joint carries.
+
+use std::sync::OnceLock;
+
+use armident_dynamics::{ArmAngles, RigidArm};
+use armident_effects::{ArmMotion, Effect, JointMotion, Place, tilted};
+use armident_kinematics::{DrivingAxisChain, InertialParameters};
+use nalgebra::Vector3;
+
+use crate::fading::faded;
+use crate::signals::Signals;
+use crate::sprung::{Spring, Sprung};
+use crate::transmission::Load;
+
+/// Laws that turn the configuration itself: where they are assumed to be.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OperatingPoint {
+    /// rotation vector of the base about x and y of the world \[rad\]
+    pub(crate) tilt: [f64; 2],
+    /// recorded minus true position \[rad or m\]
+    pub(crate) offset: Vec<f64>,
+    /// lag of the efforts \[s\]
+    pub(crate) delay_s: f64,
+    /// changes of the links' standard parameters, for links that move by themselves behind their motors: how
+    /// they ring depends on what they really weigh
+    pub(crate) links: Option<Vec<f64>>,
+    /// beside which the columns of links are formed
+    pub(crate) springs: Vec<Spring>,
+    /// speeds below which dry friction fades \[rad/s or m/s\]; 0 where it is sharp
+    pub(crate) fading: Vec<f64>,
+    /// of the effort channels: what the arm does beside the believed one is recorded with it as well
+    pub(crate) gain: Vec<f64>,
+}
+
+impl OperatingPoint {
+    pub(crate) fn of(joints: usize) -> Self {
+        let (offset, fading, gain) = (vec![0.0; joints], vec![0.0; joints], vec![1.0; joints]);
+        let springs = Vec::new();
+        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, fading, gain }
+    }
+}
+
+/// One recording at an operating point.
+pub(crate) struct At<'a> {
+    pub(crate) signals: &'a Signals,
+    pub(crate) arm: RigidArm,
+    pub(crate) position: Vec<Vec<f64>>,
+    pub(crate) rigid: Vec<Vec<f64>>,
+    /// of joints that rest somewhere: with their held acceleration
+    answered: Vec<Option<Vec<f64>>>,
+    /// rigid effort and what is known of the rest, where there is some
+    with_known: Vec<Option<Vec<f64>>>,
+    /// directions of joints whose friction fades
+    faded: Vec<Option<Vec<f64>>>,
+    /// lag of the efforts \[s\]
+    pub(crate) delay_s: f64,
+    /// of the effort channels
+    gain: Vec<f64>,
+    angles: ArmAngles,
+    /// the arm with other links, where a hidden one is simulated or friction follows the load, and its efforts: formed
+    /// when first asked for
+    others: Option<(RigidArm, OnceLock<Vec<Vec<f64>>>)>,
+    /// of each joint, formed when first asked for
+    loads: Vec<OnceLock<Load>>,
+    /// of joints that rest somewhere: with their held acceleration and the other links
+    carried: Vec<OnceLock<Option<Vec<f64>>>>,
+    /// formed when first asked for
+    sprung: Vec<(Spring, OnceLock<Option<Sprung>>)>,
+}
+
+impl<'a> At<'a> {
+    pub(crate) fn new(
+        chain: &DrivingAxisChain,
+        arm: &RigidArm,
+        signals: &'a Signals,
+        point: &OperatingPoint,
+    ) -> Self {
+        let mut arm = arm.clone();
+        let tilt = Vector3::new(point.tilt[0], point.tilt[1], 0.0);
+        arm.gravity_e0 = tilted(&chain.base_from_e0, &arm.gravity_e0, &tilt);
+        let moved = |(q, offset): (&Vec<f64>, &f64)| q.iter().map(|q| q - offset).collect();
+        let position: Vec<Vec<f64>> =
+            signals.position.iter().zip(&point.offset).map(moved).collect();
+        let loads = (0..arm.dof()).map(|_| OnceLock::new()).collect();
+        let carried = (0..arm.dof()).map(|_| OnceLock::new()).collect();
+        let (angles, rigid) = (ArmAngles::of(&arm, &position), Vec::new());
+        let others = point.links.as_ref().map(|changes| {
+            let mut others = arm.clone();
+            for (link, change) in others.links.iter_mut().zip(changes.chunks(10)) {
+                *link = changed(link, change);
+            }
+            (others, OnceLock::new())
+        });
+        let delay_s = point.delay_s;
+        let (answered, with_known) = (Vec::new(), Vec::new());
+        let fades = |(j, speed): (usize, &f64)| {
+            (*speed > 0.0 && signals.rests[j].is_empty())
+                .then(|| faded(&signals.direction[j], &signals.velocity[j], *speed))
+        };
+        let faded = point.fading.iter().enumerate().map(fades).collect();
+        let mut at = Self {
+            signals,
+            arm,
+            position,
+            rigid,
+            answered,
+            with_known,
+            faded,
+            delay_s,
+            gain: point.gain.clone(),
+            angles,
+            others,
+            loads,
+            carried,
+            sprung: point.springs.iter().map(|s| (s.clone(), OnceLock::new())).collect(),
+        };
+        at.rigid = at.motion().efforts(&at.arm);
+        let held = &signals.held_acceleration;
+        at.answered = (0..held.len()).map(|j| at.of_own(j, held)).collect();
+        let with_known = |(j, taken): (usize, &Vec<f64>)| {
+            let any = taken.iter().any(|x| *x != 0.0);
+            any.then(|| at.answered(j).iter().zip(taken).map(|(e, x)| e + x).collect())
+        };
+        at.with_known = signals.taken.iter().enumerate().map(with_known).collect();
+        at
+    }
+
+    /// The motion of the arm as recorded.
+    pub(crate) fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
+        let (v, a) = (&self.signals.velocity, &self.signals.acceleration);
+        armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
+    }
+
+    /// The efforts as they were, without their lag; of a joint without a record, whose rows weigh nothing, those
+    /// of the rigid arm.
+    pub(crate) fn effort_or_rigid(&self) -> Vec<Vec<f64>> {
+        let recorded = self.signals.effort_before(self.delay_s).into_iter().zip(&self.rigid);
+        recorded.map(|(e, rigid)| if e.is_empty() { rigid.clone() } else { e }).collect()
+    }
+
+    /// Efforts on a joint as its channel records them.
+    pub(crate) fn recorded(&self, j: usize, mut efforts: Vec<f64>) -> Vec<f64> {
+        if self.gain[j] != 1.0 {
+            efforts.iter_mut().for_each(|x| *x *= self.gain[j]);
+        }
+        efforts
+    }
+
+    /// The same of all joints.
+    pub(crate) fn all_recorded(&self, efforts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        efforts.into_iter().enumerate().map(|(j, e)| self.recorded(j, e)).collect()
+    }
+
+    /// Rigid effort on a joint that rests somewhere, with another acceleration of its own; none on others.
+    pub(crate) fn of_own(&self, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
+        self.of_own_on(&self.arm, j, acceleration)
+    }
+
+    /// The same of an arm with other links.
+    fn of_own_on(&self, arm: &RigidArm, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let rests = self.signals.rests[j].iter().any(|(start, _)| *start > 0);
+        let own = || self.motion().with_acceleration(j, &acceleration[j]).effort_on(arm, j);
+        rests.then(own)
+    }
+
+    /// The rigid effort that the drive of a joint answers.
+    pub(crate) fn answered(&self, j: usize) -> &[f64] {
+        self.answered[j].as_ref().unwrap_or(&self.rigid[j])
+    }
+
+    /// The arm that the answer makes of it where that matters for more than its own efforts, and these.
+    pub(crate) fn of_other_links(&self) -> (&RigidArm, &[Vec<f64>]) {
+        match &self.others {
+            Some((arm, efforts)) => (arm, efforts.get_or_init(|| self.motion().efforts(arm))),
+            None => (&self.arm, &self.rigid),
+        }
+    }
+
+    /// The links behind springs of the operating point.
+    pub(crate) fn sprung(&self) -> impl Iterator<Item = &Sprung> {
+        self.sprung.iter().filter_map(|(spring, made)| {
+            made.get_or_init(|| Sprung::of(self, spring).ok()).as_ref()
+        })
+    }
+
+    /// Whether the operating point has a spring on a joint that is about right.
+    pub(crate) fn has_right_spring(&self, joint: usize) -> bool {
+        self.sprung().any(|sprung| sprung.joint() == joint && sprung.is_about_right())
+    }
+
+    /// What a joint has to move.
+    pub(crate) fn load(&self, j: usize) -> &Load {
+        self.loads[j].get_or_init(|| Load::of(self, j))
+    }
+
+    pub(crate) fn joint(&self, j: usize) -> JointMotion<'_> {
+        JointMotion {
+            kind: self.arm.joints[j].kind,
+            time_s: &self.signals.time_s,
+            position: &self.position[j],
+            velocity: &self.signals.velocity[j],
+            acceleration: &self.signals.held_acceleration[j],
+            direction: self.faded[j].as_ref().unwrap_or(&self.signals.direction[j]),
+            rigid_effort: self.answered(j),
+        }
+    }
+
+    /// What a law sees of a joint: a gain of the channel sees all that is known of its effort, others the load of the
+    /// rigid body with the links that the answer gives it.
+    pub(crate) fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
+        let seen = match law.law().places.contains(&Place::Gain) {
+            true => self.with_known[j].as_deref(),
+            false => self.carried(j),
+        };
+        match seen {
+            Some(rigid_effort) => JointMotion { rigid_effort, ..self.joint(j) },
+            None => self.joint(j),
+        }
+    }
+
+    /// The rigid effort that the drive of a joint answers with other links, where there are some.
+    fn carried(&self, j: usize) -> Option<&[f64]> {
+        self.others.as_ref()?;
+        let (arm, efforts) = self.of_other_links();
+        let held = &self.signals.held_acceleration;
+        let own = self.carried[j].get_or_init(|| self.of_own_on(arm, j, held));
+        Some(own.as_ref().unwrap_or(&efforts[j]))
+    }
+
+    pub(crate) fn arm_motion<'b>(
+        &'b self,
+        chain: &DrivingAxisChain,
+        effort: &'b [Vec<f64>],
+    ) -> ArmMotion<'b> {
+        ArmMotion {
+            arm: &self.arm,
+            base_from_e0: chain.base_from_e0,
+            tip_in_last_m: chain.tip_in_e.translation.vector,
+            rate_hz: self.signals.rate_hz,
+            position: &self.position,
+            velocity: &self.signals.velocity,
+            acceleration: &self.signals.acceleration,
+            rigid_effort: effort,
+        }
+    }
+
+    /// Columns of a law on the whole arm as the channels record them: `[column][joint][sample]`.
+    pub(crate) fn recorded_arm_columns(
+        &self,
+        law: &dyn Effect,
+        j: usize,
+        chain: &DrivingAxisChain,
+    ) -> Vec<Vec<Vec<f64>>> {
+        let columns = law.arm_columns(j, &self.arm_motion(chain, &self.rigid));
+        columns.into_iter().map(|column| self.all_recorded(column)).collect()
+    }
+}
+
+/// Standard parameters of a link changed by `10` numbers.
+pub(crate) fn changed(link: &InertialParameters, change: &[f64]) -> InertialParameters {
+    let mut numbers = link.to_array();
+    for (x, d) in numbers.iter_mut().zip(change) {
+        *x += d;
+    }
+    InertialParameters::from_array(&numbers)
+}
