@@ -73,6 +73,7 @@ mod scatter;
 mod search;
 mod seen;
 mod select;
+mod shape_scatter;
 mod signals;
 mod sprung;
 mod stops;

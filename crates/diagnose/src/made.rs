@@ -1,12 +1,14 @@
 //! A UR5 that swings, for tests.
 
 use armident_dynamics::RigidArm;
+use armident_effects::effect;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_recording::{JointChannels, Recording};
 
 use crate::at::{At, OperatingPoint};
 use crate::band::BAND_HZ;
 use crate::evidence::Evidence;
+use crate::problem::Problem;
 use crate::signals::Signals;
 
 pub(crate) fn ur5() -> DrivingAxisChain {
@@ -66,4 +68,32 @@ pub(crate) fn swung_for(
         }
     }
     Signals::below(&recording(Some(&efforts)), &names, BAND_HZ).unwrap()
+}
+
+/// Joint of [`rubbing`] with friction.
+pub(crate) const RUBBING_JOINT: usize = 1;
+/// Static and sliding level \[N m\] and speed \[rad/s\].
+pub(crate) const STRIBECK: [f64; 3] = [9.0, 4.0, 0.15];
+
+/// An arm with Stribeck friction on a joint, beside viscous friction \[N m s/rad\].
+pub(crate) fn rubbing(chain: &DrivingAxisChain, viscous: f64) -> Evidence<'_> {
+    let [highest, sliding, speed] = STRIBECK;
+    evidence(chain, chain, |j, v| match j {
+        RUBBING_JOINT => {
+            let more = (highest - sliding) * (-(v / speed).powi(2)).exp();
+            v.signum() * (sliding + more) + viscous * v
+        }
+        _ => 0.0,
+    })
+}
+
+/// Stribeck friction on that joint, falling at this speed \[rad/s\].
+pub(crate) fn stribeck(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    speed: f64,
+) -> usize {
+    let law = effect("stribeck_friction").unwrap();
+    evidence.push_joint_law(problem, at, law, RUBBING_JOINT, &[speed]).unwrap()
 }

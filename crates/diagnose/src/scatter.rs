@@ -8,8 +8,8 @@ use crate::at::At;
 use crate::crossval::stretches;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Problem};
-use crate::refine::{ShapeScatter, shape_scatter};
 use crate::search::Answer;
+use crate::shape_scatter::{ShapeScatter, shape_scatter};
 use crate::whitened::Whitened;
 
 /// Stretches of a recording that are left out one after the other for a standard error.
