@@ -5,13 +5,16 @@ use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 use armident_effects::effect;
+use rayon::prelude::*;
 
 use crate::at::OperatingPoint;
 use crate::crossval::{errors_left_out, surely_less};
 use crate::material::{LEAST, band_noise, held};
-use crate::problem::{Group, Meaning};
+use crate::problem::{Group, Meaning, Problem};
+use crate::rows::Blocks;
+use crate::scales::{TIMES, may_be_wrong};
 use crate::search::{Answer, answer};
-use crate::whitened::{PRICE_OF_SELDOM, Whitened};
+use crate::whitened::{PRICE_OF_SELDOM, Whitened, WrongBody};
 
 /// Share of what a name needs that another law may leave over and still pass for the same.
 const TOLD_APART: f64 = 1.0 / 3.0;
@@ -21,12 +24,23 @@ const ODDS: f64 = 6.0;
 const MOST: usize = 4;
 /// Candidates that are fitted for one finding, by the estimate of their fit.
 const TRIED: usize = 16;
+const WRONG_BODY: &str = "link_inertia_error";
 
-/// An answer with another law in the place of one.
+/// What takes a place in an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum InPlace {
+    /// a group of the problem
+    Group(usize),
+    /// errors of a link beyond those of all others
+    Body(usize),
+}
+
+/// An answer with another law, or a wrong body, in the place of one.
 pub(crate) struct Rival {
-    /// group that takes the place
-    pub(crate) group: usize,
+    pub(crate) by: InPlace,
     pub(crate) answer: Answer,
+    /// its links with a wrong body
+    pub(crate) wide: Vec<WrongBody>,
     /// root mean square effort it leaves more, in standard deviations of one recorded sample, on the
     /// joint where that is most
     pub(crate) left: f64,
@@ -42,7 +56,13 @@ pub(crate) fn rivals(
 ) -> Vec<Rival> {
     let held = held(&metric.problem.groups[group], point);
     if held.is_empty() {
-        return of_group(metric, of, group);
+        let mut found = of_group(metric, of, group);
+        if metric.problem.groups[group].is_of_link() {
+            let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
+            found.extend(bodies(metric, of, &rest, &metric.wide, None));
+            nearest_first(&mut found);
+        }
+        return found;
     }
     let moved = metric.problem.with_added(&held);
     let metric = moved.whitened(metric.scale, &metric.wide);
@@ -65,8 +85,9 @@ pub(crate) fn everyday_first(
             continue;
         }
         let usual = rivals(metric, &of, group, point).into_iter().find(|rival| {
-            everyday(rival.group)
-                && metric.problem.groups[rival.group].site.joints == *joints
+            let InPlace::Group(other) = rival.by else { return false };
+            everyday(other)
+                && metric.problem.groups[other].site.joints == *joints
                 && rival.answer.score - of.score < PRICE_OF_SELDOM
         });
         if let Some(rival) = usual {
@@ -147,42 +168,106 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
         .take(TRIED)
         .filter_map(|&(_, g)| {
             let answer = answer(metric, [rest.as_slice(), &[g]].concat())?;
-            let residual = metric.residual(&answer.fit);
-            let left = (0..residual.len())
-                .map(|j| {
-                    let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
-                    (square(&residual[j]) - square(&with[j])).max(0.0).sqrt()
-                })
-                .fold(0.0, f64::max);
-            Some(Rival { group: g, answer, left })
+            let left = left_more(problem, &metric.residual(&answer.fit), &with);
+            let rival = Rival { by: InPlace::Group(g), answer, wide: metric.wide.clone(), left };
+            Some((g, rival))
         })
-        .filter(|rival| {
+        .filter(|(other, rival)| {
             let near = rival.answer.score - of.score < ODDS;
-            let of_links = [group, rival.group].map(|g| groups[g].is_of_link());
+            let of_links = [group, *other].map(|g| groups[g].is_of_link());
             let changed = problem.rows.changed_from > 0;
             if changed && of_links == [true; 2] {
                 near || !surely_less(&errors, &left_out(&rival.answer))
             } else if !changed && groups[group].transform.is_some() && metric.scale > 0.0 {
-                // uncertain inertias take up what a load leaves: there the evidence decides
-                near
+                // uncertain inertias take up what a load leaves, whatever stands in its place: there the evidence
+                // decides, among laws that look like it
+                near && separated_by(groups[group].slug(), groups[*other].slug()).is_some()
             } else {
-                rival.left < told_apart(metric, of, &with, rival)
+                rival.left < told_apart(metric, of, &with, *other)
             }
         })
+        .map(|(_, rival)| rival)
         .collect();
-    found.sort_by(|a, b| a.left.total_cmp(&b.left));
-    found.truncate(MOST);
+    nearest_first(&mut found);
     found
 }
 
+fn nearest_first(found: &mut Vec<Rival>) {
+    found.sort_by(|a, b| a.left.total_cmp(&b.left));
+    found.truncate(MOST);
+}
+
+/// Root mean square effort left more, in standard deviations of one recorded sample, on the joint where that is most.
+fn left_more(problem: &Problem, residual: &Blocks, than: &Blocks) -> f64 {
+    let on_joint = |j: usize| {
+        let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
+        (square(&residual[j]) - square(&than[j])).max(0.0).sqrt()
+    };
+    (0..residual.len()).map(on_joint).fold(0.0, f64::max)
+}
+
+/// Rivals of a link with a wrong body: other bodies, and laws that look like one, the nearest first.
+pub(crate) fn rivals_of_body(metric: &Whitened<'_>, of: &Answer, link: usize) -> Vec<Rival> {
+    let wide: Vec<WrongBody> =
+        metric.wide.iter().copied().filter(|body| body.link != link).collect();
+    let mut found = bodies(metric, of, &of.set, &wide, Some(link));
+    let problem = metric.problem;
+    let others = problem.whitened(metric.scale, &wide);
+    let with = metric.residual(&of.fit);
+    let looks_alike = |g: &usize| {
+        let group = &problem.groups[*g];
+        group.slug() != WRONG_BODY
+            && separated_by(group.slug(), WRONG_BODY).is_some()
+            && of.set.iter().all(|o| o != g && !problem.groups[*o].excludes(group))
+    };
+    let laws: Vec<usize> = (0..problem.groups.len()).filter(looks_alike).collect();
+    found.par_extend(laws.into_par_iter().filter_map(|g| {
+        let answer = answer(&others, [of.set.as_slice(), &[g]].concat())?;
+        let left = left_more(problem, &others.residual(&answer.fit), &with);
+        let near = answer.score - of.score < ODDS;
+        near.then(|| Rival { by: InPlace::Group(g), answer, wide: wide.clone(), left })
+    }));
+    nearest_first(&mut found);
+    found
+}
+
+/// Answers of a set with a further link whose body is wrong, all but one link tried, that are about as probable as an
+/// answer.
+fn bodies(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    set: &[usize],
+    wide: &[WrongBody],
+    but: Option<usize>,
+) -> Vec<Rival> {
+    let (problem, scale) = (metric.problem, metric.scale);
+    if !may_be_wrong(problem, scale) {
+        return Vec::new();
+    }
+    let with = metric.residual(&of.fit);
+    let free = |link: &usize| Some(*link) != but && wide.iter().all(|body| body.link != *link);
+    let links: Vec<usize> = (0..problem.background.links).filter(free).collect();
+    let of_link = |link: usize| -> Option<Rival> {
+        let of_size = |times: f64| {
+            let wide = [wide, &[WrongBody { link, times }]].concat();
+            let answer = answer(&problem.whitened(scale, &wide), set.to_vec())?;
+            Some((wide, answer))
+        };
+        let sizes = TIMES.iter().filter_map(|times| of_size(*times));
+        let (wide, answer) = sizes.min_by(|a, b| a.1.score.total_cmp(&b.1.score))?;
+        let residual = problem.whitened(scale, &wide).residual(&answer.fit);
+        let left = left_more(problem, &residual, &with);
+        let near = answer.score - of.score < ODDS;
+        near.then_some(Rival { by: InPlace::Body(link), answer, wide, left })
+    };
+    links.into_par_iter().filter_map(of_link).collect()
+}
+
 /// What is left more from which on two laws are told apart on these recordings.
-fn told_apart(metric: &Whitened<'_>, of: &Answer, with: &[Vec<f64>], rival: &Rival) -> f64 {
+fn told_apart(metric: &Whitened<'_>, of: &Answer, with: &[Vec<f64>], rival: usize) -> f64 {
     // the more a joint's model leaves over, the less its details say
-    let joints = of
-        .set
-        .iter()
-        .chain([&rival.group])
-        .flat_map(|g| metric.problem.groups[*g].site.joints.clone());
+    let joints =
+        of.set.iter().chain([&rival]).flat_map(|g| metric.problem.groups[*g].site.joints.clone());
     let imperfect = joints
         .map(|j| {
             let noise = band_noise(metric.problem, j);
@@ -206,4 +291,41 @@ pub(crate) fn separated_by(slug: &str, other: &str) -> Option<&'static str> {
         law.look_alikes.iter().find(|l| l.slug == other).map(|l| l.separated_by)
     };
     of(slug, other).or_else(|| of(other, slug))
+}
+
+#[cfg(test)]
+mod tests {
+    use armident_kinematics::InertialParameters;
+    use nalgebra::{Matrix3, Vector3};
+
+    use super::*;
+    use crate::at::changed;
+    use crate::made::{evidence, ur5};
+
+    /// What sits on the axis of a joint is on one side of it or on the other.
+    #[test]
+    fn a_mass_on_an_axis_is_of_either_link() {
+        let believed = ur5();
+        let mut real = believed.clone();
+        let link = believed.joints.len() - 1;
+        let mass = InertialParameters::from_com(0.1, Vector3::z() * 0.05, Matrix3::zeros());
+        real.joints[link].link = changed(&real.joints[link].link, &mass.to_array());
+        let evidence = evidence(&believed, &real, |_, _| 0.0);
+        let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
+        let wide = [WrongBody { link: link - 1, times: 12.0 }];
+        let metric = problem.whitened(0.05, &wide);
+        let found = answer(&metric, Vec::new()).unwrap();
+        let of_body = rivals_of_body(&metric, &found, link - 1);
+        let body = of_body.iter().find(|rival| rival.by == InPlace::Body(link)).unwrap();
+        assert!(body.wide.iter().map(|body| body.link).eq([link]));
+        // nor is it a body of the shoulder
+        assert!(of_body.iter().all(|rival| rival.by != InPlace::Body(0)));
+        // a load that was named has the same rivals
+        let load = problem.groups.iter().position(|group| group.slug() == "payload").unwrap();
+        let metric = problem.whitened(0.05, &[]);
+        let loaded = answer(&metric, vec![load]).unwrap();
+        let point = OperatingPoint::of(evidence.joints());
+        let of_load = rivals(&metric, &loaded, load, &point);
+        assert!(of_load.iter().any(|rival| rival.by == InPlace::Body(link - 1)));
+    }
 }

@@ -92,7 +92,7 @@ impl Known {
     /// What the model knows becomes part of all models of a diagnosis of such recordings.
     fn put_back_into(&self, diagnosis: &mut Diagnosis) {
         let beside = diagnosis.without.iter_mut().flatten();
-        let rivals = diagnosis.rivals.iter_mut().flatten();
+        let rivals = diagnosis.rivals.iter_mut().flatten().flatten();
         let own = [&mut diagnosis.model, &mut diagnosis.rigid, &mut diagnosis.believed];
         for model in own.into_iter().chain(beside).chain(rivals) {
             *model = together(&self.model, model.clone());

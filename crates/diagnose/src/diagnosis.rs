@@ -54,8 +54,8 @@ pub struct Diagnosis {
     pub believed: DiagnosedModel,
     /// for each finding, the model that does without it
     pub(crate) without: Vec<Option<DiagnosedModel>>,
-    /// for each finding, the models with its alternatives in its place
-    pub(crate) rivals: Vec<Vec<DiagnosedModel>>,
+    /// for each finding, the models with its alternatives in its place, in their order; none where there is no such model
+    pub(crate) rivals: Vec<Vec<Option<DiagnosedModel>>>,
     /// Joints of the chain.
     pub joints: Vec<String>,
     /// Noise of one recorded effort sample \[N m or N\].
@@ -240,9 +240,7 @@ impl Selected<'_> {
             .collect();
         let rivals = claims
             .par_iter()
-            .map(|claim| {
-                claim.rivals.iter().filter_map(|answer| model_of(answer, &selection.wide)).collect()
-            })
+            .map(|claim| claim.rivals.iter().map(|(answer, wide)| model_of(answer, wide)).collect())
             .collect();
         let mut rigid =
             rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
@@ -424,6 +422,7 @@ impl Diagnosis {
         let mut pairs = Vec::new();
         for (finding, rivals) in self.findings.iter().zip(&self.rivals) {
             for (alternative, other) in finding.alternatives.iter().zip(rivals) {
+                let Some(other) = other else { continue };
                 let mut joints: Vec<usize> =
                     finding.joints.iter().chain(&alternative.joints).filter_map(place).collect();
                 joints.extend(place(&finding.evidence.joint));

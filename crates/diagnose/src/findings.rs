@@ -6,7 +6,7 @@ use armident_effects::{Place, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use crate::alternatives::{Rival, rivals, separated_by};
+use crate::alternatives::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::atlas::Character;
 use crate::certain::{Doubt, LeftOpen};
 use crate::evidence::Evidence;
@@ -99,8 +99,8 @@ pub(crate) struct Claim {
     pub(crate) finding: Finding,
     /// without it, and the links with a wrong body; none where there is no such answer
     pub(crate) without: Option<(Answer, Vec<WrongBody>)>,
-    /// with each alternative in its place
-    pub(crate) rivals: Vec<Answer>,
+    /// with each alternative in its place, and the links with a wrong body
+    pub(crate) rivals: Vec<(Answer, Vec<WrongBody>)>,
 }
 
 /// What is claimed, the most material first. `numbers` has all that is claimed and the small terms
@@ -131,12 +131,13 @@ pub(crate) fn claims(
             let numbers = parameters(numbers, g, &scatter);
             let mut finding = finding_of_group(&view, g, &size, numbers);
             let rivals = rivals(&metric, &selection.answer, g, &selection.point);
-            finding.alternatives = rivals.iter().map(|r| alternative(&view, g, r)).collect();
+            let told = |r: &Rival| alternative(&view, InPlace::Group(g), r);
+            finding.alternatives = rivals.iter().map(told).collect();
             finding.alternatives.extend(load_unweighed(&view, g));
             Claim {
                 finding,
                 without: without.map(|answer| (answer, selection.wide.clone())),
-                rivals: rivals.into_iter().map(|r| r.answer).collect(),
+                rivals: rivals.into_iter().map(|r| (r.answer, r.wide)).collect(),
             }
         })
         .collect();
@@ -152,31 +153,43 @@ pub(crate) fn claims(
         let change = &errors[10 * link..10 * (link + 1)];
         let covariance =
             metric.inertial_covariance(&(10 * link..10 * link + 4).collect::<Vec<_>>());
+        let mut finding = wrong_body(evidence, link, change, &covariance, &size);
+        let rivals = rivals_of_body(&metric, &selection.answer, link);
+        let told = |r: &Rival| alternative(&view, InPlace::Body(link), r);
+        finding.alternatives = rivals.iter().map(told).collect();
         found.push(Claim {
-            finding: wrong_body(evidence, link, change, &covariance, &size),
+            finding,
             without: answer(&others, selection.answer.set.clone()).map(|answer| (answer, wide)),
-            rivals: Vec::new(),
+            rivals: rivals.into_iter().map(|r| (r.answer, r.wide)).collect(),
         });
     }
     found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
     found
 }
 
-fn alternative(view: &View<'_, '_>, group: usize, rival: &Rival) -> Alternative {
-    let groups = &view.metric.problem.groups;
-    let other = &groups[rival.group];
+fn alternative(view: &View<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
     let evidence = view.evidence;
+    let groups = &view.metric.problem.groups;
+    let told = |by: InPlace| match by {
+        InPlace::Group(g) => {
+            let group = &groups[g];
+            (group.slug(), group.site.joints.clone(), link_of(evidence, group))
+        }
+        InPlace::Body(link) => {
+            let name = evidence.chain.joints[link].child_link.clone();
+            ("link_inertia_error", vec![link], Some(name))
+        }
+    };
+    let (own, own_joints, own_link) = told(of);
+    let (effect, joints, link) = told(rival.by);
     // what the library says of a load and a wrong body is of one link
-    let between_links = [&groups[group], other].iter().all(|g| g.is_of_link())
-        && groups[group].site.joints != other.site.joints;
+    let between_links = own_link.is_some() && link.is_some() && own_joints != joints;
     Alternative {
-        effect: other.slug().to_owned(),
-        joints: other.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
-        link: link_of(evidence, other),
+        effect: effect.to_owned(),
+        joints: joints.iter().map(|j| evidence.names[*j].clone()).collect(),
+        link,
         left_more: rival.left,
-        separated_by: (!between_links)
-            .then(|| separated_by(groups[group].slug(), other.slug()))
-            .flatten(),
+        separated_by: (!between_links).then(|| separated_by(own, effect)).flatten(),
     }
 }
 

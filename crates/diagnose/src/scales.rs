@@ -17,7 +17,7 @@ use crate::whitened::WrongBody;
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
 /// a draft, another body, one many times as heavy.
-const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
+pub(crate) const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
 /// Beyond this relative error of all links no single one is called wrong.
 const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most links whose body is called wrong; more are a wrong arm.
@@ -210,6 +210,12 @@ fn banned(problem: &Problem, memory: &Memory, scale: f64) -> HashSet<usize> {
         .collect()
 }
 
+/// Whether single links are called wrong by errors larger than those of all others: where a change is sought, a link that
+/// changed is a law like the others.
+pub(crate) fn may_be_wrong(problem: &Problem, scale: f64) -> bool {
+    scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0
+}
+
 /// Lets the errors of single links be larger than those of all others, as long as that is a shorter
 /// description.
 fn with_wrong_bodies(
@@ -220,8 +226,7 @@ fn with_wrong_bodies(
     banned: &HashSet<usize>,
 ) -> Best {
     let mut wide = Vec::new();
-    // where a change is sought, a link that changed is a law like the others
-    if scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0 {
+    if may_be_wrong(problem, scale) {
         let links = problem.background.links;
         while wide.len() < MOST_WRONG_BODIES {
             let right = (0..links).filter(|l| wide.iter().all(|body: &WrongBody| body.link != *l));
