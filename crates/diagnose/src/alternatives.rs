@@ -12,7 +12,7 @@ use crate::crossval::{errors_left_out, surely_less};
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
-use crate::scales::{TIMES, may_be_wrong};
+use crate::scales::{Best, may_be_wrong, with_one_more};
 use crate::search::{Answer, answer};
 use crate::whitened::{PRICE_OF_SELDOM, Whitened, WrongBody};
 
@@ -54,15 +54,25 @@ pub(crate) fn rivals(
     group: usize,
     point: &OperatingPoint,
 ) -> Vec<Rival> {
+    let mut found = laws_in_place(metric, of, group, point);
+    if metric.problem.groups[group].is_of_link() {
+        let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
+        found.extend(bodies(metric, of, &rest, &metric.wide, None));
+        nearest_first(&mut found);
+    }
+    found
+}
+
+/// Those of them that are laws.
+fn laws_in_place(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    group: usize,
+    point: &OperatingPoint,
+) -> Vec<Rival> {
     let held = held(&metric.problem.groups[group], point);
     if held.is_empty() {
-        let mut found = of_group(metric, of, group);
-        if metric.problem.groups[group].is_of_link() {
-            let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
-            found.extend(bodies(metric, of, &rest, &metric.wide, None));
-            nearest_first(&mut found);
-        }
-        return found;
+        return of_group(metric, of, group);
     }
     let moved = metric.problem.with_added(&held);
     let metric = moved.whitened(metric.scale, &metric.wide);
@@ -84,7 +94,7 @@ pub(crate) fn everyday_first(
         if everyday(group) || joints.len() != 1 {
             continue;
         }
-        let usual = rivals(metric, &of, group, point).into_iter().find(|rival| {
+        let usual = laws_in_place(metric, &of, group, point).into_iter().find(|rival| {
             let InPlace::Group(other) = rival.by else { return false };
             everyday(other)
                 && metric.problem.groups[other].site.joints == *joints
@@ -245,22 +255,23 @@ fn bodies(
         return Vec::new();
     }
     let with = metric.residual(&of.fit);
-    let free = |link: &usize| Some(*link) != but && wide.iter().all(|body| body.link != *link);
-    let links: Vec<usize> = (0..problem.background.links).filter(free).collect();
-    let of_link = |link: usize| -> Option<Rival> {
-        let of_size = |times: f64| {
-            let wide = [wide, &[WrongBody { link, times }]].concat();
-            let answer = answer(&problem.whitened(scale, &wide), set.to_vec())?;
-            Some((wide, answer))
-        };
-        let sizes = TIMES.iter().filter_map(|times| of_size(*times));
-        let (wide, answer) = sizes.min_by(|a, b| a.1.score.total_cmp(&b.1.score))?;
-        let residual = problem.whitened(scale, &wide).residual(&answer.fit);
-        let left = left_more(problem, &residual, &with);
-        let near = answer.score - of.score < ODDS;
-        near.then_some(Rival { by: InPlace::Body(link), answer, wide, left })
-    };
-    links.into_par_iter().filter_map(of_link).collect()
+    let mut best: BTreeMap<usize, Best> = BTreeMap::new();
+    for trial in with_one_more(problem, scale, set, wide) {
+        let Some(WrongBody { link, .. }) = trial.wide.last().copied() else { continue };
+        let better = best.get(&link).is_none_or(|b| trial.answer.score < b.answer.score);
+        if better && Some(link) != but {
+            best.insert(link, trial);
+        }
+    }
+    let near = |(_, found): &(usize, Best)| found.answer.score - of.score < ODDS;
+    best.into_iter()
+        .filter(near)
+        .map(|(link, Best { wide, answer, .. })| {
+            let residual = problem.whitened(scale, &wide).residual(&answer.fit);
+            let left = left_more(problem, &residual, &with);
+            Rival { by: InPlace::Body(link), answer, wide, left }
+        })
+        .collect()
 }
 
 /// What is left more from which on two laws are told apart on these recordings.

@@ -17,7 +17,7 @@ use crate::whitened::WrongBody;
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
 /// a draft, another body, one many times as heavy.
-pub(crate) const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
+const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
 /// Beyond this relative error of all links no single one is called wrong.
 const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most links whose body is called wrong; more are a wrong arm.
@@ -85,23 +85,20 @@ pub(crate) fn best_of_scales(
         None => (0..SCALES.len()).step_by(2).collect(),
     };
     let mut tried = Vec::new();
-    for k in first {
-        if !tried.contains(&k) {
-            tried.push(k);
-            let of_scale =
-                laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
-            found.extend(problem, of_scale, point);
-        }
-    }
-    if memory.scale.is_none() {
-        let best = found.best(memory.chosen_by).map(|b| neighbours(b.scale));
-        for k in best.unwrap_or_default() {
+    let mut try_scales = |scales: Vec<usize>, found: &mut Found| {
+        for k in scales {
             if !tried.contains(&k) {
+                tried.push(k);
                 let of_scale =
                     laws_at(SCALES[k], evidence, at, ripple, contact, problem, &mut starts, memory);
                 found.extend(problem, of_scale, point);
             }
         }
+    };
+    try_scales(first, &mut found);
+    if memory.scale.is_none() {
+        let beside = found.best(memory.chosen_by).map(|best| neighbours(best.scale));
+        try_scales(beside.unwrap_or_default(), &mut found);
     }
     let [by_all, by_what_matters] =
         [ChosenBy::All, ChosenBy::WhatMatters].map(|by| found.best(by).map(|b| b.scale));
@@ -216,6 +213,24 @@ pub(crate) fn may_be_wrong(problem: &Problem, scale: f64) -> bool {
     scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0
 }
 
+/// Answers of a set with a further link whose body is wrong: each link, in every size of its errors.
+pub(crate) fn with_one_more(
+    problem: &Problem,
+    scale: f64,
+    set: &[usize],
+    wide: &[WrongBody],
+) -> Vec<Best> {
+    let right = (0..problem.background.links).filter(|l| wide.iter().all(|body| body.link != *l));
+    let bodies: Vec<WrongBody> =
+        right.flat_map(|link| TIMES.map(|times| WrongBody { link, times })).collect();
+    let with = |body: &WrongBody| {
+        let wide = [wide, &[*body]].concat();
+        let answer = answer(&problem.whitened(scale, &wide), set.to_vec())?;
+        Some(Best { scale, wide, answer })
+    };
+    bodies.par_iter().filter_map(with).collect()
+}
+
 /// Lets the errors of single links be larger than those of all others, as long as that is a shorter
 /// description.
 fn with_wrong_bodies(
@@ -227,19 +242,10 @@ fn with_wrong_bodies(
 ) -> Best {
     let mut wide = Vec::new();
     if may_be_wrong(problem, scale) {
-        let links = problem.background.links;
         while wide.len() < MOST_WRONG_BODIES {
-            let right = (0..links).filter(|l| wide.iter().all(|body: &WrongBody| body.link != *l));
-            let bodies: Vec<WrongBody> =
-                right.flat_map(|link| TIMES.map(|times| WrongBody { link, times })).collect();
-            let judged = |body: &WrongBody| {
-                let trial = [&wide[..], &[*body]].concat();
-                let next = answer(&problem.whitened(scale, &trial), found.set.clone())?;
-                Some((next.score, trial))
-            };
-            let candidates: Vec<_> = bodies.par_iter().filter_map(judged).collect();
-            let least = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((score, trial)) = least else { break };
+            let trials = with_one_more(problem, scale, &found.set, &wide);
+            let least = trials.into_iter().min_by(|a, b| a.answer.score.total_cmp(&b.answer.score));
+            let Some(Best { wide: trial, answer: Answer { score, .. }, .. }) = least else { break };
             if score >= found.score {
                 break;
             }

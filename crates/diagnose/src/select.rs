@@ -91,15 +91,18 @@ impl Selection {
 /// How far all links may be off is chosen before the operating point is right and every law was tried, in one of two
 /// ways ([`ChosenBy`]). Where they part, both are walked to their ends, and the shorter description is the answer.
 pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
+    let point = OperatingPoint::of(owner.joints());
+    let ripple = RippleColumns::new(owner, &owner.at(&point));
+    weigh_first(owner, &point)?;
     let rows = owner.rows.clone();
     let mut memory = Memory::new(ChosenBy::All);
-    let End { mut found, rests } = walk(owner, &mut memory)?;
+    let End { mut found, rests } = walk(owner, &ripple, &mut memory)?;
     if owner.rows.changed_from > 0 {
         return Some(found);
     }
     if memory.ways_part {
         let rows = std::mem::replace(&mut owner.rows, rows);
-        let other = walk(owner, &mut Memory::new(ChosenBy::WhatMatters));
+        let other = walk(owner, &ripple, &mut Memory::new(ChosenBy::WhatMatters));
         let share = rows.share.min(owner.rows.share);
         // what still moves is no answer where the other one rests
         let is_better = |other: &End| match (other.rests, rests) {
@@ -115,26 +118,18 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
     Some(with_fading(owner, &found).unwrap_or(found))
 }
 
-/// Where a walk ended.
-struct End {
-    found: Selection,
-    /// whether nothing moved any more
-    rests: bool,
-}
-
-/// From the believed arm to where the operating point, the weights and the answer no longer move.
-fn walk(owner: &mut Evidence<'_>, memory: &mut Memory) -> Option<End> {
-    let mut point = OperatingPoint::of(owner.joints());
-    let ripple = RippleColumns::new(owner, &owner.at(&point));
+/// Weighs rows and joints by what the believed arm leaves over, before anything is known. None where what is before a
+/// change cannot be fitted.
+fn weigh_first(owner: &mut Evidence<'_>, point: &OperatingPoint) -> Option<()> {
     let seeks_change = owner.rows.changed_from > 0;
-    let mut first = owner.problem(&point);
+    let mut first = owner.problem(point);
     if !seeks_change {
         let weights = stuck_weights(&first);
         if weights != owner.rows.stuck_weight {
             for (j, weight) in weights.into_iter().enumerate() {
                 owner.rows.set_stuck_weight(j, weight);
             }
-            first = owner.problem(&point);
+            first = owner.problem(point);
         }
     }
     let misfit = if seeks_change {
@@ -145,13 +140,26 @@ fn walk(owner: &mut Evidence<'_>, memory: &mut Memory) -> Option<End> {
         owner.rows.share = share.min(owner.rows.share);
         left_over.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect()
     } else {
-        first_misfits(owner, &owner.at(&point), &first)
+        first_misfits(owner, &owner.at(point), &first)
     };
     for (j, misfit) in misfit.into_iter().enumerate() {
         owner.rows.set_misfit_before(j, misfit);
         owner.rows.set_misfit(j, misfit);
     }
-    drop(first);
+    Some(())
+}
+
+/// Where a walk ended.
+struct End {
+    found: Selection,
+    /// whether nothing moved any more
+    rests: bool,
+}
+
+/// From the believed arm to where the operating point, the weights and the answer no longer move.
+fn walk(owner: &mut Evidence<'_>, ripple: &RippleColumns, memory: &mut Memory) -> Option<End> {
+    let mut point = OperatingPoint::of(owner.joints());
+    let seeks_change = owner.rows.changed_from > 0;
     let mut last = None;
     let mut before = None;
     let mut is_right = false;
@@ -166,7 +174,7 @@ fn walk(owner: &mut Evidence<'_>, memory: &mut Memory) -> Option<End> {
             .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
             .collect();
         let (mut best, starts) =
-            best_of_scales(evidence, &at, &ripple, &contact, &mut problem, start, &point, memory)?;
+            best_of_scales(evidence, &at, ripple, &contact, &mut problem, start, &point, memory)?;
         best.answer = with_held(&problem, &best, &point);
         // what is dear to try waits until the configuration is right
         let metric = problem.whitened(best.scale, &best.wide);
@@ -180,7 +188,7 @@ fn walk(owner: &mut Evidence<'_>, memory: &mut Memory) -> Option<End> {
             best = with_hidden_motion(
                 evidence,
                 &at,
-                (&ripple, &contact),
+                (ripple, &contact),
                 &mut problem,
                 starts,
                 memory,

@@ -60,7 +60,11 @@ pub(crate) fn shape_scatter(
     let inverse = inverse_or_each_alone(&trials.hessian(&along, middle)?);
     let by_lag = match late {
         None => vec![0.0; along.len()],
-        Some(late) => times(&inverse, &trials.slopes_by_lag(late, &along)?),
+        Some(late) => {
+            let (small, set) = (late.clone(), (0..of.set.len()).collect());
+            let mut late = Trials { small, set, ..trials };
+            times(&inverse, &late.less_slope(&along)?)
+        }
     };
     Some(ShapeScatter {
         group,
@@ -194,20 +198,16 @@ impl Trials<'_, '_> {
         Some(hessian)
     }
 
-    /// What slopes of the misfit change by with late efforts.
-    fn slopes_by_lag(&mut self, late: &Problem, along: &[Along]) -> Option<Vec<f64>> {
-        let (small, set) = (late.clone(), (0..self.of.set.len()).collect());
-        let in_time =
-            (std::mem::replace(&mut self.small, small), std::mem::replace(&mut self.set, set));
+    /// By how much less the misfit rises here along each constant.
+    fn less_slope(&mut self, along: &[Along]) -> Option<Vec<f64>> {
         let mut slopes = Vec::new();
         for along in along {
             let mut side = |sign: f64| -> Option<f64> {
                 Some(self.moved_by(&[(along.constant, sign * along.step)])?.misfit.whole)
             };
-            let lagging = (side(1.0)? - side(-1.0)?) / (2.0 * along.step);
-            slopes.push(along.slope(|side| side.misfit.whole) - lagging);
+            let here = (side(1.0)? - side(-1.0)?) / (2.0 * along.step);
+            slopes.push(along.slope(|side| side.misfit.whole) - here);
         }
-        (self.small, self.set) = in_time;
         Some(slopes)
     }
 }
