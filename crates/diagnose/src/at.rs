@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 use crate::fading::faded;
 use crate::signals::Signals;
 use crate::sprung::{Spring, Sprung};
+use crate::stops::Stop;
 use crate::transmission::Load;
 
 /// Laws that turn the configuration itself: where they are assumed to be.
@@ -94,7 +95,7 @@ impl<'a> At<'a> {
         let delay_s = point.delay_s;
         let (answered, with_known) = (Vec::new(), Vec::new());
         let fades = |(j, speed): (usize, &f64)| {
-            (*speed > 0.0 && signals.rests[j].is_empty())
+            (*speed > 0.0 && !signals.rests(j))
                 .then(|| faded(&signals.direction[j], &signals.velocity[j], *speed))
         };
         let faded = point.fading.iter().enumerate().map(fades).collect();
@@ -115,8 +116,7 @@ impl<'a> At<'a> {
             sprung: point.springs.iter().map(|s| (s.clone(), OnceLock::new())).collect(),
         };
         at.rigid = at.motion().efforts(&at.arm);
-        let held = &signals.held_acceleration;
-        at.answered = (0..held.len()).map(|j| at.of_own(j, held)).collect();
+        at.answered = (0..signals.stops.len()).map(|j| at.of_own(j, true)).collect();
         let with_known = |(j, taken): (usize, &Vec<f64>)| {
             let any = taken.iter().any(|x| *x != 0.0);
             any.then(|| at.answered(j).iter().zip(taken).map(|(e, x)| e + x).collect())
@@ -151,16 +151,20 @@ impl<'a> At<'a> {
         efforts.into_iter().enumerate().map(|(j, e)| self.recorded(j, e)).collect()
     }
 
-    /// Rigid effort on a joint that rests somewhere, with another acceleration of its own; none on others.
-    pub(crate) fn of_own(&self, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
-        self.of_own_on(&self.arm, j, acceleration)
+    /// Rigid effort on a joint that stops somewhere, with accelerations that jump there or are [held](Signals::accelerations_on);
+    /// none on others.
+    pub(crate) fn of_own(&self, j: usize, held: bool) -> Option<Vec<f64>> {
+        self.of_own_on(&self.arm, j, held)
     }
 
     /// The same of an arm with other links.
-    fn of_own_on(&self, arm: &RigidArm, j: usize, acceleration: &[Vec<f64>]) -> Option<Vec<f64>> {
-        let rests = self.signals.rests[j].iter().any(|(start, _)| *start > 0);
-        let own = || self.motion().with_acceleration(j, &acceleration[j]).effort_on(arm, j);
-        rests.then(own)
+    fn of_own_on(&self, arm: &RigidArm, j: usize, held: bool) -> Option<Vec<f64>> {
+        let stops = self.signals.stops[j].iter().any(Stop::stops);
+        let own = || {
+            let accelerations = self.signals.accelerations_on(j, held);
+            self.motion().with_accelerations(&accelerations).effort_on(arm, j)
+        };
+        stops.then(own)
     }
 
     /// The rigid effort that the drive of a joint answers.
@@ -222,8 +226,7 @@ impl<'a> At<'a> {
     fn carried(&self, j: usize) -> Option<&[f64]> {
         self.others.as_ref()?;
         let (arm, efforts) = self.of_other_links();
-        let held = &self.signals.held_acceleration;
-        let own = self.carried[j].get_or_init(|| self.of_own_on(arm, j, held));
+        let own = self.carried[j].get_or_init(|| self.of_own_on(arm, j, true));
         Some(own.as_ref().unwrap_or(&efforts[j]))
     }
 

@@ -249,8 +249,8 @@ impl<'a> Evidence<'a> {
                 .zip(&yielding)
                 .map(|(at, yielding)| {
                     let motion = at.motion();
-                    let answered =
-                        motion.with_acceleration(row, &at.signals.held_acceleration[row]);
+                    let accelerations = at.signals.accelerations_on(row, true);
+                    let answered = motion.with_accelerations(&accelerations);
                     let mut columns = standard.of_arm_motion(&at.arm, row, &answered, &parameters);
                     for (sprung, yielding) in yielding {
                         let more = sprung.columns_on(at, row, wanted.clone(), yielding);

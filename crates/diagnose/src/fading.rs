@@ -59,8 +59,8 @@ pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Sel
 /// By joint, 0 where friction is sharp; none where it is on all of them.
 fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
     // where a joint rests, its friction is what holds it: no function of a speed
-    let rests = |j: usize| evidence.signals.iter().any(|s| !s.rests[j].is_empty());
-    let turns: HashSet<usize> = (0..evidence.joints()).filter(|j| !rests(*j)).collect();
+    let rests = |j: &usize| evidence.signals.iter().any(|s| s.rests(*j));
+    let turns: HashSet<usize> = (0..evidence.joints()).filter(|j| !rests(j)).collect();
     let set = with_everyday_terms_of(&of.metric(), &of.answer);
     let (small, set) = of.problem.restricted(&set);
     let dry: Vec<usize> =

@@ -13,9 +13,9 @@ use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
 use crate::problem::{Group, Meaning};
 use crate::real_links::{Settled, settled};
+use crate::sampled::low_pass;
 use crate::search::{Answer, answer};
 use crate::select::moves;
-use crate::signals::low_pass;
 use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
 use crate::whitened::Whitened;
 

@@ -68,6 +68,7 @@ mod real_links;
 mod refine;
 mod ripple;
 mod rows;
+mod sampled;
 mod scales;
 mod scatter;
 mod search;

@@ -8,9 +8,10 @@ use nalgebra::Vector3;
 
 use crate::at::{At, OperatingPoint};
 use crate::learned::Learned;
+use crate::sampled::{later, low_pass};
 use crate::seen::Seen;
-use crate::signals::{Signals, later, low_pass};
-use crate::stops::{filter_between, held};
+use crate::signals::Signals;
+use crate::stops::{continued, filter_between};
 use crate::transmission::Transmission;
 
 /// A model with what a diagnosis learned.
@@ -103,9 +104,9 @@ impl DiagnosedModel {
         let rigid_filter = low_pass(self.learned.rigid_cutoff_hz, signals.rate_hz)?;
         let mut effort: Vec<Vec<f64>> = (at.rigid.iter().enumerate())
             .map(|(j, rigid)| {
-                let own = at.of_own(j, &signals.own_acceleration);
+                let own = at.of_own(j, false);
                 let rigid = own.as_ref().unwrap_or(rigid);
-                filter_between(rigid, &signals.rests[j], &rigid_filter, signals.rate_hz)
+                filter_between(rigid, &signals.stops[j], &rigid_filter, signals.rate_hz)
             })
             .collect();
         let index = |name: &str| chain.joints.iter().position(|j| j.name == name);
@@ -147,7 +148,7 @@ impl DiagnosedModel {
             }
         }
         for (j, effort) in effort.iter_mut().enumerate() {
-            *effort = held(effort, &signals.rests[j], signals.rate_hz);
+            *effort = continued(effort, &signals.stops[j], signals.rate_hz);
             effort.iter_mut().for_each(|e| *e *= self.learned.gain[j]);
             *effort = later(effort, -self.learned.delay_s * signals.rate_hz);
         }

@@ -1,24 +1,23 @@
 //! One recording as the diagnosis sees it.
 
-use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use armident_numeric::dot;
 use armident_recording::{
-    CUTOFF_SHARE_BOUND, Continuation, EvenGrid, Quantity, Recording, RecordingError,
-    ZeroPhaseLowPass, differentiate,
+    Continuation, EvenGrid, Quantity, Recording, RecordingError, differentiate,
 };
 use rayon::prelude::*;
 
 use crate::band::Band;
 use crate::noise::{Noise, noise_of};
+use crate::sampled::{
+    every, kinematics_cutoff_hz, kinematics_filter, kinematics_power, later, means,
+};
 use crate::stops::{
-    Channels, SmoothMotion, directions_and_stops, held, least_step, stands_at_ends, starts_at_rest,
+    Channels, Reaction, SmearedStep, SmoothMotion, Stop, directions_and_stops, held, least_step,
+    quantisation, react, stands_at_ends, starts_at_rest,
 };
 
-/// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
-/// columns with signs and products are formed from it and only then filtered.
-const KINEMATICS_HZ: f64 = 25.0;
-const KINEMATICS_ORDER: usize = 4;
 /// Share of the acceleration noise from the position that is clearly better.
 const CLEARLY_BETTER: f64 = 0.5;
 /// Share of the acceleration's noise in it from which on it matters.
@@ -57,8 +56,11 @@ pub(crate) struct Signals {
     pub(crate) held_acceleration: Vec<Vec<f64>>,
     pub(crate) direction: Vec<Vec<f64>>,
     pub(crate) stuck: Vec<Vec<bool>>,
-    /// stretches in which a joint stays where it is, `[start, end)`
-    pub(crate) rests: Vec<Vec<(usize, usize)>>,
+    /// where a joint comes to a stop
+    pub(crate) stops: Vec<Vec<Stop>>,
+    /// accelerations of the other joints where one stops
+    reactions: Vec<Vec<Reaction>>,
+    smeared_step: Arc<SmearedStep>,
     /// empty for a joint whose effort is not recorded
     pub(crate) effort: Vec<Vec<f64>>,
     /// what of the recorded effort is known and no longer in `effort`
@@ -145,7 +147,9 @@ impl Signals {
             acceleration: Vec::new(),
             direction: Vec::new(),
             stuck: Vec::new(),
-            rests: Vec::new(),
+            stops: Vec::new(),
+            reactions: Vec::new(),
+            smeared_step: Arc::new(SmearedStep::of(kinematics_cutoff_hz(rate_hz))?),
             own_acceleration: Vec::new(),
             held_acceleration: Vec::new(),
             taken: effort.iter().map(|e| vec![0.0; e.len()]).collect(),
@@ -190,22 +194,44 @@ impl Signals {
             }
             signals.acceleration_noise.push(acceleration_noise);
             signals.goes_on.push(channels.goes_on[0]);
-            let rests = channels.rests(&motion.acceleration, of_position.deviation);
+            let stops = channels.stops(&motion, of_position.deviation, noise);
             // where a joint stops its neighbours' accelerations jump as well, and are smeared: to them it is as smeared
             signals.acceleration.push(motion.acceleration.clone());
             let SmoothMotion { position, velocity, acceleration } =
-                channels.smooth_between(&rests, &low_pass, motion);
+                channels.smooth_between(&stops, &low_pass, motion);
             let (direction, stuck) =
-                directions_and_stops(&velocity, &acceleration, &rests, noise, rate_hz);
+                directions_and_stops(&velocity, &acceleration, &stops, noise, rate_hz);
             signals.position.push(position);
-            signals.held_acceleration.push(held(&acceleration, &rests, rate_hz));
+            signals.held_acceleration.push(held(&acceleration, &stops, rate_hz));
             signals.own_acceleration.push(acceleration);
-            signals.rests.push(rests);
+            signals.stops.push(stops);
             signals.velocity.push(velocity);
             signals.direction.push(direction);
             signals.stuck.push(stuck);
         }
+        let noises: Vec<f64> =
+            noises.iter().zip(&steps).map(|(noise, step)| noise.max(quantisation(*step))).collect();
+        let of_joint =
+            |(j, stops): (usize, &Vec<Stop>)| react(stops, j, &positions, &noises, rate_hz);
+        signals.reactions = signals.stops.par_iter().enumerate().map(of_joint).collect();
         Ok(signals)
+    }
+
+    /// Accelerations of all joints as they are on one of them: its own and, where it stops, the others' jump. While it rests
+    /// they are what its drive answers if that is asked for (`held`).
+    pub(crate) fn accelerations_on(&self, row: usize, held: bool) -> Vec<Vec<f64>> {
+        let own = if held { &self.held_acceleration } else { &self.own_acceleration };
+        let mut all = self.acceleration.clone();
+        all[row].clone_from(&own[row]);
+        for reaction in &self.reactions[row] {
+            reaction.restore(&mut all, held, &self.smeared_step, self.rate_hz);
+        }
+        all
+    }
+
+    /// Whether a joint rests somewhere.
+    pub(crate) fn rests(&self, joint: usize) -> bool {
+        self.stops[joint].iter().any(|stop| stop.lasts(self.rate_hz))
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -241,11 +267,11 @@ impl Signals {
         for stuck in &mut self.stuck {
             *stuck = every(step, stuck);
         }
-        for rests in &mut self.rests {
-            for (start, end) in rests.iter_mut() {
-                (*start, *end) = (start.div_ceil(step), end.div_ceil(step));
-            }
-            rests.retain(|(start, end)| start < end);
+        for stop in self.stops.iter_mut().flatten() {
+            *stop = stop.thinned(step);
+        }
+        for reaction in self.reactions.iter_mut().flatten() {
+            *reaction = reaction.thinned(step);
         }
         self.time_s = every(step, &self.time_s);
         self.rate_hz /= step as f64;
@@ -305,43 +331,6 @@ impl Signals {
     }
 }
 
-/// `|K|² ω^(2 order)` of the zero-phase low-pass (its magnitude counts twice).
-fn kinematics_power(f_hz: f64, order: i32) -> f64 {
-    let magnitude = 1.0 / (1.0 + (f_hz / KINEMATICS_HZ).powi(2 * KINEMATICS_ORDER as i32));
-    magnitude * magnitude * (TAU * f_hz).powi(2 * order)
-}
-
-pub(crate) fn kinematics_filter(rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
-    low_pass(KINEMATICS_HZ, rate_hz)
-}
-
-/// A low-pass of this cut-off, or of the highest that the rate allows.
-pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
-    let highest_hz = 0.9 * CUTOFF_SHARE_BOUND * rate_hz;
-    ZeroPhaseLowPass::new(KINEMATICS_ORDER, cutoff_hz.min(highest_hz), rate_hz)
-}
-
-fn every<T: Copy>(step: usize, values: &[T]) -> Vec<T> {
-    values.iter().copied().step_by(step).collect()
-}
-
-/// Every so many samples the mean of as many around it, the outermost by half where the number is even;
-/// of fewer at the ends, so that a line stays a line.
-fn means(step: usize, values: &[f64]) -> Vec<f64> {
-    let last = values.len().saturating_sub(1);
-    let outer = if step.is_multiple_of(2) { 0.5 } else { 1.0 };
-    let mean = |t: usize| {
-        let half = (step / 2).min(t).min(last - t);
-        if half == 0 {
-            return values[t];
-        }
-        let inner: f64 = values[t + 1 - half..t + half].iter().sum();
-        let weight = (2 * half - 1) as f64 + 2.0 * outer;
-        (inner + outer * (values[t - half] + values[t + half])) / weight
-    };
-    (0..values.len()).step_by(step).map(mean).collect()
-}
-
 impl Signals {
     /// The efforts as they were before a delay \[s\]: at every instant, what is recorded that much
     /// later.
@@ -374,31 +363,9 @@ impl Signals {
     }
 }
 
-/// Values `samples` later, by the cubic through four neighbours; held at the ends.
-pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
-    if samples == 0.0 || values.is_empty() {
-        return values.to_vec();
-    }
-    let whole = samples.floor();
-    let x = samples - whole;
-    let weights = [
-        -x * (x - 1.0) * (x - 2.0) / 6.0,
-        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
-        -(x + 1.0) * x * (x - 2.0) / 2.0,
-        (x + 1.0) * x * (x - 1.0) / 6.0,
-    ];
-    let last = values.len() as i64 - 1;
-    (0..=last)
-        .map(|t| {
-            let at = |k: i64| values[(t + whole as i64 + k).clamp(0, last) as usize];
-            weights.iter().zip(-1..).map(|(w, k)| w * at(k)).sum()
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{SEARCHED_SAMPLES, Signals, means};
+    use super::{SEARCHED_SAMPLES, Signals};
     use crate::band::BAND_HZ;
     use armident_recording::{JointChannels, Recording};
 
@@ -436,23 +403,5 @@ mod tests {
             assert_eq!(few.effort_noise, all.effort_noise);
             assert_eq!(few.acceleration_noise, all.acceleration_noise);
         }
-    }
-
-    /// A line stays a line up to its ends; of what alternates with every sample nothing is left.
-    #[test]
-    fn means_around_the_samples_that_remain() {
-        for step in [2, 3, 4, 5] {
-            let line: Vec<f64> = (0..41).map(|k| 2.0 * f64::from(k) - 7.0).collect();
-            let expected: Vec<f64> = line.iter().copied().step_by(step).collect();
-            for (got, expected) in means(step, &line).iter().zip(&expected) {
-                assert!((got - expected).abs() < 1e-12, "{step}: {got} {expected}");
-            }
-            let waves = (0..41).map(|k| (std::f64::consts::TAU * f64::from(k) / step as f64).cos());
-            let left = means(step, &waves.collect::<Vec<_>>());
-            let inner = &left[1..left.len() - 1];
-            assert!(inner.iter().all(|x| x.abs() < 1e-12), "{step}: {inner:?}");
-        }
-        assert_eq!(means(4, &[]), Vec::<f64>::new());
-        assert_eq!(means(4, &[3.0]), [3.0]);
     }
 }

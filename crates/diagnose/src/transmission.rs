@@ -19,8 +19,9 @@ use crate::at::At;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::Blocks;
-use crate::signals::{Signals, kinematics_filter, low_pass};
-use crate::stops::Series;
+use crate::sampled::{kinematics_filter, low_pass};
+use crate::signals::Signals;
+use crate::stops::{Kind, Series};
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
 const MOTOR_HZ: f64 = 80.0;
@@ -261,7 +262,7 @@ impl Motor {
         let recorded = &signals.recorded_position[joint];
         let goes_on = signals.goes_on[joint];
         let (long, margin) =
-            Series::of(recorded, 1.0, goes_on, signals.stands, &low_passed).whole();
+            Series::of(recorded, Kind::Position, goes_on, signals.stands, &low_passed).whole();
         let smooth = low_pass(MOTOR_HZ, signals.rate_hz)?.filter(&long);
         let rate = differentiate(&smooth, signals.rate_hz);
         let inner = margin..margin + signals.len();

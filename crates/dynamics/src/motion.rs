@@ -78,6 +78,13 @@ impl<'a> ArmMotion<'a> {
         moved
     }
 
+    /// The same with other accelerations of all joints.
+    pub fn with_accelerations<'b>(&'b self, ddq: &'b [Vec<f64>]) -> ArmMotion<'b> {
+        let mut moved: ArmMotion<'b> = self.clone();
+        moved.ddq = ddq.iter().map(Vec::as_slice).collect();
+        moved
+    }
+
     /// Number of samples.
     pub(crate) fn samples(&self) -> usize {
         self.q.first().map_or(0, |q| q.len())
