@@ -227,11 +227,10 @@ impl Around {
             // in units in which all terms are of size 1
             let x = (t as f64 - stop) / self.rate_hz / SIDE_S;
             let (square, w, y) = (x * x, self.weight[t], self.position[t]);
-            let first = if accelerates { square / 2.0 } else { square * x / 6.0 };
             let terms = if accelerates {
-                [first, square * x / 6.0, square * square / 24.0]
+                [square / 2.0, square * x / 6.0, square * square / 24.0]
             } else {
-                [first, square * square / 24.0, square * square * x / 120.0]
+                [square * x / 6.0, square * square / 24.0, square * square * x / 120.0]
             };
             for (i, term) in terms.iter().enumerate() {
                 with_one[i] += w * term;

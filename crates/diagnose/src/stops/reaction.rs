@@ -24,7 +24,7 @@ const SMEARED_HZ: f64 = 4000.0;
 /// By how much the accelerations of all joints jump where one of them stops, and nothing for itself.
 #[derive(Debug, Clone)]
 pub(crate) struct Reaction {
-    pub(crate) stop: Stop,
+    stop: Stop,
     jumps: Vec<f64>,
 }
 
