@@ -125,7 +125,9 @@ impl LeftOpen {
         of: &Answer,
         point: &OperatingPoint,
     ) -> Vec<(f64, usize)> {
-        let problem = self.problem(metric, of);
+        let mut problem = self.problem(metric, of);
+        // how far from nothing is asked of a size as well that is held at 1 elsewhere
+        problem.groups.iter_mut().for_each(|group| group.is_of_size_one = false);
         let named =
             of.set.iter().enumerate().filter(|(_, g)| {
                 !matches!(metric.problem.groups[**g].meaning, Meaning::Flexible(_))
@@ -229,8 +231,12 @@ fn samples_before(problem: &Problem, group: &Group) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use armident_dynamics::RigidArm;
+
     use crate::made::{swung, ur5};
     use crate::signals::Signals;
+    use crate::sprung::Spring;
+    use crate::transmission::{self, Transmission};
 
     /// What stays of these changes, as joints.
     fn stays(
@@ -283,5 +289,39 @@ mod tests {
         }
         let (joints, _) = stays(swung(&chain, 0.1, uncoupled), after(), is_coupling);
         assert_eq!(joints, [[4, 5]]);
+    }
+
+    /// A joint that has become soft stays, though the size of what its spring does is no longer fitted.
+    #[test]
+    fn a_spring_of_size_one_stays() {
+        const JOINT: usize = 1;
+        const MOTOR_INERTIA: f64 = 0.2;
+        let chain = ur5();
+        let transmission = Transmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
+        let spring = Spring { joint: JOINT, transmission, share: 1.0 };
+        let point =
+            OperatingPoint { springs: vec![spring], ..OperatingPoint::of(chain.joints.len()) };
+        let (before, mut after) = (swung(&chain, 0.1, |_, _| 0.0), swung(&chain, 0.1, |_, _| 0.0));
+        let rigid = RigidArm::from_chain(&chain);
+        let softer =
+            transmission.difference(&At::new(&chain, &rigid, &after, &point), JOINT).unwrap();
+        for (effort, more) in after.effort.iter_mut().zip(softer) {
+            effort.iter_mut().zip(more).for_each(|(e, m)| *e += m);
+        }
+        let accelerated = after.effort[JOINT].iter_mut().zip(&after.acceleration[JOINT]);
+        accelerated.for_each(|(e, a)| *e += MOTOR_INERTIA * a);
+        let mut evidence = Evidence::new(&chain, vec![before, after]);
+        evidence.seek_change(1);
+        let at = evidence.at(&point);
+        let mut problem = evidence.problem(&point);
+        let shape = [transmission.stiffness, transmission.damping];
+        let pushed =
+            transmission::push(&evidence, &at, &mut problem, "joint_elasticity", JOINT, &shape);
+        let group = pushed.unwrap();
+        assert!(problem.groups[group].is_of_size_one);
+        let metric = problem.whitened(0.0, &[]);
+        let found = answer(&metric, vec![group]).unwrap();
+        let (certain, doubts) = certain(&evidence, &at, &metric, found, &point);
+        assert_eq!(certain.set, [group], "{doubts:?}");
     }
 }
