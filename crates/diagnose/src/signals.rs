@@ -1,5 +1,6 @@
 //! One recording as the diagnosis sees it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use armident_numeric::dot;
@@ -219,14 +220,17 @@ impl Signals {
 
     /// Accelerations of all joints as they are on one of them: its own and, where it stops, the others' jump. While it rests
     /// they are what its drive answers if that is asked for (`held`).
-    pub(crate) fn accelerations_on(&self, row: usize, held: bool) -> Vec<Vec<f64>> {
+    pub(crate) fn accelerations_on(&self, row: usize, held: bool) -> Cow<'_, [Vec<f64>]> {
+        if self.stops[row].is_empty() {
+            return Cow::Borrowed(&self.acceleration);
+        }
         let own = if held { &self.held_acceleration } else { &self.own_acceleration };
         let mut all = self.acceleration.clone();
         all[row].clone_from(&own[row]);
         for reaction in &self.reactions[row] {
             reaction.restore(&mut all, held, &self.smeared_step, self.rate_hz);
         }
-        all
+        Cow::Owned(all)
     }
 
     /// Whether a joint rests somewhere.

@@ -11,6 +11,7 @@
 mod direction;
 mod drive;
 mod ends;
+mod fit;
 mod pieces;
 mod place;
 mod reaction;

@@ -1,9 +1,9 @@
 //! Whether an arm stands where a recording starts, and where it ends.
 
-use armident_numeric::{Cholesky, dot};
 use armident_recording::ZeroPhaseLowPass;
 
 use super::Channels;
+use super::fit::{Fit, Sample};
 
 /// An arm stands at an end of a recording where so much of its motion there \[s\], smoothed with so much around \[s\],
 /// says so by twice this logarithm of the likelihood.
@@ -100,23 +100,18 @@ struct Onset {
 impl Onset {
     /// Of the cubic through some positions.
     fn of(positions: &[f64], rate_hz: f64) -> Option<Self> {
-        const TERMS: usize = 4;
         let samples = positions.len() as f64;
-        let powers = |k: usize| -> [f64; TERMS] {
+        let sample = |k: usize| -> Sample<4> {
             let x = k as f64 / samples;
-            [1.0, x, x * x, x * x * x]
+            let terms = [1.0, x, x * x, x * x * x];
+            Sample { weight: 1.0, terms, value: positions[k] - positions[0] }
         };
-        let sum = |of: &dyn Fn(usize) -> f64| (0..positions.len()).map(of).sum::<f64>();
-        let factor = Cholesky::of(TERMS, |a, b| sum(&|k| powers(k)[a] * powers(k)[b]))?;
-        let way = |k: usize| positions[k] - positions[0];
-        let rhs: Vec<f64> = (0..TERMS).map(|a| sum(&|k| powers(k)[a] * way(k))).collect();
-        let cubic = factor.solve(&rhs);
-        let left = sum(&|k| (way(k) - dot(&cubic, &powers(k))).powi(2));
+        let cubic = Fit::of(&(0..positions.len()).map(sample).collect::<Vec<_>>())?;
         let per_second = rate_hz / samples;
         Some(Self {
-            speed: cubic[1] * per_second,
-            variance: factor.inverse_diagonal()[1] * per_second.powi(2),
-            left: left / (samples - TERMS as f64),
+            speed: cubic.coefficients[1] * per_second,
+            variance: cubic.variances[1] * per_second.powi(2),
+            left: cubic.left / (samples - cubic.coefficients.len() as f64),
         })
     }
 }

@@ -10,6 +10,7 @@ use std::ops::Range;
 use armident_numeric::{Cholesky, dot};
 
 use super::Stop;
+use super::fit::{Fit, Sample, nearness};
 
 /// So much of the motion before and after a stop \[s\], and so many samples at least, say where it is...
 const SIDE_S: f64 = 0.05;
@@ -111,7 +112,7 @@ impl Around {
         let middle = position[usize::midpoint(first, last.max(first + 1) - 1)];
         let weight = |t: usize| {
             let off = start.saturating_sub(t).max((t + 1).saturating_sub(end));
-            (1.0 - (off as f64 / (side + 1) as f64).powi(3)).powi(3)
+            nearness(off as f64, side as f64)
         };
         Self {
             position: position[first..last].iter().map(|q| q - middle).collect(),
@@ -254,18 +255,13 @@ impl Around {
     /// Squares that one polynomial through all leaves.
     fn left_by_one(&self) -> Option<f64> {
         let half = self.position.len() as f64 / 2.0;
-        let terms = |t: usize| -> [f64; SMOOTH_TERMS] {
+        let sample = |(t, (weight, value)): (usize, (&f64, &f64))| -> Sample<SMOOTH_TERMS> {
             let x = (t as f64 - half) / half;
-            array::from_fn(|k| x.powi(k as i32))
+            Sample { weight: *weight, terms: array::from_fn(|k| x.powi(k as i32)), value: *value }
         };
-        let sum = |of: &dyn Fn(usize) -> f64| -> f64 {
-            self.weight.iter().enumerate().map(|(t, w)| w * of(t)).sum()
-        };
-        let factor = Cholesky::of(SMOOTH_TERMS, |i, j| sum(&|t| terms(t)[i] * terms(t)[j]))?;
-        let with_y: Vec<f64> =
-            (0..SMOOTH_TERMS).map(|i| sum(&|t| terms(t)[i] * self.position[t])).collect();
-        let squares = sum(&|t| self.position[t].powi(2));
-        Some(squares - dot(&with_y, &factor.solve(&with_y)))
+        let samples: Vec<Sample<SMOOTH_TERMS>> =
+            self.weight.iter().zip(&self.position).enumerate().map(sample).collect();
+        Fit::of(&samples).map(|fit| fit.left)
     }
 }
 

@@ -4,10 +4,10 @@
 //! low-pass smears both. On the rows of the other joints that cancels, for they stay as smeared together as they are; on
 //! the row of the joint that stops, whose own acceleration is known up to the stop, theirs have to be.
 
-use armident_numeric::{Cholesky, dot};
 use armident_recording::RecordingError;
 
 use super::Stop;
+use super::fit::{Fit, Sample, nearness};
 use crate::sampled::low_pass;
 
 /// So much of a motion around a stop \[s\], and so many samples a side at least, say by how much an acceleration jumps.
@@ -116,30 +116,15 @@ fn jump_at(position: &[f64], at: f64, noise: f64, rate_hz: f64) -> f64 {
         return 0.0;
     }
     let middle = position[usize::midpoint(first, last)];
-    struct Sample {
-        weight: f64,
-        position: f64,
-        terms: [f64; TERMS],
-    }
-    let samples: Vec<Sample> = (first..last)
-        .map(|t| {
-            let x = (t as f64 - at) / side;
-            let weight = (1.0 - (x.abs() * side / (side + 1.0)).powi(3)).powi(3);
-            let terms = [1.0, x, x * x, x.powi(3), x.powi(4), x.max(0.0) * x / 2.0];
-            Sample { weight, position: position[t] - middle, terms }
-        })
-        .collect();
-    let sum = |of: &dyn Fn(&Sample) -> f64| -> f64 {
-        samples.iter().map(|sample| sample.weight * of(sample)).sum()
+    let sample = |t: usize| -> Sample<TERMS> {
+        let x = (t as f64 - at) / side;
+        let terms = [1.0, x, x * x, x.powi(3), x.powi(4), x.max(0.0) * x / 2.0];
+        Sample { weight: nearness((t as f64 - at).abs(), side), terms, value: position[t] - middle }
     };
-    let Some(factor) = Cholesky::of(TERMS, |i, j| sum(&|s| s.terms[i] * s.terms[j])) else {
-        return 0.0;
-    };
-    let rhs: Vec<f64> = (0..TERMS).map(|i| sum(&|s| s.terms[i] * s.position)).collect();
-    let bent = factor.solve(&rhs);
-    let left = sum(&|s| (s.position - dot(&bent, &s.terms)).powi(2)) / sum(&|_| 1.0);
-    let jump = bent[TERMS - 1];
-    let variance = left.max(noise * noise) * factor.inverse_diagonal()[TERMS - 1];
+    let samples: Vec<Sample<TERMS>> = (first..last).map(sample).collect();
+    let Some(bent) = Fit::of(&samples) else { return 0.0 };
+    let jump = bent.coefficients[TERMS - 1];
+    let variance = (bent.left / bent.weight).max(noise * noise) * bent.variances[TERMS - 1];
     jump * (1.0 - variance / jump.powi(2)).max(0.0) * (rate_hz / side).powi(2)
 }
 
