@@ -319,8 +319,8 @@ mod tests {
     }
 
     /// While a joint rests and turns back its friction reverses in a line. Where it goes on the same way, friction gives
-    /// way as far as what the drive follows runs back meanwhile: nothing to speak of for a soft drive, whose joint
-    /// turned back in a longer rest.
+    /// way as far as what the drive follows runs back meanwhile, and never reverses: nothing to speak of for a soft drive,
+    /// whose joint turned back in a longer rest.
     #[test]
     fn friction_of_a_joint_that_rests() {
         let joined = |turning_s: f64| -> Vec<f64> {
@@ -345,7 +345,8 @@ mod tests {
             })
         };
         let [turned, goes_on] = middles(0.02);
-        assert!(turned.abs() < 0.3 && goes_on < 0.0, "{turned} {goes_on}");
+        // it tells of four fifths of a reversal; of a joint that did not turn back, of half as much
+        assert!(turned.abs() < 0.3 && goes_on > 0.0 && goes_on < 0.3, "{turned} {goes_on}");
         let [turned, goes_on] = middles(0.29);
         assert!(turned.abs() < 0.05 && goes_on > 0.7, "{turned} {goes_on}");
     }

@@ -1,7 +1,6 @@
 //! The direction of a joint, and of its friction where it stops.
 
 use super::Stop;
-use super::drive::HELD_S;
 
 /// A speed below this many standard deviations of its noise has no sign...
 const SIGN_DEVIATIONS: f64 = 5.0;
@@ -159,7 +158,7 @@ impl Bridge {
         };
         let pushed_back = (self.rest)
             .zip(turning_speed)
-            .filter(|_| before * after > 0.0 && length < HELD_S * rate_hz)
+            .filter(|_| before * after > 0.0)
             .map(|(rest, speed)| reference_speed(rest, acceleration, rate_hz).map(|v| v / speed));
         for (t, direction) in direction.iter_mut().enumerate().take(end).skip(start) {
             let (from_start, to_end) = ((t - start + 1) as f64, (end - t) as f64);
@@ -167,7 +166,8 @@ impl Bridge {
             let between = if self.turns() {
                 before + (after - before) * x
             } else if let Some([rising, falling]) = pushed_back {
-                before + 2.0 * (rising * x * (1.0 - x).powi(2) - falling * x * x * (1.0 - x))
+                let runs_back = falling * x * x * (1.0 - x) - rising * x * (1.0 - x).powi(2);
+                before * (1.0 - gives_way(2.0 * before * runs_back))
             } else {
                 before * (1.0 - from_start / dip).max(0.0) + after * (1.0 - to_end / dip).max(0.0)
             };
@@ -187,6 +187,13 @@ fn turning_speed(bridges: &[Bridge], acceleration: &[f64], rate_hz: f64) -> Opti
         .collect();
     let half = speeds.len() / 2;
     (!speeds.is_empty()).then(|| *speeds.select_nth_unstable_by(half, f64::total_cmp).1)
+}
+
+/// How far friction gives way, 2 where it would reverse, in a rest after which the joint goes on the same way: where all that
+/// is known of what its drive follows says so far. Never as far as that, or the joint had turned back.
+fn gives_way(far: f64) -> f64 {
+    let far = far.max(0.0);
+    far / (1.0 + 0.5 * far)
 }
 
 /// What the drive follows while its joint rests goes on with the accelerations of before and after: the two
