@@ -104,7 +104,7 @@ pub(crate) fn view(of: Validated, drawing: &Drawing) -> View {
         if let Some((joint, error)) = largest {
             sentences.push(format!(
                 "Driven by the recorded efforts through {} windows of {} s, the simulated arm is off by at most {} \
-                 (RMS, {joint}){}.",
+                 (RMS in rad or m, {joint}){}.",
                 replay.windows,
                 number(replay.window_s, 3),
                 number(*error, 3),

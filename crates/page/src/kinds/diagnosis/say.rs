@@ -204,8 +204,8 @@ pub(super) fn sentences(of: &Diagnosis) -> Vec<String> {
         if let Some((joint, after)) = worst {
             let before = replay.before.get(joint).copied().unwrap_or(f64::NAN);
             all.push(format!(
-                "Driven by the recorded efforts for {} s, the simulated arm is off by {} at most (RMS of the \
-                 position, {joint}; {} before).",
+                "Driven by the recorded efforts for {} s, the simulated arm is off by {} at most (RMS in rad or m of \
+                 the position, {joint}; {} before).",
                 number(replay.window_s, 3),
                 number(*after, 2),
                 number(before, 2)
