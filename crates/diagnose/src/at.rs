@@ -254,8 +254,20 @@ impl<'a> At<'a> {
         j: usize,
         chain: &DrivingAxisChain,
     ) -> Vec<Vec<Vec<f64>>> {
-        let columns = law.arm_columns(j, &self.arm_motion(chain, &self.rigid));
+        let mut columns = law.arm_columns(j, &self.arm_motion(chain, &self.rigid));
+        clear_rounding(&mut columns);
         columns.into_iter().map(|column| self.all_recorded(column)).collect()
+    }
+}
+
+/// Makes nothing of columns that are nothing but rounding beside the largest: what pushes a planar arm out of its plane.
+fn clear_rounding(columns: &mut [Vec<Vec<f64>>]) {
+    const ROUNDING: f64 = 1e-9;
+    let most =
+        |column: &Vec<Vec<f64>>| column.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let largest = columns.iter().map(most).fold(0.0, f64::max);
+    for column in columns.iter_mut().filter(|column| most(column) < ROUNDING * largest) {
+        column.iter_mut().for_each(|efforts| efforts.fill(0.0));
     }
 }
 
@@ -266,4 +278,23 @@ pub(crate) fn changed(link: &InertialParameters, change: &[f64]) -> InertialPara
         *x += d;
     }
     InertialParameters::from_array(&numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What loads no joint of a planar arm but by rounding is none of its columns; small ones stay.
+    #[test]
+    fn columns_of_rounding_are_nothing() {
+        let mut columns =
+            vec![vec![vec![2e-17, 0.0]; 2], vec![vec![1e-6, 0.0]; 2], vec![vec![3.0, 1.0]; 2]];
+        let others = columns[1..].to_vec();
+        clear_rounding(&mut columns);
+        assert!(columns[0].iter().flatten().all(|x| *x == 0.0));
+        assert_eq!(columns[1..], others);
+        let mut nothing = vec![vec![vec![0.0; 2]; 2]];
+        clear_rounding(&mut nothing);
+        assert_eq!(nothing, [vec![vec![0.0; 2]; 2]]);
+    }
 }

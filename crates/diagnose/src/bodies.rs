@@ -12,6 +12,9 @@ use crate::problem::{Problem, Site};
 /// Root mean square effort of a direction, as a share of the noise, below which motions do not show it.
 const LEAST_SHOWN: f64 = 0.05;
 
+/// How far the centre of a load may be from where it is looked for \[m\].
+const DISTANCE_M: f64 = 0.3;
+
 /// Standard parameters of a link one by one, each by what is much of it.
 fn any_errors() -> Vec<[f64; 10]> {
     const SCALE: [f64; 10] = [1.0, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
@@ -22,7 +25,6 @@ fn any_errors() -> Vec<[f64; 10]> {
 /// Loads on a link whose centres are not far from this place: a kilogram there, and as much moment as it has 0.3 m off
 /// along each axis. To first order in the distance, with which the inertia of a load changes too.
 fn loads_near(place_m: &Vector3<f64>) -> Vec<[f64; 10]> {
-    const DISTANCE_M: f64 = 0.3;
     let load =
         |at_m: Vector3<f64>| InertialParameters::from_com(1.0, at_m, Matrix3::zeros()).to_array();
     let moved = |axis: usize| -> [f64; 10] {
@@ -56,16 +58,16 @@ impl Evidence<'_> {
         let Some(law) = effect("payload") else { return false };
         let last = self.joints() - 1;
         let rows = problem.rows.effective();
-        let columns: Vec<usize> = (10 * last..10 * last + 4)
-            .filter(|&k| problem.product(k, k) > LEAST_SHOWN * LEAST_SHOWN * rows)
-            .collect();
+        let (columns, not_shown): (Vec<usize>, Vec<usize>) = (10 * last..10 * last + 4)
+            .partition(|&k| problem.product(k, k) > LEAST_SHOWN * LEAST_SHOWN * rows);
         if columns.first() != Some(&(10 * last)) {
             return false;
         }
-        let transform = columns
-            .iter()
-            .map(|k| (0..10).map(|p| f64::from(u8::from(10 * last + p == *k))).collect())
-            .collect();
+        let along = |size: f64, k: &usize| -> Vec<f64> {
+            (0..10).map(|p| if 10 * last + p == *k { size } else { 0.0 }).collect()
+        };
+        let transform = columns.iter().map(|k| along(1.0, k)).collect();
+        let hidden = not_shown.iter().map(|k| along(DISTANCE_M, k)).collect();
         let columns = if self.rows.changed_from == 0 {
             columns
         } else {
@@ -74,6 +76,7 @@ impl Evidence<'_> {
         let site = Site { joints: vec![last], window: None };
         let group = push_law(problem, law, site, &[], columns, 0);
         problem.groups[group].transform = Some(transform);
+        problem.groups[group].hidden = hidden;
         true
     }
 

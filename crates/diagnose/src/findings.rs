@@ -365,8 +365,14 @@ fn stem(source: &str) -> String {
 /// more, they do not say how large it is.
 const UNSEEN: f64 = 0.1;
 
-/// Which of the numbers of a body are in the combinations of its parameters that motions do not show.
-fn unseen(evidence: &Evidence<'_>, group: &Group) -> [bool; 4] {
+/// Which of the numbers of a body are in the combinations of its parameters that motions do not show, and which axes of a
+/// force on the tip load no joint.
+fn unseen(evidence: &Evidence<'_>, problem: &Problem, group: &Group) -> [bool; 4] {
+    if group.slug() == "external_contact" {
+        let loads_none =
+            |axis: usize| problem.columns[group.columns[axis]].iter().all(Vec::is_empty);
+        return std::array::from_fn(|p| p > 0 && loads_none(p - 1));
+    }
     let Some(transform) = &group.transform else { return [false; 4] };
     let size = |directions: &[Vec<f64>], p: usize| -> f64 {
         let of = |d: &Vec<f64>| in_link_frame(evidence, group.site.joints[0], d)[p].powi(2);
@@ -441,7 +447,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             of(shape, coefficients).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
         })
         .collect();
-    let unseen = unseen(evidence, group);
+    let unseen = unseen(evidence, metric.problem, group);
     law.law()
         .parameters
         .iter()

@@ -333,7 +333,9 @@ impl Whitened<'_> {
                 fit.cholesky.forward(&unit)
             })
             .collect();
-        let scale = |k: usize| 1.0 / self.norm[columns[k]];
+        // a column of nothing has the coefficient 0
+        let is_there = |k: usize| self.norm[columns[k]] > f64::MIN_POSITIVE.sqrt();
+        let scale = |k: usize| if is_there(k) { 1.0 / self.norm[columns[k]] } else { 0.0 };
         (0..columns.len())
             .map(|a| {
                 (0..columns.len())
@@ -563,6 +565,15 @@ mod tests {
         assert!(near(fit.sum_of_squares, of_rest.sum_of_squares));
         assert!(near(fixed.gain(&fit, &[2]), expected.gain(&of_rest, &[2])));
         assert_eq!(fixed.covariance(&fit, &[0, 1])[0], [0.0, 0.0]);
+        // nor does a column of nothing have a coefficient or scatter
+        let mut idle = problem(&effort);
+        let first = idle.push_columns(vec![vec![Vec::new()]]);
+        idle.groups.push(group(Meaning::Law("viscous_friction"), vec![first]));
+        let idle = idle.whitened(0.0, &[]);
+        let of_idle = idle.fit(vec![0, first]).unwrap();
+        assert_eq!(of_idle.coefficient(first), 0.0);
+        let covariance = idle.covariance(&of_idle, &[0, first]);
+        assert!(covariance[0][0] > 0.0 && covariance[0][1] == 0.0 && covariance[1] == [0.0, 0.0]);
         let (left, left_of_rest) = (fixed.residual(&fit), expected.residual(&of_rest));
         assert!(left[0].iter().zip(&left_of_rest[0]).all(|(a, b)| near(*a, *b)));
     }
