@@ -136,8 +136,17 @@ impl LeftOpen {
             return named.map(|(_, g)| (1.0, *g)).collect();
         };
         let scatter = Scatter::of(&opened, &fitted);
-        let chance = |k: usize| chance(&opened, &fitted, k, &scatter, point).unwrap_or(1.0);
-        named.map(|(k, g)| (chance(k), *g)).collect()
+        let mut told = Scatter::of(metric, of);
+        self.widen(&mut told, metric, of);
+        let chance = |(k, g): (usize, usize)| {
+            let free = chance(&opened, &fitted, k, &scatter, point).unwrap_or(1.0);
+            // nor may the numbers as they are told be none: where the size is held they do not say
+            if metric.problem.groups[g].is_of_size_one {
+                return free;
+            }
+            free.max(chance(metric, of, g, &told, point).unwrap_or(1.0))
+        };
+        named.map(|(k, g)| (chance((k, *g)), *g)).collect()
     }
 
     /// How far coefficients of an answer can be trusted where this is free.
