@@ -12,9 +12,6 @@ use crate::problem::{Problem, Site};
 /// Root mean square effort of a direction, as a share of the noise, below which motions do not show it.
 const LEAST_SHOWN: f64 = 0.05;
 
-/// How far the centre of a load may be from where it is looked for \[m\].
-const DISTANCE_M: f64 = 0.3;
-
 /// Standard parameters of a link one by one, each by what is much of it.
 fn any_errors() -> Vec<[f64; 10]> {
     const SCALE: [f64; 10] = [1.0, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
@@ -25,6 +22,7 @@ fn any_errors() -> Vec<[f64; 10]> {
 /// Loads on a link whose centres are not far from this place: a kilogram there, and as much moment as it has 0.3 m off
 /// along each axis. To first order in the distance, with which the inertia of a load changes too.
 fn loads_near(place_m: &Vector3<f64>) -> Vec<[f64; 10]> {
+    const DISTANCE_M: f64 = 0.3;
     let load =
         |at_m: Vector3<f64>| InertialParameters::from_com(1.0, at_m, Matrix3::zeros()).to_array();
     let moved = |axis: usize| -> [f64; 10] {
@@ -63,11 +61,12 @@ impl Evidence<'_> {
         if columns.first() != Some(&(10 * last)) {
             return false;
         }
-        let along = |size: f64, k: &usize| -> Vec<f64> {
-            (0..10).map(|p| if 10 * last + p == *k { size } else { 0.0 }).collect()
-        };
-        let transform = columns.iter().map(|k| along(1.0, k)).collect();
-        let hidden = not_shown.iter().map(|k| along(DISTANCE_M, k)).collect();
+        let transform = columns
+            .iter()
+            .map(|k| (0..10).map(|p| f64::from(u8::from(10 * last + p == *k))).collect())
+            .collect();
+        let errors = any_errors();
+        let hidden = not_shown.iter().map(|k| errors[k - 10 * last].to_vec()).collect();
         let columns = if self.rows.changed_from == 0 {
             columns
         } else {

@@ -118,6 +118,12 @@ impl Whitened<'_> {
         value / (self.norm[a] * self.norm[b])
     }
 
+    /// Of a coefficient for that of the normalised column: 0 of a column of nothing, whose coefficient is 0.
+    fn per_norm(&self, column: usize) -> f64 {
+        let norm = self.norm[column];
+        if norm > f64::MIN_POSITIVE.sqrt() { 1.0 / norm } else { 0.0 }
+    }
+
     /// Columns of a set of groups, each once.
     pub(crate) fn columns_of(&self, set: &[usize]) -> Vec<usize> {
         let groups = &self.problem.groups;
@@ -291,7 +297,7 @@ impl Whitened<'_> {
 
     /// Rows whose outer products add up to the covariance of the coefficients of a fit.
     pub(crate) fn coefficient_factors(&self, fit: &Fit) -> Vec<Vec<f64>> {
-        let scale = |k: usize| 1.0 / (self.norm[fit.columns[k]] * self.problem.rows.share.sqrt());
+        let scale = |k: usize| self.per_norm(fit.columns[k]) / self.problem.rows.share.sqrt();
         let count = fit.columns.len();
         let columns: Vec<Vec<f64>> = (0..count)
             .map(|c| {
@@ -333,9 +339,7 @@ impl Whitened<'_> {
                 fit.cholesky.forward(&unit)
             })
             .collect();
-        // a column of nothing has the coefficient 0
-        let is_there = |k: usize| self.norm[columns[k]] > f64::MIN_POSITIVE.sqrt();
-        let scale = |k: usize| if is_there(k) { 1.0 / self.norm[columns[k]] } else { 0.0 };
+        let scale = |k: usize| self.per_norm(columns[k]);
         (0..columns.len())
             .map(|a| {
                 (0..columns.len())

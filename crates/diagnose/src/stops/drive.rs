@@ -4,7 +4,7 @@
 use super::Stop;
 
 /// A drive gives up what its joint needed to slow down within this time of a rest \[s\].
-pub(super) const HELD_S: f64 = 0.3;
+const HELD_S: f64 = 0.3;
 /// In a rest of less than this \[s\] all that changes is the drive, not what the other joints load on it.
 const SHORT_S: f64 = 0.08;
 /// While a joint rests, what its drive follows goes on with its acceleration. The drive answers its speed with damping, and
