@@ -12,7 +12,7 @@ use crate::crossval::{errors_left_out, surely_less};
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
-use crate::scales::{Best, may_be_wrong, with_one_more};
+use crate::scales::{may_be_wrong, with_one_more};
 use crate::search::{Answer, answer};
 use crate::whitened::{PRICE_OF_SELDOM, Whitened, WrongBody};
 
@@ -255,21 +255,21 @@ fn bodies(
         return Vec::new();
     }
     let with = metric.residual(&of.fit);
-    let mut best: BTreeMap<usize, Best> = BTreeMap::new();
-    for trial in with_one_more(problem, scale, set, wide) {
-        let Some(WrongBody { link, .. }) = trial.wide.last().copied() else { continue };
-        let better = best.get(&link).is_none_or(|b| trial.answer.score < b.answer.score);
-        if better && Some(link) != but {
-            best.insert(link, trial);
+    let mut best: BTreeMap<usize, (Vec<WrongBody>, f64)> = BTreeMap::new();
+    for (wide, score) in with_one_more(problem, scale, set, wide) {
+        let Some(WrongBody { link, .. }) = wide.last().copied() else { continue };
+        if best.get(&link).is_none_or(|b| score < b.1) && Some(link) != but {
+            best.insert(link, (wide, score));
         }
     }
-    let near = |(_, found): &(usize, Best)| found.answer.score - of.score < ODDS;
     best.into_iter()
-        .filter(near)
-        .map(|(link, Best { wide, answer, .. })| {
-            let residual = problem.whitened(scale, &wide).residual(&answer.fit);
+        .filter(|(_, (_, score))| score - of.score < ODDS)
+        .filter_map(|(link, (wide, _))| {
+            let others = problem.whitened(scale, &wide);
+            let answer = answer(&others, set.to_vec())?;
+            let residual = others.residual(&answer.fit);
             let left = left_more(problem, &residual, &with);
-            Rival { by: InPlace::Body(link), answer, wide, left }
+            Some(Rival { by: InPlace::Body(link), answer, wide, left })
         })
         .collect()
 }

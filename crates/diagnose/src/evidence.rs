@@ -89,7 +89,7 @@ impl<'a> Evidence<'a> {
         let arm = RigidArm::from_chain(self.chain);
         let none = OperatingPoint::of(self.joints());
         let point_of = |r: usize| if r < self.rows.changed_from { &none } else { point };
-        let signals = self.signals.iter().enumerate();
+        let signals = self.signals.par_iter().enumerate();
         signals.map(|(r, s)| At::new(self.chain, &arm, s, point_of(r))).collect()
     }
 
@@ -146,7 +146,12 @@ impl<'a> Evidence<'a> {
 
     /// The problem with all groups that need no search of their own.
     pub(crate) fn problem(&self, point: &OperatingPoint) -> Problem {
-        self.problem_with(&self.at(point), |_| true)
+        self.problem_at(&self.at(point))
+    }
+
+    /// The same of recordings at an operating point.
+    pub(crate) fn problem_at(&self, at: &[At<'_>]) -> Problem {
+        self.problem_with(at, |_| true)
     }
 
     /// The same without the laws of joints whose constants are tried: most columns are theirs.

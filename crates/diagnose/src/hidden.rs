@@ -31,7 +31,7 @@ pub(crate) fn with_hidden_motion(
     (ripple, contact): (&RippleColumns, &ContactColumns),
     problem: &mut Problem,
     mut starts: Vec<Vec<usize>>,
-    memory: &Memory,
+    memory: &mut Memory,
     found: Best,
 ) -> Best {
     let mut scales = vec![found.scale];
@@ -62,7 +62,7 @@ pub(crate) fn with_hidden_motion(
             let near = nearest(problem, metric, &found.answer, offered);
             let worth = |n: &Answer| slug == "joint_elasticity" || n.score < found.answer.score;
             if let Some(near) = near.filter(worth) {
-                let polished = refine(evidence, at, contact, problem, metric, near, one);
+                let polished = refine(evidence, at, contact, problem, metric, memory, near, one);
                 starts.push(polished.set);
             }
         }

@@ -3,6 +3,7 @@
 //! significant, the imperfection of the model first.
 
 use armident_effects::effect;
+use rayon::prelude::*;
 
 use crate::at::OperatingPoint;
 use crate::chance::Chance;
@@ -120,9 +121,20 @@ pub(crate) fn materiality(
     point: &OperatingPoint,
     chance: &Chance,
 ) -> (Materiality, Option<Answer>) {
+    materiality_beside(metric, of, &metric.residual(&of.fit), group, point, chance)
+}
+
+/// The same with what the answer leaves.
+fn materiality_beside(
+    metric: &Whitened<'_>,
+    of: &Answer,
+    with: &Blocks,
+    group: usize,
+    point: &OperatingPoint,
+    chance: &Chance,
+) -> (Materiality, Option<Answer>) {
     let problem = metric.problem;
-    let with = metric.residual(&of.fit);
-    let asked = Asked::of(problem, chance, &with);
+    let asked = Asked::of(problem, chance, with);
     let without = reduced(metric, of, group, point);
     let columns = &problem.groups[group].columns;
     let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
@@ -239,14 +251,16 @@ pub(crate) fn chance_beside(metric: &Whitened<'_>, of: &Answer) -> Chance {
 pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoint) -> Answer {
     let chance = chance_beside(metric, &of);
     loop {
-        let least = of
+        let with = metric.residual(&of.fit);
+        let sizes: Vec<(f64, Answer)> = of
             .set
-            .iter()
+            .par_iter()
             .filter_map(|&g| {
-                let (size, without) = materiality(metric, &of, g, point, &chance);
+                let (size, without) = materiality_beside(metric, &of, &with, g, point, &chance);
                 without.map(|without| (size.ratio(), without))
             })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
+            .collect();
+        let least = sizes.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         match least {
             Some((ratio, without)) if ratio < 1.0 => of = without,
             _ => return of,

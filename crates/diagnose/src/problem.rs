@@ -1,5 +1,7 @@
 //! The weighted linear problem: columns, their products, and the groups of columns that are laws.
 
+use std::sync::OnceLock;
+
 use armident_effects::{EffectOnJoint, Place, Scope, effect};
 use armident_numeric::{dot, products_of_columns};
 use rayon::prelude::*;
@@ -116,6 +118,8 @@ pub(crate) struct Problem {
     pub(crate) effort: Blocks,
     pub(crate) square: f64,
     pub(crate) background: Background,
+    /// products of its directions in the efforts, `W'W` at size 1: formed when first asked for
+    pub(crate) of_directions: OnceLock<Vec<Vec<f64>>>,
     pub(crate) groups: Vec<Group>,
     /// `[joint]`: effects that were taken out of the recordings; what is found may be less of them
     pub(crate) known: Vec<Vec<EffectOnJoint>>,
@@ -139,6 +143,7 @@ impl Problem {
             effort,
             square,
             background,
+            of_directions: OnceLock::new(),
             groups: Vec::new(),
         };
         problem.push_columns(rigid);
@@ -255,6 +260,7 @@ impl Problem {
             effort: self.effort.clone(),
             square: self.square,
             background: self.background.clone(),
+            of_directions: self.of_directions.clone(),
             groups,
             known: self.known.clone(),
         };

@@ -1,6 +1,6 @@
 //! Constants that were tried on a grid, polished; and groups formed again in another problem.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use armident_effects::{Scope, effect};
 
@@ -10,12 +10,16 @@ use crate::crossval::with_everyday_terms_of;
 use crate::evidence::Evidence;
 use crate::flexible;
 use crate::problem::{Group, Meaning, Problem};
+use crate::scales::Memory;
 use crate::search::{Answer, all_admissible, answer};
-use crate::transmission;
+use crate::transmission::{self, Load};
 use crate::whitened::{Integral, Whitened, WrongBody};
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
+/// Share of the first step of a constant with which one goes on that was polished before: steps that improve are repeated,
+/// so that it gets as far as it has to.
+const POLISHED: f64 = 0.125;
 
 /// The group of a new problem that stands for the same.
 pub(crate) fn recreate(
@@ -26,7 +30,7 @@ pub(crate) fn recreate(
     group: &Group,
 ) -> Option<usize> {
     match group.site.window {
-        Some((recording, window)) => known(problem, group).or_else(|| {
+        Some((recording, window)) => known(problem.groups.iter(), group).or_else(|| {
             let id = contact.push(evidence, problem, recording, window);
             problem.groups[id].searched = group.searched;
             Some(id)
@@ -42,7 +46,7 @@ pub(crate) fn recreate_lasting(
     problem: &mut Problem,
     group: &Group,
 ) -> Option<usize> {
-    known(problem, group).or_else(|| match &group.meaning {
+    known(problem.groups.iter(), group).or_else(|| match &group.meaning {
         Meaning::Law(slug) => {
             let id = formed(evidence, at, problem, slug, group)?;
             problem.groups[id].searched = group.searched;
@@ -55,9 +59,9 @@ pub(crate) fn recreate_lasting(
     })
 }
 
-/// The group of a problem that is the same already.
-fn known(problem: &Problem, group: &Group) -> Option<usize> {
-    problem.groups.iter().position(|other| {
+/// The place of the group that is the same already.
+fn known<'g>(mut groups: impl Iterator<Item = &'g Group>, group: &Group) -> Option<usize> {
+    groups.position(|other| {
         other.meaning == group.meaning && other.site == group.site && other.shape == group.shape
     })
 }
@@ -90,6 +94,7 @@ pub(crate) fn refine(
     contact: &ContactColumns,
     problem: &mut Problem,
     (scale, wide): (f64, &[WrongBody]),
+    memory: &mut Memory,
     found: Answer,
     polished: impl Fn(&Group) -> bool,
 ) -> Answer {
@@ -100,20 +105,25 @@ pub(crate) fn refine(
     let mut integral = small.integral(scale, wide);
     let best = answer_of(&small.whitened_by(&mut integral), set, named);
     let Some(best) = best else { return found };
-    let mut trials = Trials { evidence, at, contact, small, integral, best, named };
+    let near = HashMap::new();
+    let mut trials = Trials { evidence, at, contact, small, integral, best, named, near };
     for round in 0..2 {
         for k in 0..named {
             let group = trials.group(k).clone();
             if !polished(&group) {
                 continue;
             }
-            if round == 0 {
+            let again = round > 0 || known(memory.polished.iter(), &group).is_some();
+            if !again {
                 for shape in beside(&group) {
                     trials.improved_by(k, &Group { shape, ..group.clone() });
                 }
             }
             for c in 0..continuous(&group) {
                 let (mut step, smallest, relative) = step_of(&group, c);
+                if again {
+                    step *= POLISHED;
+                }
                 while step > smallest {
                     let moved = |sign: f64| {
                         let mut trial = trials.group(k).clone();
@@ -138,10 +148,11 @@ pub(crate) fn refine(
     }
     // back to the full problem
     let Trials { small, best, .. } = trials;
-    let set: Vec<usize> = best.set[..named]
-        .iter()
-        .filter_map(|g| recreate(evidence, at, contact, problem, &small.groups[*g].clone()))
-        .collect();
+    let best = best.set[..named].iter().map(|g| &small.groups[*g]);
+    let set: Vec<usize> =
+        best.clone().filter_map(|g| recreate(evidence, at, contact, problem, g)).collect();
+    let new = best.filter(|g| polished(g) && continuous(g) > 0);
+    memory.polished.extend(new.cloned());
     answer(&problem.whitened(scale, wide), set).unwrap_or(found)
 }
 
@@ -155,6 +166,8 @@ struct Trials<'a, 'e> {
     best: Answer,
     /// so many groups of the answer have a name; the others stand beside them
     named: usize,
+    /// loads on links that moved last, by joint and recording
+    near: HashMap<usize, Vec<Option<Load>>>,
 }
 
 /// Fits a set in its order, of which the first groups have a name; none where it cannot be fitted or these are not
@@ -198,6 +211,19 @@ fn everyday_beside(
 }
 
 impl Trials<'_, '_> {
+    /// The trial in the small problem.
+    fn formed(&mut self, trial: &Group) -> Option<usize> {
+        let (evidence, at, small) = (self.evidence, self.at, &mut self.small);
+        if !trial.moves_its_link() {
+            return recreate(evidence, at, self.contact, small, trial);
+        }
+        let (joint, slug) = (trial.site.joints[0], trial.slug());
+        let near = self.near.entry(joint).or_default();
+        known(small.groups.iter(), trial).or_else(|| {
+            transmission::push_near(evidence, at, small, slug, joint, &trial.shape, near)
+        })
+    }
+
     /// Group in this place of the answer.
     fn group(&self, k: usize) -> &Group {
         &self.small.groups[self.best.set[k]]
@@ -206,7 +232,7 @@ impl Trials<'_, '_> {
     /// Takes another group in a place of the answer, if the score is better by it.
     fn improved_by(&mut self, k: usize, trial: &Group) -> bool {
         let mark = self.small.mark();
-        let id = recreate(self.evidence, self.at, self.contact, &mut self.small, trial);
+        let id = self.formed(trial);
         let next = id.and_then(|id| {
             let mut set = self.best.set.clone();
             set[k] = id;
@@ -283,6 +309,7 @@ mod tests {
     use super::*;
     use crate::at::OperatingPoint;
     use crate::made::{STRIBECK, rubbing, stribeck, ur5};
+    use crate::scales::ChosenBy;
 
     /// Viscous friction that nobody names does not change the speed that friction falls in.
     #[test]
@@ -296,7 +323,9 @@ mod tests {
         let start = stribeck(&evidence, &at, &mut problem, 0.2);
         let found = answer(&problem.whitened(0.0, &[]), vec![start]).unwrap();
         let all = |_: &Group| true;
-        let found = refine(&evidence, &at, &contact, &mut problem, (0.0, &[]), found, all);
+        let mut memory = Memory::new(ChosenBy::All);
+        let found =
+            refine(&evidence, &at, &contact, &mut problem, (0.0, &[]), &mut memory, found, all);
         let [group] = found.set[..] else { panic!("{:?}", found.set) };
         let speed = problem.groups[group].shape[0];
         assert!((speed / STRIBECK[2] - 1.0).abs() < 0.015, "{speed}");

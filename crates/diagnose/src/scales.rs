@@ -39,6 +39,8 @@ pub(crate) enum ChosenBy {
 #[derive(Debug, Clone)]
 pub(crate) struct Memory {
     pub(crate) groups: Vec<Group>,
+    /// groups whose constants were polished
+    pub(crate) polished: Vec<Group>,
     /// ripple is not offered on these joints: its order was no whole number
     pub(crate) no_ripple: HashSet<usize>,
     /// inertial error of the last pass
@@ -50,8 +52,14 @@ pub(crate) struct Memory {
 
 impl Memory {
     pub(crate) fn new(chosen_by: ChosenBy) -> Self {
-        let (groups, no_ripple) = (Vec::new(), HashSet::new());
-        Self { groups, no_ripple, scale: None, chosen_by, ways_part: false }
+        Self {
+            groups: Vec::new(),
+            polished: Vec::new(),
+            no_ripple: HashSet::new(),
+            scale: None,
+            chosen_by,
+            ways_part: false,
+        }
     }
 }
 
@@ -213,20 +221,22 @@ pub(crate) fn may_be_wrong(problem: &Problem, scale: f64) -> bool {
     scale > 0.0 && scale <= ALL_LINKS_WRONG && problem.rows.changed_from == 0
 }
 
-/// Answers of a set with a further link whose body is wrong: each link, in every size of its errors.
+/// Scores of a set with a further link whose body is wrong: each link, in every size of its errors.
 pub(crate) fn with_one_more(
     problem: &Problem,
     scale: f64,
     set: &[usize],
     wide: &[WrongBody],
-) -> Vec<Best> {
+) -> Vec<(Vec<WrongBody>, f64)> {
     let right = (0..problem.background.links).filter(|l| wide.iter().all(|body| body.link != *l));
     let bodies: Vec<WrongBody> =
         right.flat_map(|link| TIMES.map(|times| WrongBody { link, times })).collect();
+    // the columns of the set alone: errors of every size are integrated out of them
+    let (small, set) = problem.restricted(set);
     let with = |body: &WrongBody| {
         let wide = [wide, &[*body]].concat();
-        let answer = answer(&problem.whitened(scale, &wide), set.to_vec())?;
-        Some(Best { scale, wide, answer })
+        let score = answer(&small.whitened(scale, &wide), set.clone())?.score;
+        Some((wide, score))
     };
     bodies.par_iter().filter_map(with).collect()
 }
@@ -244,8 +254,8 @@ fn with_wrong_bodies(
     if may_be_wrong(problem, scale) {
         while wide.len() < MOST_WRONG_BODIES {
             let trials = with_one_more(problem, scale, &found.set, &wide);
-            let least = trials.into_iter().min_by(|a, b| a.answer.score.total_cmp(&b.answer.score));
-            let Some(Best { wide: trial, answer: Answer { score, .. }, .. }) = least else { break };
+            let least = trials.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((trial, score)) = least else { break };
             if score >= found.score {
                 break;
             }

@@ -18,7 +18,7 @@ use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::scales::{Best, ChosenBy, Memory, best_of_scales};
 use crate::search::{Answer, answer};
-use crate::sprung::{Spring, springs, stride};
+use crate::sprung::{Spring, Step, springs, stride};
 use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
 
 /// Logarithm of the ratio of two misfits that are the same.
@@ -161,13 +161,13 @@ fn walk(owner: &mut Evidence<'_>, ripple: &RippleColumns, memory: &mut Memory) -
     let mut point = OperatingPoint::of(owner.joints());
     let seeks_change = owner.rows.changed_from > 0;
     let mut last = None;
-    let mut before = None;
+    let mut last_step = None;
     let mut is_right = false;
     for pass in 0..PASSES {
         let evidence: &Evidence<'_> = owner;
         let at = evidence.at(&point);
         let contact = ContactColumns::new(evidence, &at);
-        let mut problem = evidence.problem(&point);
+        let mut problem = evidence.problem_at(&at);
         let start: Vec<usize> = memory
             .groups
             .iter()
@@ -199,7 +199,8 @@ fn walk(owner: &mut Evidence<'_>, ripple: &RippleColumns, memory: &mut Memory) -
         let Best { scale, wide, answer: found } = best;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let rough = found.score;
-        let found = refine(evidence, &at, &contact, &mut problem, (scale, &wide), found, |_| true);
+        let metric = (scale, &wide[..]);
+        let found = refine(evidence, &at, &contact, &mut problem, metric, memory, found, |_| true);
         let polished = rough - found.score > PRICE_OF_CHOICE;
         let found = prune(&problem.whitened(scale, &wide), found, &point);
         let mut doubtful = Vec::new();
@@ -236,7 +237,8 @@ fn walk(owner: &mut Evidence<'_>, ripple: &RippleColumns, memory: &mut Memory) -
         // a spring that went must not shape the columns of the next pass
         target.springs = if links.is_some() { springs(&metric, &found, &at) } else { Vec::new() };
         target.links = links;
-        stride(&mut target, &point, before.as_ref());
+        let step = Step { from: point.springs.clone(), to: target.springs.clone() };
+        stride(&mut target, &point, last_step.replace(step).as_ref());
         let (misfit, share) = if seeks_change {
             (misfits_after(&metric, &found), problem.rows.share)
         } else {
@@ -261,7 +263,7 @@ fn walk(owner: &mut Evidence<'_>, ripple: &RippleColumns, memory: &mut Memory) -
         if rests || pass + 1 == PASSES {
             break;
         }
-        before = Some(std::mem::replace(&mut point, target));
+        point = target;
         if reweighted || !seeks_change {
             for (j, misfit) in misfit.into_iter().enumerate() {
                 owner.rows.set_misfit(j, misfit);

@@ -218,36 +218,38 @@ pub(crate) fn springs(metric: &Whitened<'_>, found: &Answer, at: &[At<'_>]) -> V
         .collect()
 }
 
-/// Makes the step of springs and links from one operating point to the next half as long where springs go back on what
-/// they went last, for what they and the links are is nearly one and steps go beyond what is best; and three times as
-/// long where they go on by as much, for columns say what a link does to a spring only near both.
-pub(crate) fn stride(
-    to: &mut OperatingPoint,
-    from: &OperatingPoint,
-    before: Option<&OperatingPoint>,
-) {
-    /// Share of the last step.
-    const AS_MUCH: f64 = 0.7;
-    let Some(before) = before else { return };
-    let stiffness = |point: &OperatingPoint, joint: usize| {
-        let there = point.springs.iter().find(|spring| spring.joint == joint);
+/// Springs that columns were formed beside, and those then fitted.
+pub(crate) struct Step {
+    pub(crate) from: Vec<Spring>,
+    pub(crate) to: Vec<Spring>,
+}
+
+/// Makes the step of springs and links from one operating point to the next as long as their last two say: what is
+/// fitted changes with what columns were formed beside, by a share of it that these two steps tell (Aitken 1926), and
+/// where it changes no longer lies beyond the fit where that share is positive, before it where it is negative: what a
+/// spring and its links are is nearly one, and columns say what a link does to a spring only near both.
+pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Option<&Step>) {
+    /// Times the step that was fitted, at most: of two steps alone a share near one is not known.
+    const LONGEST: f64 = 3.0;
+    let Some(last) = last else { return };
+    let stiffness = |springs: &[Spring], joint: usize| {
+        let there = springs.iter().find(|spring| spring.joint == joint);
         there.map(|spring| spring.transmission.stiffness.ln())
     };
-    let (mut along, mut last) = (0.0, 0.0);
+    let (mut along, mut moved) = (0.0, 0.0);
     for spring in &to.springs {
-        let [to, from, before] = [&*to, from, before].map(|point| stiffness(point, spring.joint));
-        if let (Some(to), Some(from), Some(before)) = (to, from, before) {
-            along += (to - from) * (from - before);
-            last += (from - before).powi(2);
+        let steps = [&last.from, &last.to, &from.springs, &to.springs];
+        let steps = steps.map(|springs| stiffness(springs, spring.joint));
+        if let [Some(from_before), Some(to_before), Some(from), Some(to)] = steps {
+            along += (to - to_before) * (from - from_before);
+            moved += (from - from_before).powi(2);
         }
     }
-    let factor = if along < 0.0 {
-        0.5
-    } else if along > AS_MUCH * last && last > 0.0 {
-        3.0
-    } else {
+    if moved == 0.0 {
         return;
-    };
+    }
+    let share = along / moved;
+    let factor = 1.0 / (1.0 - share).max(1.0 / LONGEST);
     let scaled = |to: f64, from: f64| from * (to / from).powf(factor);
     for spring in &mut to.springs {
         if let Some(other) = from.springs.iter().find(|other| other.joint == spring.joint) {
@@ -269,6 +271,30 @@ mod tests {
     use crate::made::{swung, swung_for, ur5};
     use crate::select::select;
     use armident_dynamics::RigidArm;
+
+    /// Where what is fitted follows what it was fitted beside by a share, two steps tell where it no longer moves; where by
+    /// nearly all of it, the step is no longer than three.
+    #[test]
+    fn two_steps_tell_where_a_spring_settles() {
+        const SETTLED: f64 = 5.0;
+        let at = |stiffness_ln: f64| {
+            let transmission =
+                Transmission { gap: 0.0, stiffness: stiffness_ln.exp(), damping: 1.0 };
+            vec![Spring { joint: 0, transmission, share: 1.0 }]
+        };
+        let point = |springs: Vec<Spring>| OperatingPoint { springs, ..OperatingPoint::of(1) };
+        for share in [-1.5, -0.4, 0.13, 0.6, 0.95] {
+            let fitted = |beside: f64| SETTLED + share * (beside - SETTLED);
+            let (before, here) = (5.3, fitted(5.3));
+            let last = Step { from: at(before), to: at(here) };
+            let mut to = point(at(fitted(here)));
+            stride(&mut to, &point(at(here)), Some(&last));
+            let reached = to.springs[0].transmission.stiffness.ln();
+            let longest = here + 3.0 * (fitted(here) - here);
+            let expected = if share > 2.0 / 3.0 { longest } else { SETTLED };
+            assert!((reached - expected).abs() < 1e-9, "{share}: {reached}");
+        }
+    }
 
     /// The columns of a link are what efforts simulated with a little more of it are more, on all joints and about links
     /// that are not the believed ones; and what they count of the spring is what they add up to for these.

@@ -25,8 +25,10 @@ use crate::stops::{Kind, Series};
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
 const MOTOR_HZ: f64 = 80.0;
-/// Longest step of the integration \[s\].
-const STEP_S: f64 = 2.5e-4;
+/// Step of the integration, and the longest one \[s\], of which the motion of a motor (below 80 Hz) is interpolated.
+const STEPS_S: (f64, f64) = (2.5e-4, 1e-3);
+/// By how much of its phase \[rad\] a spring may ring in a step: its stiffness is then off by a sixth of the square, 0.02 %.
+const RING_PER_STEP: f64 = 0.03;
 /// Turns in which the motion of a link and the loads on it agree, and how nearly \[rad or m\]: loads are linear in its
 /// position within a turn, so that they err by the square of this.
 const MOST_TURNS: usize = 6;
@@ -96,17 +98,19 @@ impl Transmission {
         at: &At<'_>,
         joint: usize,
     ) -> Result<Vec<Vec<f64>>, RecordingError> {
-        self.difference_in(at, joint, MOST_TURNS)
+        Ok(self.difference_in(at, joint, MOST_TURNS, None)?.0)
     }
 
-    /// The same in so many turns at most, the first with the load on a link that follows its motor.
+    /// The same in so many turns at most, the first with the load on a link that moves as another one did, or follows its
+    /// motor; and the load of the last turn, if that is another.
     fn difference_in(
         &self,
         at: &At<'_>,
         joint: usize,
         most_turns: usize,
-    ) -> Result<Vec<Vec<f64>>, RecordingError> {
-        let link = self.hidden_link_in(at, joint, most_turns)?;
+        near: Option<&Load>,
+    ) -> Result<(Vec<Vec<f64>>, Option<Load>), RecordingError> {
+        let (link, load) = self.hidden_link_in(at, joint, most_turns, near)?;
         let (arm, rigid) = at.of_other_links();
         let link = link.each_ref().map(Vec::as_slice);
         let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
@@ -115,7 +119,7 @@ impl Transmission {
                 *e -= r;
             }
         }
-        Ok(effort)
+        Ok((effort, load))
     }
 
     /// Position, velocity and acceleration of the link at every sample.
@@ -124,7 +128,7 @@ impl Transmission {
         at: &At<'_>,
         joint: usize,
     ) -> Result<[Vec<f64>; 3], RecordingError> {
-        self.hidden_link_in(at, joint, MOST_TURNS)
+        Ok(self.hidden_link_in(at, joint, MOST_TURNS, None)?.0)
     }
 
     fn hidden_link_in(
@@ -132,24 +136,27 @@ impl Transmission {
         at: &At<'_>,
         joint: usize,
         most_turns: usize,
-    ) -> Result<[Vec<f64>; 3], RecordingError> {
+        near: Option<&Load>,
+    ) -> Result<([Vec<f64>; 3], Option<Load>), RecordingError> {
         let motor =
             Motor::of(at.signals, joint, at.signals.position[joint][0] - at.position[joint][0])?;
-        let (followed, rate_hz) = (at.load(joint), at.signals.rate_hz);
+        let rate_hz = at.signals.rate_hz;
         let start = self.twist_at_start(at, joint);
-        let mut link = self.link(&motor, followed, start, rate_hz);
+        let first = near.unwrap_or_else(|| at.load(joint));
+        let mut link = self.link(&motor, first, start, rate_hz);
         // the loads on the link are those of its own motion: found in turns, two for a stiff spring
+        let mut own: Option<Load> = None;
         for _ in 1..most_turns {
-            let own = followed.moved(at, joint, &link[0], &link[1]);
-            let next = self.link(&motor, &own, start, rate_hz);
-            let moved = next[0].iter().zip(&link[0]).map(|(a, b)| (a - b).abs());
-            let settled = moved.fold(0.0, f64::max) < SETTLED;
-            link = next;
-            if settled {
+            let about = &own.as_ref().unwrap_or(first).position;
+            let moved = about.iter().zip(&link[0]).map(|(a, b)| (a - b).abs());
+            if moved.fold(0.0, f64::max) < SETTLED {
                 break;
             }
+            let load = first.moved(at, joint, &link[0], &link[1]);
+            link = self.link(&motor, &load, start, rate_hz);
+            own = Some(load);
         }
-        Ok(link)
+        Ok((link, own))
     }
 
     /// How the link of a spring moves under an effort on it, beside a motion and the load about it: to first order.
@@ -191,25 +198,35 @@ impl Transmission {
         (0..ROUNDS).fold(0.0, |twist, _| self.twist_under(borne(twist)))
     }
 
+    /// Longest step of the integration of a link \[s\]: flanks are met within it, a spring needs its resonance resolved.
+    fn step_s(&self, load: &Load) -> f64 {
+        if self.gap > 0.0 {
+            return STEPS_S.0;
+        }
+        let lightest = load.inertia.iter().copied().fold(f64::MAX, f64::min);
+        (RING_PER_STEP * (lightest / self.stiffness).sqrt()).clamp(STEPS_S.0, STEPS_S.1)
+    }
+
     /// Position, velocity and acceleration of the link at every sample, from this deflection on.
     fn link(&self, motor: &Motor, load: &Load, start: f64, rate_hz: f64) -> [Vec<f64>; 3] {
         let n = motor.position.len();
-        let steps = (1.0 / (rate_hz * STEP_S)).ceil().max(1.0) as usize;
+        let steps = (1.0 / (rate_hz * self.step_s(load))).ceil().max(1.0) as usize;
         let h = 1.0 / (rate_hz * steps as f64);
         let (mut q, mut v) = (motor.position[0] - start, motor.start_velocity);
         let (mut position, mut velocity, mut acceleration) = (vec![q; n], vec![v; n], vec![0.0; n]);
         for t in 0..n - 1 {
             let before = v;
+            let line = |values: &[f64]| Line { from: values[t], by: values[t + 1] - values[t] };
+            let (theta, omega) = (motor.between(t, rate_hz), line(&motor.velocity));
+            let (m, bias) = (line(&load.inertia), line(&load.bias));
+            let (slope, drag) = (line(&load.slope), line(&load.drag));
+            let (about, about_rate) = (line(&load.position), line(&load.velocity));
             for k in 0..steps {
                 let x = (k as f64 + 0.5) / steps as f64;
-                let line = |values: &[f64]| values[t] + x * (values[t + 1] - values[t]);
-                let (theta, omega) = (motor.at(t, x, rate_hz), line(&motor.velocity));
-                let m = line(&load.inertia);
+                let (theta, omega, m) = (theta.at(x), omega.at(x), m.at(x));
                 let passed = self.effort(theta - q, omega - v);
-                let (slope, drag) = (line(&load.slope), line(&load.drag));
-                let bias = line(&load.bias)
-                    + slope * (q - line(&load.position))
-                    + drag * (v - line(&load.velocity));
+                let (slope, drag) = (slope.at(x), drag.at(x));
+                let bias = bias.at(x) + slope * (q - about.at(x)) + drag * (v - about_rate.at(x));
                 if self.gap > 0.0 {
                     // flanks are taken at the end of the step, so that none is too stiff
                     let pressed = f64::from(u8::from(passed != 0.0));
@@ -273,15 +290,36 @@ impl Motor {
         })
     }
 
-    /// Position between samples `t` and `t + 1`: the cubic with both positions and both velocities.
-    fn at(&self, t: usize, x: f64, rate_hz: f64) -> f64 {
+    /// Position between samples `t` and `t + 1`: with both positions and both velocities.
+    fn between(&self, t: usize, rate_hz: f64) -> Cubic {
         let (p, r) = (self.position[t], self.position[t + 1]);
         let (v, w) = (self.velocity[t] / rate_hz, self.velocity[t + 1] / rate_hz);
-        let (square, cube) = (x * x, x * x * x);
-        p * (2.0 * cube - 3.0 * square + 1.0)
-            + v * (cube - 2.0 * square + x)
-            + r * (3.0 * square - 2.0 * cube)
-            + w * (cube - square)
+        let moved = r - p;
+        Cubic([p, v, 3.0 * moved - 2.0 * v - w, v + w - 2.0 * moved])
+    }
+}
+
+/// A value between two samples, of `x` from 0 to 1.
+#[derive(Clone, Copy)]
+struct Line {
+    from: f64,
+    by: f64,
+}
+
+impl Line {
+    fn at(self, x: f64) -> f64 {
+        self.from + x * self.by
+    }
+}
+
+/// The same with coefficients of rising powers.
+#[derive(Clone, Copy)]
+struct Cubic([f64; 4]);
+
+impl Cubic {
+    fn at(self, x: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        a + x * (b + x * (c + x * d))
     }
 }
 
@@ -366,7 +404,22 @@ pub(crate) fn push(
     joint: usize,
     shape: &[f64],
 ) -> Option<usize> {
-    let Formed { blocks, above_band } = formed(evidence, at, slug, joint, shape, MOST_TURNS)?;
+    push_near(evidence, at, problem, slug, joint, shape, &mut Vec::new())
+}
+
+/// The same near another one on this joint. `near`: load on the link that moved last, of each recording, none where it
+/// is not known; afterwards on this one.
+pub(crate) fn push_near(
+    evidence: &Evidence<'_>,
+    at: &[At<'_>],
+    problem: &mut Problem,
+    slug: &'static str,
+    joint: usize,
+    shape: &[f64],
+    near: &mut Vec<Option<Load>>,
+) -> Option<usize> {
+    let formed = formed(evidence, at, slug, joint, shape, MOST_TURNS, near)?;
+    let Formed { blocks, above_band } = formed;
     let column = problem.push_columns(vec![blocks]);
     Some(push_group(evidence, at, problem, (slug, joint, shape), column, above_band))
 }
@@ -384,12 +437,19 @@ fn formed(
     joint: usize,
     shape: &[f64],
     most_turns: usize,
+    near: &mut Vec<Option<Load>>,
 ) -> Option<Formed> {
     let transmission = of_shape(slug, shape, mean_inertia(at, joint));
+    near.resize(at.len(), None);
     let pieces: Vec<Vec<Vec<f64>>> = at
         .par_iter()
-        .map(|at| {
-            let mut efforts = transmission.difference_in(at, joint, most_turns)?;
+        .zip(near)
+        .map(|(at, near)| {
+            let (mut efforts, load) =
+                transmission.difference_in(at, joint, most_turns, near.as_ref())?;
+            if load.is_some() {
+                *near = load;
+            }
             if transmission.gap == 0.0
                 && let Some(sprung) = at.sprung().find(|s| s.joint() == joint)
             {
@@ -497,8 +557,9 @@ pub(crate) fn offer(
         gap *= factor;
     }
     // one turn tells which size is worth a closer look
-    let of_size =
-        |(slug, shape): &(&'static str, Vec<f64>)| formed(evidence, at, slug, joint, shape, 1);
+    let of_size = |(slug, shape): &(&'static str, Vec<f64>)| {
+        formed(evidence, at, slug, joint, shape, 1, &mut Vec::new())
+    };
     let all: Vec<Option<Formed>> = sizes.par_iter().map(of_size).collect();
     let mut found = Vec::new();
     let mut columns = Vec::new();

@@ -384,30 +384,36 @@ impl Problem {
         let weight = self.rows.share;
         let inertial = self.background.directions.len() - self.background.free;
         let per_link = (inertial / self.background.links.max(1)).max(1);
+        let size = |k: usize| if k < inertial { sizes[k / per_link] } else { 1.0 };
         let directions: Vec<Vec<f64>> = self
             .background
             .directions
             .iter()
             .enumerate()
-            .map(|(k, d)| {
-                let size = if k < inertial { sizes[k / per_link] } else { 1.0 };
-                d.iter().map(|x| size * x).collect()
-            })
+            .map(|(k, d)| d.iter().map(|x| size(k) * x).collect())
             .collect();
-        // W'Y, then W'W
-        let with_rigid: Vec<Vec<f64>> =
-            (0..self.rigid).into_par_iter().map(|k| self.along(&directions, k)).collect();
-        let w_w = |a: usize, b: usize| -> f64 {
-            directions[b].iter().zip(&with_rigid).map(|(d, w)| d * w[a]).sum()
-        };
-        let cholesky =
-            Cholesky::of(directions.len(), |i, j| f64::from(u8::from(i == j)) + weight * w_w(i, j));
+        let w_w = self.of_directions.get_or_init(|| self.products_of_directions());
+        let cholesky = Cholesky::of(directions.len(), |i, j| {
+            f64::from(u8::from(i == j)) + weight * size(i) * size(j) * w_w[i][j]
+        });
         if let Some(cholesky) = cholesky {
             integral.log_determinant = cholesky.log_determinant();
             let w_y = directions.iter().map(|d| dot(d, &self.rhs[..self.rigid])).collect();
             integral.prior = Some(Arc::new(Prior { weight, cholesky, w_y, directions }));
         }
         integral
+    }
+
+    /// `W'W` of directions at size 1.
+    fn products_of_directions(&self) -> Vec<Vec<f64>> {
+        let directions = &self.background.directions;
+        let with_rigid: Vec<Vec<f64>> =
+            (0..self.rigid).into_par_iter().map(|k| self.along(directions, k)).collect();
+        let with = |a: usize| {
+            let with_a: Vec<f64> = with_rigid.iter().map(|w| w[a]).collect();
+            directions.iter().map(|d| dot(d, &with_a)).collect()
+        };
+        (0..directions.len()).map(with).collect()
     }
 
     /// Products of a column with directions of the standard parameters.
