@@ -27,8 +27,8 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     println!(
         "Root mean square error of the efforts as recorded, not filtered, no sample left out, on motion that \
          was not fitted: of a single recording the last {:.0} %, the rest in two halves is the training. *Plain* \
-         is the plain least squares of above, *identified* `identify` with its default (`irls`, the nearest real links), on \
-         the same training. In brackets the mean logarithm of the ratio \
+         is the plain least squares of above, *identified* the model that `identify` saves with its defaults, on \
+         the same training and through the same low-pass. In brackets the mean logarithm of the ratio \
          over {STRETCHES} stretches of the hold-out, in its standard errors. What is named was named \
          without the hold-out. A joint whose column is not what its name says is left out.\n",
         100.0 * (1.0 - TRAINING_SHARE)
@@ -335,7 +335,7 @@ pub(crate) fn named(finding: &Finding) -> String {
     format!("{}, {place}", finding.effect.replace('_', " "))
 }
 
-/// Of the default of `identify`, through the same low-pass, predicted the same way.
+/// Of the model that `identify` saves with its defaults, fitted through the same low-pass, predicted as `predict` does.
 fn identified_errors(
     data: &Data,
     train: &[Recording],
@@ -359,6 +359,19 @@ fn identified_errors(
         Recorded { recordings: train, motions: &motions },
         none,
     )?;
-    let values = problem.nearest_consistent(&fitted.estimate)?.estimated;
-    errors_with(data, &problem, &minimal, &values, holdout)
+    let real = problem.nearest_consistent(&fitted.estimate)?;
+    let found = ArmModel {
+        effects: problem.consistent_effects(&real, &names),
+        recorded_velocities: fitted.velocity_gain.is_some(),
+        speed_resolution: problem.speed_resolution.clone(),
+        ..model.clone().with_links(&real.links)
+    };
+    let predicted = |recording: &Recording| -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+        let motions = data.motions(std::slice::from_ref(recording))?;
+        let motion = motions.into_iter().next().ok_or("no motion")?;
+        let motion = found.motion_of(motion, recording);
+        Ok(found.predict(&motion)?.iter().map(|effort| motion.at_stamps(effort)).collect())
+    };
+    let predicted = holdout.iter().map(predicted).collect::<Result<Vec<_>, _>>()?;
+    errors(&names, holdout, &predicted)
 }
