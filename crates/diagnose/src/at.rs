@@ -95,8 +95,15 @@ impl<'a> At<'a> {
         let delay_s = point.delay_s;
         let (answered, with_known) = (Vec::new(), Vec::new());
         let fades = |(j, speed): (usize, &f64)| {
-            (*speed > 0.0 && !signals.rests(j))
-                .then(|| faded(&signals.direction[j], &signals.velocity[j], *speed))
+            (*speed > 0.0).then(|| {
+                let (sharp, velocity) = (&signals.direction[j], &signals.velocity[j]);
+                let mut direction = faded(sharp, velocity, *speed);
+                // where a joint rests, its friction is what holds it: no function of a speed
+                for rest in signals.rests_of(j) {
+                    direction[rest.clone()].copy_from_slice(&sharp[rest]);
+                }
+                direction
+            })
         };
         let faded = point.fading.iter().enumerate().map(fades).collect();
         let mut at = Self {

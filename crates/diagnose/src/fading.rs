@@ -4,8 +4,6 @@
 //! Names are found with sharp friction. What fades is tried afterwards, by stretches that were not fitted: it seldom
 //! decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
 
-use std::collections::HashSet;
-
 use armident_effects::{LIBRARY, Place, Scope, direction};
 
 use crate::at::{At, OperatingPoint};
@@ -20,8 +18,10 @@ use crate::select::Selection;
 
 /// Speeds below which the direction fades that are tried, as shares of the root mean square speed.
 const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
-/// Stretches that were not fitted must say so by this many standard errors.
+/// Stretches that were not fitted must say so by this many standard errors; by more on joints that rest somewhere, whose
+/// friction is known to hold them, and to be sharp where it breaks away.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
+const LEAST_GAIN_WITH_RESTS: f64 = 2.0;
 
 /// The direction of motion, fading to zero below a speed.
 pub(crate) fn faded(sharp: &[f64], velocity: &[f64], speed: f64) -> Vec<f64> {
@@ -58,13 +58,13 @@ pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Sel
 
 /// By joint, 0 where friction is sharp; none where it is on all of them.
 fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
-    // where a joint rests, its friction is what holds it: no function of a speed
-    let rests = |j: &usize| evidence.signals.iter().any(|s| s.rests(*j));
-    let turns: HashSet<usize> = (0..evidence.joints()).filter(|j| !rests(j)).collect();
+    let least_gain = |j: usize| match evidence.signals.iter().any(|s| s.rests(j)) {
+        true => LEAST_GAIN_WITH_RESTS,
+        false => LEAST_GAIN_IN_ERRORS,
+    };
     let set = with_everyday_terms_of(&of.metric(), &of.answer);
     let (small, set) = of.problem.restricted(&set);
-    let dry: Vec<usize> =
-        set.iter().copied().filter(|g| is_dry(&small.groups[*g], &turns)).collect();
+    let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.groups[*g])).collect();
     if dry.is_empty() {
         return None;
     }
@@ -83,14 +83,14 @@ fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
             )
             .collect::<Option<_>>()?;
         let faded = errors(&problem, &set);
-        for &j in &turns {
+        for j in 0..evidence.joints() {
             let gains: Vec<f64> =
                 sharp.iter().zip(&faded).map(|(s, f)| (s[j] / f[j]).ln()).collect();
             if gains.iter().any(|gain| !gain.is_finite()) {
                 continue;
             }
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            if mean > best[j].0 && in_standard_errors(&gains) > LEAST_GAIN_IN_ERRORS {
+            if mean > best[j].0 && in_standard_errors(&gains) > least_gain(j) {
                 best[j] = (mean, speeds[j]);
             }
         }
@@ -98,12 +98,9 @@ fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
     best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, speed)| *speed).collect())
 }
 
-/// Whether a group is dry friction of one of these joints.
-fn is_dry(group: &Group, joints: &HashSet<usize>) -> bool {
-    group.places.contains(&Place::Dry)
-        && group.site.joints.len() == 1
-        && joints.contains(&group.site.joints[0])
-        && law_of(group).is_some()
+/// Whether a group is dry friction of one joint.
+fn is_dry(group: &Group) -> bool {
+    group.places.contains(&Place::Dry) && group.site.joints.len() == 1 && law_of(group).is_some()
 }
 
 fn law_of(group: &Group) -> Option<&'static dyn armident_effects::Effect> {

@@ -1,6 +1,7 @@
 //! One recording as the diagnosis sees it.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use armident_numeric::dot;
@@ -231,6 +232,15 @@ impl Signals {
             reaction.restore(&mut all, held, &self.smeared_step, self.rate_hz);
         }
         Cow::Owned(all)
+    }
+
+    /// Samples at which a joint rests.
+    pub(crate) fn rests_of(&self, joint: usize) -> impl Iterator<Item = Range<usize>> {
+        let lasting = self.stops[joint].iter().filter(|stop| stop.lasts(self.rate_hz));
+        lasting.map(|stop| {
+            let (start, end) = stop.samples();
+            start.min(self.len())..end.min(self.len())
+        })
     }
 
     /// Whether a joint rests somewhere.

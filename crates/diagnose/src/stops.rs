@@ -44,7 +44,7 @@ pub(crate) struct Stop {
 
 impl Stop {
     /// Its samples, `[start, end)`: none where a joint turns back between two.
-    fn samples(&self) -> (usize, usize) {
+    pub(crate) fn samples(&self) -> (usize, usize) {
         let start = self.from.ceil() as usize;
         (start, if self.to > self.from { self.to.floor() as usize + 1 } else { start })
     }
