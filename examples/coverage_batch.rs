@@ -13,7 +13,7 @@
 #![allow(clippy::print_stdout, reason = "the table is the output")]
 
 use armident_effects::EffectOnJoint;
-use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet, Term};
+use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet, Sought, Term};
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
@@ -175,7 +175,7 @@ pub(crate) fn study(
         let motion = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
         cutoffs.extend(motion.filter.as_ref().map(|f| f.cutoff_hz()));
         let mut problem = problem.clone();
-        let settings = problem.choose(&[&motion], settings, false)?.settings;
+        let settings = problem.choose(&[&motion], settings, Sought::NOTHING)?.settings;
         let (rows, found, _) = problem.solve_by(method, &believed, &[&motion], &settings)?;
         let white = problem.estimate_with(&rows, &settings)?;
         for k in 0..count {

@@ -16,7 +16,7 @@ pub(crate) use arm::{
 pub(crate) use around::{CompletionsArgs, DemoArgs, ManArgs, ReportArgs, RunArgs};
 pub(crate) use challenge::{ChallengeArgs, ChallengeFailOn, KindArg, StudyArg};
 pub(crate) use recorded::{
-    CheckArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, PriorArg, ValidateArgs,
+    CheckArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, PriorArg, ValidateArgs, ViscousArg,
 };
 pub(crate) use value::Noise;
 use value::{parse_named_number, parse_positive, parse_vector};

@@ -7,6 +7,7 @@ use std::path::Path;
 use armident_diagnose::{
     Books, DiagnosedModel, Diagnosis, Finding, Placebo, diagnose_with_placebo,
 };
+use armident_ident::Sought;
 use armident_ident::{
     ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported,
 };
@@ -348,8 +349,11 @@ fn identified_errors(
     let is_unreported = unreported(train, &names).iter().map(Option::is_some).collect();
     let mut problem = BatchProblem::new(&arm, &minimal).with_unreported(is_unreported);
     let motions = data.motions(train)?;
-    let chosen =
-        problem.choose(&motions.iter().collect::<Vec<_>>(), &BatchSettings::default(), true)?;
+    let chosen = problem.choose(
+        &motions.iter().collect::<Vec<_>>(),
+        &BatchSettings::default(),
+        Sought::ALL,
+    )?;
     let none = Recorded { recordings: &[], motions: &[] };
     let fitted = BatchFit::of(
         &problem,

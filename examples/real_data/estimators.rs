@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use armident_ident::Sought;
 use armident_ident::check::with_drive_signals;
 use armident_ident::{
     BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported, used_samples,
@@ -89,7 +90,7 @@ fn table(
             100.0 * share
         ));
     }
-    let chosen = problem.choose(&all, &BatchSettings::default(), true)?;
+    let chosen = problem.choose(&all, &BatchSettings::default(), Sought::ALL)?;
     for found in &chosen.couplings {
         let [a, b] = found.coupling.joints().map(|joint| names[joint]);
         notes.push(format!(

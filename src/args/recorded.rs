@@ -25,6 +25,14 @@ pub(crate) enum CouplingArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ViscousArg {
+    /// growing more slowly than the speed where the recordings clearly show it
+    Auto,
+    /// proportional to the speed: what a URDF or MJCF can hold
+    Linear,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
     /// least squares, every row alike
     Ols,
@@ -89,6 +97,9 @@ pub(crate) struct IdentifyArgs {
     /// Transmissions that neighbouring joints share; no matter with a plan
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     pub(crate) coupling: CouplingArg,
+    /// Viscous friction of the joints; no matter with a plan
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub(crate) viscous: ViscousArg,
     /// Keep the estimate as it is, also where no real links and friction have it
     #[arg(long)]
     pub(crate) raw_estimate: bool,

@@ -40,6 +40,7 @@ mod presliding_hysteresis;
 mod quadratic_drag;
 mod rotor_inertia;
 mod stribeck_friction;
+mod sublinear_viscous_friction;
 mod time_delay;
 mod torque_offset;
 mod torque_ripple;
@@ -70,6 +71,7 @@ pub use presliding_hysteresis::PreslidingHysteresis;
 pub use quadratic_drag::QuadraticDrag;
 pub use rotor_inertia::RotorInertia;
 pub use stribeck_friction::StribeckFriction;
+pub use sublinear_viscous_friction::SublinearViscousFriction;
 pub use time_delay::TimeDelay;
 pub use torque_offset::TorqueOffset;
 pub use torque_ripple::TorqueRipple;
@@ -108,9 +110,13 @@ pub const LIBRARY: &[&dyn Effect] = &[
 pub const EVERYDAY: &[&dyn Effect] =
     &[&ViscousFriction, &CoulombFriction, &TorqueOffset, &RotorInertia];
 
+/// Laws that a fit may have beside the others: they describe how friction grows with the speed, and a diagnosis, which says
+/// what causes an effort, does not name them.
+pub const DESCRIBING: &[&dyn Effect] = &[&SublinearViscousFriction];
+
 /// The effect with a slug.
 pub fn effect(slug: &str) -> Option<&'static dyn Effect> {
-    LIBRARY.iter().copied().find(|e| e.law().slug == slug)
+    LIBRARY.iter().chain(DESCRIBING).copied().find(|e| e.law().slug == slug)
 }
 
 /// An effect with numbers and its place: what a simulation is told and a model file holds.
@@ -159,7 +165,9 @@ impl EffectOnJoint {
     /// [`UnknownEffect`] when the library has no such slug or the number of parameters is not that
     /// of the law.
     pub fn resolve(&self) -> Result<&'static dyn Effect, UnknownEffect> {
-        let known = || LIBRARY.iter().map(|e| e.law().slug).collect::<Vec<_>>().join(", ");
+        let known = || {
+            LIBRARY.iter().chain(DESCRIBING).map(|e| e.law().slug).collect::<Vec<_>>().join(", ")
+        };
         let effect = effect(&self.effect)
             .ok_or_else(|| UnknownEffect::Slug { found: self.effect.clone(), known: known() })?;
         let expected = effect.law().parameters;
@@ -236,7 +244,7 @@ mod tests {
             direction: &direction,
             rigid_effort: &[],
         };
-        for effect in EVERYDAY {
+        for effect in EVERYDAY.iter().chain(DESCRIBING) {
             let parameters: Vec<f64> =
                 (0..effect.law().parameters.len()).map(|k| 0.7 + k as f64).collect();
             let effort = effect.effort(&parameters, &motion);
@@ -271,7 +279,7 @@ mod tests {
             rigid_effort: &load,
         };
         type Formula = fn(f64, f64, f64, f64, &[f64]) -> f64;
-        let laws: [(&str, &[f64], Formula); 8] = [
+        let laws: [(&str, &[f64], Formula); 9] = [
             (
                 "asymmetric_coulomb_friction",
                 &[2.0, 1.5],
@@ -286,6 +294,9 @@ mod tests {
                 (p[0] + p[1] * load.abs()) * v.signum()
             }),
             ("quadratic_drag", &[0.8], |_, _, v, _, p| p[0] * v * v.abs()),
+            ("sublinear_viscous_friction", &[0.6], |_, _, v, _, p| {
+                p[0] * v / (v.abs() + 0.001).sqrt()
+            }),
             ("friction_drift", &[2.0, 0.5, 3.0], |t, _, v, _, p| {
                 (p[1] + (p[0] - p[1]) * (-t / p[2]).exp()) * v
             }),

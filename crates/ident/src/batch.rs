@@ -12,7 +12,8 @@
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    Admissible, EVERYDAY, EffectOnJoint, JointMotion, Parameter, directions_with,
+    Admissible, EVERYDAY, Effect, EffectOnJoint, JointMotion, Parameter, SublinearViscousFriction,
+    directions_with,
 };
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
@@ -58,6 +59,13 @@ impl BatchSettings {
     pub const PLAIN: Self = Self { admissible_signs: false, link_prior: None };
 }
 
+/// Laws of one joint whose parameters may be unknowns: those that every joint has, then those that recordings may ask for
+/// ([`BatchProblem::choose`]).
+pub const LAWS: [&dyn Effect; 5] = {
+    let [viscous, coulomb, offset, inertia] = EVERYDAY else { panic!("four everyday laws") };
+    [*viscous, *coulomb, *offset, *inertia, &SublinearViscousFriction]
+};
+
 /// One unknown of the batch problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Term {
@@ -67,7 +75,7 @@ pub enum Term {
     Effect {
         /// Joint, from 0.
         joint: usize,
-        /// Effect, index into [`EVERYDAY`].
+        /// Effect, index into [`LAWS`].
         effect: usize,
         /// Parameter, index into the law's list.
         parameter: usize,
@@ -93,9 +101,7 @@ impl Term {
     pub fn parameter(&self) -> Option<&'static Parameter> {
         match *self {
             Self::Constant(_) | Self::Load { .. } => None,
-            Self::Effect { effect, parameter, .. } => {
-                EVERYDAY[effect].law().parameters.get(parameter)
-            }
+            Self::Effect { effect, parameter, .. } => LAWS[effect].law().parameters.get(parameter),
             // the ratio comes first
             Self::Shared { coefficient, .. } => SHARED.law().parameters.get(1 + coefficient),
         }
@@ -301,7 +307,7 @@ impl<'a> BatchProblem<'a> {
         match *term {
             Term::Constant(k) => self.set.constants[k].label(),
             Term::Effect { joint, effect, parameter } => {
-                let law = EVERYDAY[effect].law();
+                let law = LAWS[effect].law();
                 if law.parameters.len() == 1 {
                     format!("{}({})", law.slug, joint_names[joint])
                 } else {
@@ -591,7 +597,7 @@ impl<'a> BatchProblem<'a> {
         let mut list: Vec<EffectOnJoint> = Vec::new();
         for (term, &value) in self.terms.iter().zip(values) {
             let Term::Effect { joint, effect, parameter } = *term else { continue };
-            let law = EVERYDAY[effect].law();
+            let law = LAWS[effect].law();
             let name = joint_names[joint];
             let index = match list.iter().position(|e| e.effect == law.slug && e.joint == name) {
                 Some(index) => index,

@@ -1,11 +1,11 @@
 //! The consistent links and effects nearest to what was estimated.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{Admissible, EVERYDAY, EffectOnJoint};
+use armident_effects::{Admissible, EffectOnJoint};
 use armident_numeric::{Mat, information_root};
 
 use crate::algorithm2::Algorithm2Estimate;
-use crate::batch::{BatchEstimate, BatchProblem, Term};
+use crate::batch::{BatchEstimate, BatchProblem, LAWS, Term};
 use crate::consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
 use crate::minimal_set::MinimalSet;
 
@@ -60,7 +60,7 @@ impl BatchProblem<'_> {
             if value == 0.0 {
                 continue;
             }
-            let law = EVERYDAY[effect].law();
+            let law = LAWS[effect].law();
             let mut parameters = vec![0.0; law.parameters.len()];
             parameters[parameter] = value;
             list.push(EffectOnJoint::new(law.slug, joint_names[joint], parameters));

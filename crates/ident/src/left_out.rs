@@ -1,16 +1,18 @@
 //! Choices made by the training recordings: what explains stretches of time that were not fitted.
 //!
 //! The recordings are cut into five stretches; each is predicted by a fit to the other four. That decides
-//! how fast the direction of motion of each joint is resolved, and which neighbours share a transmission.
+//! how fast the direction of motion of each joint is resolved, which neighbours share a transmission, and whose friction
+//! bends over the speed.
 //! Errors of a model on motions it was fitted to would decide for whatever has more to fit with. How far the
 //! robot description is believed is asked of all stretches together
 //! (`BatchProblem::doubt_of_links`).
 
-use armident_effects::{EVERYDAY, Place};
+use armident_effects::Place;
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::Motion;
 
-use crate::batch::{BatchProblem, BatchSettings, Term};
+use crate::batch::{BatchProblem, BatchSettings, LAWS, Term};
+use crate::bending::BendFound;
 use crate::coupling::{CouplingFound, rows_of};
 use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
@@ -19,18 +21,36 @@ const FOLDS: usize = 5;
 /// Another choice must be better by this many standard errors, from the stretches.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 
+/// What the recordings are asked for beside speed resolutions and the doubt of the description.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sought {
+    /// Transmissions that neighbours share.
+    pub couplings: bool,
+    /// Joints whose friction grows more slowly than the speed.
+    pub bends: bool,
+}
+
+impl Sought {
+    /// All of it.
+    pub const ALL: Self = Self { couplings: true, bends: true };
+    /// Nothing of it.
+    pub const NOTHING: Self = Self { couplings: false, bends: false };
+}
+
 /// What the recordings chose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chosen {
     /// Transmissions that neighbours share, the clearest first.
     pub couplings: Vec<CouplingFound>,
+    /// Joints whose friction grows more slowly than the speed, in their order.
+    pub bends: Vec<BendFound>,
     /// The settings, with the doubt of the description that the recordings ask for.
     pub settings: BatchSettings,
 }
 
 impl BatchProblem<'_> {
-    /// Chooses each joint's speed resolution and, if `couplings`, the transmissions that neighbours share,
-    /// which become unknowns of this problem; and how far the description is believed, where the settings
+    /// Chooses each joint's speed resolution and, where sought, the transmissions that neighbours share and the joints whose
+    /// friction bends, which become unknowns of this problem; and how far the description is believed, where the settings
     /// believe it at all. Costs one accumulation with some columns more.
     ///
     /// # Errors
@@ -42,11 +62,12 @@ impl BatchProblem<'_> {
         &mut self,
         motions: &[&Motion],
         settings: &BatchSettings,
-        couplings: bool,
+        sought: Sought,
     ) -> Result<Chosen, NumericError> {
-        let mut chosen = Chosen { couplings: Vec::new(), settings: *settings };
-        let candidates = if couplings { self.possible_couplings() } else { Vec::new() };
-        let all = self.with_couplings(&candidates);
+        let mut chosen = Chosen { couplings: Vec::new(), bends: Vec::new(), settings: *settings };
+        let candidates = if sought.couplings { self.possible_couplings() } else { Vec::new() };
+        let bends = if sought.bends { self.possible_bends() } else { Vec::new() };
+        let all = self.with_couplings(&candidates).with_bends(&bends);
         let resolutions = Resolutions::of(motions);
         self.speed_resolution = resolutions.usual();
         let rows = all.with_all_directions(motions, &resolutions);
@@ -55,12 +76,20 @@ impl BatchProblem<'_> {
         }
         let mut with = self.clone();
         let mut resolved = all.resolved(&rows, &with, &resolutions, settings)?;
-        if couplings {
+        if sought.couplings {
             chosen.couplings = self.couplings_shown(&all, &resolved.rows, settings)?;
         }
         if !chosen.couplings.is_empty() {
             let found: Vec<_> = chosen.couplings.iter().map(|f| f.coupling).collect();
             with = self.with_couplings(&found);
+            resolved = all.resolved(&rows, &with, &resolutions, settings)?;
+        }
+        if sought.bends {
+            chosen.bends = with.bends_shown(&all, &resolved.rows, settings)?;
+        }
+        if !chosen.bends.is_empty() {
+            let found: Vec<usize> = chosen.bends.iter().map(|f| f.joint).collect();
+            with = with.with_bends(&found);
             resolved = all.resolved(&rows, &with, &resolutions, settings)?;
         }
         if settings.link_prior.is_some() {
@@ -130,7 +159,7 @@ impl BatchProblem<'_> {
                     let of_term = |(place, &k): (usize, &usize)| match self.terms[k] {
                         Term::Effect { effect, .. }
                             if which[joint] > 0
-                                && EVERYDAY[effect].law().places.contains(&Place::Dry) =>
+                                && LAWS[effect].law().places.contains(&Place::Dry) =>
                         {
                             terms.len() + which[joint] - 1
                         }
@@ -228,6 +257,12 @@ pub(crate) fn clear_gain(
     let scatter: f64 = gains.iter().map(|g| (g - mean).powi(2)).sum();
     let error = (scatter / (count * (count - 1.0))).sqrt();
     (mean > 0.0 && mean > in_errors * error).then(|| 1.0 - (-mean).exp())
+}
+
+/// Mean logarithm by which the error of a joint falls where it was not fitted.
+pub(crate) fn mean_gain(before: &[Vec<f64>], after: &[Vec<f64>], joint: usize) -> f64 {
+    let logs = before.iter().zip(after).map(|(b, a)| 0.5 * (b[joint] / a[joint]).ln());
+    logs.sum::<f64>() / before.len() as f64
 }
 
 /// Squared error of every joint on each stretch of time, fitted to the others.

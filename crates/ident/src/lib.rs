@@ -18,6 +18,7 @@
 mod algorithm1;
 pub mod algorithm2;
 mod batch;
+mod bending;
 pub mod check;
 mod consistency;
 mod consistent_estimate;
@@ -39,13 +40,14 @@ pub mod validate;
 mod velocity;
 
 pub use algorithm1::algorithm1;
-pub use batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit, MergedTerm, Term};
+pub use batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit, LAWS, MergedTerm, Term};
+pub use bending::BendFound;
 pub use consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
 pub use constant::{Constant, Quantity};
 pub use coupling::{Coupling, CouplingFound};
 pub use fit::{BatchFit, Recorded};
 pub use gains::{DriveGain, DriveGains};
-pub use left_out::Chosen;
+pub use left_out::{Chosen, Sought};
 pub use methods::{Endogeneity, Method, MethodError};
 pub use minimal_set::{DroppedConstant, MinimalSet};
 pub use model::{ArmModel, MODEL_SCHEMA, ModelError};

@@ -334,7 +334,7 @@ impl BatchProblem<'_> {
     /// solutions lies from their mean.
     ///
     /// `widening` is for what the rows do not know of the method. What the prior knows is not in the blocks: it joins with its own covariance, `A⁻¹ P A⁻¹`.
-    fn with_block_errors(
+    pub(crate) fn with_block_errors(
         &self,
         rows: &JointRows,
         beliefs: &Beliefs,

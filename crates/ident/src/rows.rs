@@ -9,7 +9,7 @@ use armident_numeric::AccumulatedQr;
 use armident_recording::Motion;
 use rayon::prelude::*;
 
-use crate::batch::{BatchProblem, Term};
+use crate::batch::{BatchProblem, LAWS, Term};
 
 /// Periods of the cut-off frequency left out at both ends of a recording, of the fit and of its
 /// errors alike: the filter does not know what came before, so accelerations are wrong there. The
@@ -326,11 +326,11 @@ impl BatchProblem<'_> {
     ) -> Vec<TermColumn> {
         let resolution = self.resolution(joint);
         let kind = self.arm().joints[joint].kind;
-        let mut of_effect: Vec<Option<Vec<Vec<f64>>>> = vec![None; EVERYDAY.len()];
+        let mut of_effect: Vec<Option<Vec<Vec<f64>>>> = vec![None; LAWS.len()];
         let mut columns = Vec::new();
         for &k in &self.by_joint[joint] {
             let Term::Effect { effect, parameter, .. } = self.terms[k] else { continue };
-            let law = EVERYDAY[effect];
+            let law = LAWS[effect];
             if wanted(law) {
                 let formed = of_effect[effect].get_or_insert_with(|| {
                     effect_columns(law, &[], kind, joint, motion, resolution)

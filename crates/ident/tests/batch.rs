@@ -6,6 +6,7 @@ mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::EVERYDAY;
+use armident_ident::Sought;
 use armident_ident::{
     BatchEstimate, BatchProblem, BatchSettings, Quantity, Term, unreported, used_samples,
 };
@@ -296,7 +297,8 @@ fn the_recordings_say_how_wrong_the_description_is() {
             *link = InertialParameters::from_array(&link.to_array().map(|x| factor(k) * x));
         }
         let mut problem = BatchProblem::new(&described, &bench.set);
-        let chosen = problem.choose(&[&motion], &BatchSettings::default(), false).unwrap();
+        let chosen =
+            problem.choose(&[&motion], &BatchSettings::default(), Sought::NOTHING).unwrap();
         chosen.settings.link_prior.unwrap()
     };
     assert!(doubt(|_| 1.0) < 0.15, "0.1 is the least that is tried");
@@ -306,6 +308,39 @@ fn the_recordings_say_how_wrong_the_description_is() {
     for (found, share) in [(third, 1.0 / 3.0), (two_thirds, 2.0 / 3.0)] {
         let expected = share * 0.4_f64.sqrt();
         assert!((found / expected).ln().abs() < 1.5_f64.ln(), "{found} {expected}");
+    }
+}
+
+/// Two joints have friction that grows with the root of their speed: these are found, and no others.
+#[test]
+fn friction_that_bends_is_told_from_a_line() {
+    const BENDS: [(usize, f64); 2] = [(1, 6.0), (3, 1.5)];
+    let bench = Bench::new();
+    for seed in 0..4 {
+        let mut motion = bench.motion(&EFFECTS, Some((0.3, seed)));
+        let velocity = motion.velocity.clone();
+        let effort = motion.effort_filtered.as_mut().unwrap();
+        for (joint, coefficient) in BENDS {
+            let bend = velocity[joint].iter().map(|v| coefficient * v / (v.abs() + 1e-3).sqrt());
+            effort[joint].iter_mut().zip(bend).for_each(|(e, b)| *e += b);
+        }
+        let mut problem = BatchProblem::new(&bench.arm, &bench.set);
+        let everyday = problem.terms.len();
+        let sought = Sought { couplings: false, bends: true };
+        let settings = BatchSettings::default();
+        let chosen = problem.choose(&[&motion], &settings, sought).unwrap();
+        let joints: Vec<usize> = chosen.bends.iter().map(|found| found.joint).collect();
+        assert!(BENDS.iter().all(|(joint, _)| joints.contains(joint)), "{seed}: {joints:?}");
+        // of four others one in forty by chance
+        assert!(joints.len() <= BENDS.len() + 1, "{seed}: {joints:?}");
+        let found = problem.estimate(&problem.accumulate(&[&motion])).unwrap();
+        assert_eq!(problem.terms.len(), everyday + joints.len());
+        for (k, joint) in (everyday..).zip(&joints) {
+            let of_joint = BENDS.iter().find(|(j, _)| j == joint);
+            let (value, error) = (found.values[k], found.standard_error(k).unwrap());
+            let off = value - of_joint.map_or(0.0, |(_, c)| *c);
+            assert!(off.abs() < 4.0 * error, "{seed}, {joint}: {value} +- {error}");
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
+use armident_ident::Sought;
 use armident_ident::{
     ArmModel, BatchProblem, BatchSettings, Coupling, KnownLoad, Method, without_loads,
 };
@@ -224,7 +225,7 @@ fn a_shared_transmission_is_found_where_there_is_one() {
         let motion = bench.motion(&Case { shared, noise: 0.05, ..EMPTY });
         let mut problem = BatchProblem::new(&bench.arm, &bench.set);
         let before = problem.terms.len();
-        let chosen = problem.choose(&[&motion], &settings, true).unwrap();
+        let chosen = problem.choose(&[&motion], &settings, Sought::ALL).unwrap();
         let found: Vec<Coupling> = chosen.couplings.iter().map(|c| c.coupling).collect();
         assert_eq!(found, expected);
         assert_eq!(problem.terms.len(), before + 2 * expected.len());

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use armident_effects::EVERYDAY;
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, Chosen, Coupling,
-    CouplingFound, DriveGain, DriveGains, KnownLoad, MinimalSet, Recorded, Term, without_loads,
+    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, BendFound, Chosen, Coupling,
+    CouplingFound, DriveGain, DriveGains, KnownLoad, LAWS, MinimalSet, Recorded, Sought, Term,
+    without_loads,
 };
 use armident_page::Correlation;
 use armident_recording::{Motion, Quantity, Recording};
@@ -15,7 +15,7 @@ use armident_report::{
 };
 
 use super::{Identified, add_consistent, by_joint, constant_row, fit_rows};
-use crate::args::{CouplingArg, IdentifyArgs, PriorArg};
+use crate::args::{CouplingArg, IdentifyArgs, PriorArg, ViscousArg};
 use crate::commands::recordings;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -59,8 +59,11 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     drop(progress);
     let progress = Progress::of(&args.output, "choosing by stretches left out");
     let motions: Vec<&Motion> = train_motions.iter().collect();
-    let Chosen { couplings, settings } =
-        problem.choose(&motions, &settings, args.coupling == CouplingArg::Auto)?;
+    let sought = Sought {
+        couplings: args.coupling == CouplingArg::Auto,
+        bends: args.viscous == ViscousArg::Auto,
+    };
+    let Chosen { couplings, bends, settings } = problem.choose(&motions, &settings, sought)?;
     for CouplingFound { coupling, gain } in &couplings {
         let [a, b] = coupling.joints().map(|joint| joints[joint]);
         notes.push(format!(
@@ -68,6 +71,13 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
              {:.0} % lower with it",
             coupling.ratio,
             100.0 * gain
+        ));
+    }
+    for BendFound { joint, in_errors } in &bends {
+        notes.push(format!(
+            "friction of {} grows more slowly than its speed: that part of it is {in_errors:.0} standard errors from none \
+             (--viscous linear leaves it out)",
+            joints[*joint]
         ));
     }
     drop(progress);
@@ -146,7 +156,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
             | Term::Shared { coupling: Coupling { first: joint, .. }, .. } => {
                 let Some(parameter) = term.parameter() else { continue };
                 let (effect, other_joint) = match *term {
-                    Term::Effect { effect, .. } => (EVERYDAY[effect].law().slug, None),
+                    Term::Effect { effect, .. } => (LAWS[effect].law().slug, None),
                     _ => (Coupling::SLUG, Some(names[joint + 1].clone())),
                 };
                 effects.push(EffectRow {
