@@ -93,12 +93,15 @@ fn check(case: &Case, worse: &mut Vec<String>) {
         dataset["joints"].as_array().unwrap().iter().map(|j| j.as_str().unwrap()).collect();
     assert_eq!(found["joints"], serde_json::json!(joints), "{name}");
     assert_eq!(list(&found["constants"]).len(), case.minimal, "{name}");
-    assert_eq!(list(&found["effects"]).len(), case.effects, "{name}");
+    let bends = |e: &&serde_json::Value| e["effect"] == "sublinear_viscous_friction";
+    let bends = list(&found["effects"]).iter().filter(bends).count();
+    assert!(bends <= joints.len(), "{name}: {bends}");
+    assert_eq!(list(&found["effects"]).len(), case.effects + bends, "{name}");
     assert_eq!(list(&found["merged"]).len(), case.merged, "{name}");
     for merged in list(&found["merged"]) {
         assert!(string(&merged["term"]).starts_with("rotor_inertia("), "{name}: {merged}");
     }
-    assert_eq!(found["unknowns"], case.minimal + case.effects, "{name}");
+    assert_eq!(found["unknowns"], case.minimal + case.effects + bends, "{name}");
     assert_eq!(found["rank"], found["unknowns"], "{name}: everything is determined");
     assert!(number(&found["condition"]) < 1e3, "{name}: {}", found["condition"]);
 
@@ -153,13 +156,14 @@ fn models_have_real_links_and_can_be_simulated() {
         let real = run(&[&args[..], &["--save-model", text(&model)]].concat()).fine().json();
         let consistency = &real["consistency"];
         assert_eq!(consistency["converged"], true, "{name}: {consistency}");
-        let (distance, least) = (
-            number(&consistency["distance_in_standard_errors"]),
-            number(&consistency["distance_at_least"]),
-        );
-        // half a standard error, or a quarter of a larger distance: what ever heavier links could still gain
-        let above = (0.25 * least).max(0.5);
-        assert!(least <= distance && distance < least + above, "{name}: {least} {distance}");
+        let [distance, least, gap, size] =
+            ["distance_in_standard_errors", "distance_at_least", "duality_gap", "bound_holds_to"]
+                .map(|key| number(&consistency[key]));
+        // what ever heavier links could still gain: as much as a weight of 1e-4 on the nearness of links to the URDF's
+        // holds back, which is at most 4 a link times the size up to which the bound holds
+        let links = list(&real["joints"]).len();
+        let held_back = 1e-4 * 4.0 * links as f64 * size;
+        assert!(least <= distance && gap <= held_back, "{name}: {gap} {held_back}");
         for (joint, smallest) in consistency["smallest_eigenvalues"].as_object().unwrap() {
             assert!(number(smallest) > 0.0, "{name} {joint}: {smallest}");
         }
