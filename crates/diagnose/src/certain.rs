@@ -324,8 +324,15 @@ mod tests {
         let at = evidence.at(&point);
         let mut problem = evidence.problem(&point);
         let shape = [transmission.stiffness, transmission.damping];
-        let pushed =
-            transmission::push(&evidence, &at, &mut problem, "joint_elasticity", JOINT, &shape);
+        let pushed = transmission::push(
+            &evidence,
+            &at,
+            &mut problem,
+            "joint_elasticity",
+            JOINT,
+            &shape,
+            &mut Vec::new(),
+        );
         let group = pushed.unwrap();
         assert!(problem.groups[group].is_of_size_one);
         let metric = problem.whitened(0.0, &[]);

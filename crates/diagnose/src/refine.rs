@@ -80,7 +80,7 @@ pub(crate) fn formed(
         Scope::Joint => evidence.push_joint_law(problem, at, law, joint, &group.shape),
         Scope::Neighbours => Some(evidence.push_pair_law(problem, at, law, joint, &group.shape)),
         Scope::ThroughJoint if !group.shape.is_empty() => {
-            transmission::push(evidence, at, problem, slug, joint, &group.shape)
+            transmission::push(evidence, at, problem, slug, joint, &group.shape, &mut Vec::new())
         }
         _ => None,
     }
@@ -219,9 +219,8 @@ impl Trials<'_, '_> {
         }
         let (joint, slug) = (trial.site.joints[0], trial.slug());
         let near = self.near.entry(joint).or_default();
-        known(small.groups.iter(), trial).or_else(|| {
-            transmission::push_near(evidence, at, small, slug, joint, &trial.shape, near)
-        })
+        known(small.groups.iter(), trial)
+            .or_else(|| transmission::push(evidence, at, small, slug, joint, &trial.shape, near))
     }
 
     /// Group in this place of the answer.

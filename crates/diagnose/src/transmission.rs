@@ -395,21 +395,9 @@ impl Load {
     }
 }
 
-/// Adds the group of a transmission on a joint; gives its id.
+/// Adds the group of a transmission on a joint; gives its id. `near`: of each recording the load on a link that moved nearly
+/// so, empty where none is known; afterwards on this one.
 pub(crate) fn push(
-    evidence: &Evidence<'_>,
-    at: &[At<'_>],
-    problem: &mut Problem,
-    slug: &'static str,
-    joint: usize,
-    shape: &[f64],
-) -> Option<usize> {
-    push_near(evidence, at, problem, slug, joint, shape, &mut Vec::new())
-}
-
-/// The same near another one on this joint. `near`: load on the link that moved last, of each recording, none where it
-/// is not known; afterwards on this one.
-pub(crate) fn push_near(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     problem: &mut Problem,

@@ -404,11 +404,11 @@ impl Problem {
         integral
     }
 
-    /// `W'W` of directions at size 1.
+    /// `W'W` of directions at size 1. On one thread: one that waits for others here could be given work that waits for this.
     fn products_of_directions(&self) -> Vec<Vec<f64>> {
         let directions = &self.background.directions;
         let with_rigid: Vec<Vec<f64>> =
-            (0..self.rigid).into_par_iter().map(|k| self.along(directions, k)).collect();
+            (0..self.rigid).map(|k| self.along(directions, k)).collect();
         let with = |a: usize| {
             let with_a: Vec<f64> = with_rigid.iter().map(|w| w[a]).collect();
             directions.iter().map(|d| dot(d, &with_a)).collect()

@@ -10,7 +10,7 @@ use armident_numeric::NumericError;
 
 use crate::batch::{BatchProblem, BatchSettings, LAWS, Term};
 use crate::coupling::rows_of;
-use crate::left_out::{errors_left_out, mean_gain};
+use crate::left_out::{clear_gain, errors_left_out};
 use crate::rows::JointRows;
 
 /// A joint whose friction bends.
@@ -70,7 +70,8 @@ impl BatchProblem<'_> {
         }
         let shown = |(k, joint): (usize, usize)| {
             let in_errors = found.values[k] / found.standard_error(k)?;
-            let is_shown = in_errors > found.quantile_95 && mean_gain(&before, &after, joint) > 0.0;
+            let is_shown = in_errors > found.quantile_95
+                && clear_gain(&before, &after, &[joint], 0.0).is_some();
             is_shown.then_some(BendFound { joint, in_errors })
         };
         Ok((self.terms.len()..).zip(possible).filter_map(shown).collect())

@@ -259,12 +259,6 @@ pub(crate) fn clear_gain(
     (mean > 0.0 && mean > in_errors * error).then(|| 1.0 - (-mean).exp())
 }
 
-/// Mean logarithm by which the error of a joint falls where it was not fitted.
-pub(crate) fn mean_gain(before: &[Vec<f64>], after: &[Vec<f64>], joint: usize) -> f64 {
-    let logs = before.iter().zip(after).map(|(b, a)| 0.5 * (b[joint] / a[joint]).ln());
-    logs.sum::<f64>() / before.len() as f64
-}
-
 /// Squared error of every joint on each stretch of time, fitted to the others.
 pub(crate) fn errors_left_out(
     problem: &BatchProblem<'_>,
