@@ -8,6 +8,7 @@ use armident_numeric::dot;
 use rayon::prelude::*;
 
 use crate::at::OperatingPoint;
+use crate::bending::is_bend;
 use crate::certain::CHANCE;
 use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
@@ -167,7 +168,7 @@ pub(crate) struct Predictor {
 
 impl Predictor {
     /// Another answer with the terms that this one has beside what was named. Without what it lacks, others
-    /// may want a wrong sign: those are left out too.
+    /// may want a wrong sign: those are left out too; so is the bend of a friction that it lacks, which would take its place.
     pub(crate) fn beside(
         &self,
         metric: &Whitened<'_>,
@@ -176,7 +177,13 @@ impl Predictor {
     ) -> Option<Answer> {
         let groups = &metric.problem.groups;
         let mut set = other.set.clone();
-        for &g in self.answer.set.iter().filter(|g| !named.set.contains(g)) {
+        let lacking: Vec<usize> =
+            named.set.iter().copied().filter(|g| !other.set.contains(g)).collect();
+        let stands_alone = |g: &usize| {
+            is_bend(groups[*g].slug()) && lacking.iter().any(|l| groups[*l].site == groups[*g].site)
+        };
+        let beside = self.answer.set.iter().filter(|g| !named.set.contains(g));
+        for &g in beside.filter(|g| !stands_alone(g)) {
             if set.iter().all(|o| *o != g && !groups[*o].excludes(&groups[g])) {
                 set.push(g);
             }

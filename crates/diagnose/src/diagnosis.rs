@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::atlas::{JointAtlas, atlas, character};
 use crate::band::BAND_HZ;
 use crate::bands::{NARROW_HZ, is_off_in};
+use crate::bending::with_bends;
 use crate::books::DriveGain;
 use crate::change::Known;
 use crate::constants::{ConstantEstimates, constants};
@@ -23,6 +24,7 @@ use crate::material::joints_of_inertial_errors;
 use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
 use crate::placebo::{Placebo, placebo};
+use crate::problem::Problem;
 use crate::search::Answer;
 use crate::seen::Seen;
 use crate::select::{Selection, select};
@@ -150,9 +152,10 @@ pub(crate) fn model_of(
     train: &[Recording],
 ) -> Result<(DiagnosedModel, Option<f64>), DiagnoseError> {
     let selected = selected(None, &model.chain, &names_of(model), train)?;
-    let Selected { evidence, selection, best, narrowed_to_hz } = &selected;
-    let metric = selection.problem.whitened(best.scale, &selection.wide);
-    let view = View::new(evidence, &metric, &best.answer, &selection.point);
+    let Selected { evidence, selection, narrowed_to_hz, .. } = &selected;
+    let (problem, predicting) = selected.predicting();
+    let metric = problem.whitened(predicting.scale, &selection.wide);
+    let view = View::new(evidence, &metric, &predicting.answer, &selection.point);
     let (mut learned, _) = learned(model, &view);
     choose_outputs(&mut learned, evidence)?;
     Ok((learned, *narrowed_to_hz))
@@ -172,7 +175,7 @@ pub(crate) fn diagnose_from(
     let beyond_reference = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.answer);
-    let selected = Selected { evidence, selection, best, narrowed_to_hz };
+    let selected = Selected { evidence, selection, best, bent: None, narrowed_to_hz };
     Ok(Diagnosis { beyond_reference, ..selected.told(model, &names)? })
 }
 
@@ -185,6 +188,8 @@ struct Selected<'a> {
     evidence: Evidence<'a>,
     selection: Selection,
     best: Predictor,
+    /// with friction that bends, where joints show that
+    bent: Option<(Problem, Predictor)>,
     narrowed_to_hz: Option<f64>,
 }
 
@@ -208,26 +213,47 @@ fn selected<'a>(
         && let Some(selection) = select(&mut evidence)
     {
         let best = predictor(&selection.metric(), &selection.answer);
-        return Ok(Selected { evidence, selection, best, narrowed_to_hz: Some(NARROW_HZ) });
+        return Ok(Selected::bent_where_shown(evidence, selection, best, Some(NARROW_HZ)));
     }
-    Ok(Selected { evidence, selection, best, narrowed_to_hz: None })
+    Ok(Selected::bent_where_shown(evidence, selection, best, None))
 }
 
-impl Selected<'_> {
+impl<'a> Selected<'a> {
+    fn bent_where_shown(
+        evidence: Evidence<'a>,
+        selection: Selection,
+        best: Predictor,
+        narrowed_to_hz: Option<f64>,
+    ) -> Self {
+        let bent = with_bends(&evidence, &selection, &best);
+        Self { evidence, selection, best, bent, narrowed_to_hz }
+    }
+
+    /// What the model is made of.
+    fn predicting(&self) -> (&Problem, &Predictor) {
+        match &self.bent {
+            Some((problem, predictor)) => (problem, predictor),
+            None => (&self.selection.problem, &self.best),
+        }
+    }
+
     /// What is said of it.
     fn told(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
-        let Self { evidence, selection, best, narrowed_to_hz } = self;
+        let Self { evidence, selection, best, narrowed_to_hz, .. } = self;
+        let (problem, predicting) = self.predicting();
         let metric = selection.metric();
         let best_metric = selection.problem.whitened(best.scale, &selection.wide);
         let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
-        let (mut learned_model, links_off) = learned(model, &best_view);
+        let model_metric = problem.whitened(predicting.scale, &selection.wide);
+        let model_view = View::new(evidence, &model_metric, &predicting.answer, &selection.point);
+        let (mut learned_model, links_off) = learned(model, &model_view);
         choose_outputs(&mut learned_model, evidence)?;
-        let constants = constants(model, &learned_model, &best_metric, &best.answer);
+        let constants = constants(model, &learned_model, &model_metric, &predicting.answer);
         let claims = claims(evidence, selection, &best_view);
         // the model of another answer, all that is not in question as in the model learned
         let model_of = |answer: &Answer, wide: &[WrongBody]| {
-            let metric = selection.problem.whitened(best.scale, wide);
-            let answer = best.beside(&metric, &selection.answer, answer)?;
+            let metric = problem.whitened(predicting.scale, wide);
+            let answer = predicting.beside(&metric, &selection.answer, answer)?;
             let view = View::new(evidence, &metric, &answer, &selection.point);
             let (mut model, _) = learned(model, &view);
             model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;

@@ -39,6 +39,7 @@ mod atlas;
 mod background;
 mod band;
 mod bands;
+mod bending;
 mod bodies;
 mod books;
 mod certain;
@@ -83,6 +84,7 @@ mod whitened;
 mod without;
 
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
+pub use bending::is_bend;
 pub use books::{Books, DriveGain, Heard};
 pub use change::{Known, diagnose_change};
 pub use constants::{ConstantEstimate, ConstantEstimates};

@@ -7,6 +7,7 @@ use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
 use crate::at::{At, OperatingPoint};
+use crate::bending::is_bend;
 use crate::learned::Learned;
 use crate::sampled::{later, low_pass};
 use crate::seen::Seen;
@@ -60,6 +61,12 @@ impl DiagnosedModel {
             && flexible.is_empty()
             && encoder_offset.iter().chain(tilt_rad).chain([delay_s]).all(|x| *x == 0.0)
             && gain.iter().all(|g| *g == 1.0)
+    }
+
+    /// Joints whose friction grows more slowly than the speed, and the coefficients of that.
+    pub fn friction_bends(&self) -> impl Iterator<Item = (&str, f64)> {
+        let bends = self.arm.effects.iter().filter(|on| is_bend(&on.effect));
+        bends.map(|on| (on.joint.as_str(), on.parameters[0]))
     }
 
     pub(crate) fn point(&self) -> OperatingPoint {

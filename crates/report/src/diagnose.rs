@@ -6,7 +6,7 @@ use armident_diagnose::{
     Books, ConstantEstimate, Diagnosis, DoubtfulChange, DriveGain, Errors, Finding, JointAtlas,
     NextMotion, Placebo,
 };
-use armident_effects::{effect, is_less};
+use armident_effects::{Effect, SublinearViscousFriction, effect, is_less};
 use armident_ident::check::Check;
 use armident_kinematics::DrivingAxisChain;
 use serde::Serialize;
@@ -69,6 +69,9 @@ pub struct DiagnoseReport {
     /// speeds below which dry friction fades \[rad/s or m/s\]
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     friction_fades_below: BTreeMap<String, f64>,
+    /// coefficients of sub-linear viscous friction in the model \[N m (s/rad)^0.5 or N (s/m)^0.5\]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    friction_bends: BTreeMap<String, f64>,
     /// speeds of the reference that joints now exceed \[rad/s or m/s\]: what is faster is not compared
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     beyond_reference: BTreeMap<String, f64>,
@@ -167,6 +170,11 @@ impl DiagnoseReport {
                 .zip(diagnosis.model.learned.fading_speed.iter().copied())
                 .filter(|(_, speed)| *speed > 0.0)
                 .collect(),
+            friction_bends: diagnosis
+                .model
+                .friction_bends()
+                .map(|(joint, c)| (joint.to_owned(), c))
+                .collect(),
             beyond_reference: diagnosis.beyond_reference.clone(),
             doubtful_changes: diagnosis.doubtful_changes.clone(),
             inertias_matter_on: diagnosis.inertias_matter_on.clone(),
@@ -202,6 +210,7 @@ impl DiagnoseReport {
             narrowed_to_hz: None,
             small_terms: Vec::new(),
             friction_fades_below: BTreeMap::new(),
+            friction_bends: BTreeMap::new(),
             beyond_reference: BTreeMap::new(),
             doubtful_changes: Vec::new(),
             inertias_matter_on: Vec::new(),
@@ -331,7 +340,7 @@ impl DiagnoseReport {
         if !self.beyond_reference.is_empty() {
             text.push_str(&format!(
                 "\nnot compared: motion much faster than the reference's, which says nothing of friction there (rad/s or m/s): {}\n",
-                speeds_text(&self.beyond_reference)
+                by_joint_text(&self.beyond_reference)
             ));
         }
         for (maybe_before, why) in [
@@ -357,7 +366,16 @@ impl DiagnoseReport {
         if !self.friction_fades_below.is_empty() {
             text.push_str(&format!(
                 "\ndry friction does not turn at once, it fades below (rad/s or m/s): {}\n",
-                speeds_text(&self.friction_fades_below)
+                by_joint_text(&self.friction_fades_below)
+            ));
+        }
+        if !self.friction_bends.is_empty() {
+            let law = SublinearViscousFriction.law();
+            text.push_str(&format!(
+                "\nfriction grows more slowly than the speed: the model has {} with these coefficients (N m (s/rad)^0.5 or \
+                 N (s/m)^0.5), the friction above is the line through it: {}\n",
+                law.formula,
+                by_joint_text(&self.friction_bends)
             ));
         }
         text
@@ -656,7 +674,7 @@ fn titled(slug: &str, joints: &[String], link: Option<&String>) -> String {
 }
 
 /// Joints with their speeds.
-fn speeds_text(speeds: &BTreeMap<String, f64>) -> String {
+fn by_joint_text(speeds: &BTreeMap<String, f64>) -> String {
     let of_joint =
         |(joint, speed): (&String, &f64)| format!("{joint} {}", significant(*speed, 2, 0.0));
     speeds.iter().map(of_joint).collect::<Vec<_>>().join(", ")

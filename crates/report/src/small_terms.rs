@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::Diagnosis;
+use armident_diagnose::{Diagnosis, is_bend};
 use armident_effects::effect;
 use armident_kinematics::DrivingAxisChain;
 use serde::{Deserialize, Serialize};
@@ -24,14 +24,14 @@ struct Parameter {
 }
 
 impl SmallTerm {
-    /// Those of a diagnosed model.
+    /// Those of a diagnosed model, but for friction that bends, which is not small and has no name.
     pub(crate) fn of(chain: &DrivingAxisChain, diagnosis: &Diagnosis) -> Vec<Self> {
         let named = |slug: &str, joint: &String| {
             diagnosis.findings.iter().any(|f| f.effect == slug && f.joints.first() == Some(joint))
         };
         let effects = diagnosis.model.arm.effects.iter();
         effects
-            .filter(|on| !named(&on.effect, &on.joint))
+            .filter(|on| !named(&on.effect, &on.joint) && !is_bend(&on.effect))
             .filter_map(|on| {
                 let law = effect(&on.effect)?.law();
                 let kind = chain.joints.iter().find(|j| j.name == on.joint)?.kind;
