@@ -368,6 +368,7 @@ fn identified_errors(
         effects: problem.consistent_effects(&real, &names),
         recorded_velocities: fitted.velocity_gain.is_some(),
         speed_resolution: problem.speed_resolution.clone(),
+        shown: Some(problem.shown(&fitted.rows, &real.estimated)),
         ..model.clone().with_links(&real.links)
     };
     let predicted = |recording: &Recording| -> Result<Vec<Vec<f64>>, Box<dyn Error>> {

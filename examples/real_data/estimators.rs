@@ -29,7 +29,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
          velocities from positions. The others are as `identify` gives them: the nearest real links, with \
          what the fitted part chooses by stretches left out of the fit. Bold: the least of a row. Joints whose \
          effort columns leave small efforts out stand in the table and are not counted: what is recorded there is \
-         not what the body needs.\n"
+         not what the body needs, and predictions have the share of it that the fitted part shows.\n"
     );
     println!("| set | joint | plain | {} |", Method::ALL.map(Method::name).join(" | "));
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
@@ -132,9 +132,10 @@ fn table(
                     };
                     default_stretches = Some(stretches(&problem, &motions, &links.estimated));
                 }
+                let shown = problem.shown(&fitted.rows, &links.estimated);
                 columns.push((
-                    problem.fit(judged, &links.estimated),
-                    problem.fit(&fitted.rows, &links.estimated),
+                    problem.fit_as_shown(judged, &links.estimated, &shown),
+                    problem.fit_as_shown(&fitted.rows, &links.estimated, &shown),
                 ));
             }
             Err(error) => {

@@ -129,9 +129,11 @@ fn cross_validation(
     for left_out in 0..motions.len() {
         let others: Vec<&Motion> =
             (0..motions.len()).filter(|k| *k != left_out).map(|k| motions[k]).collect();
-        let (_, estimate, _) = problem.solve_by(method, model, &others, settings)?;
+        let (fitted, estimate, _) = problem.solve_by(method, model, &others, settings)?;
+        let shown = problem.shown(&fitted, &estimate.values);
         let rows = problem.accumulate(&motions[left_out..=left_out]);
-        for (joint, fit) in problem.fit(&rows, &estimate.values).iter().enumerate() {
+        let fits = problem.fit_as_shown(&rows, &estimate.values, &shown);
+        for (joint, fit) in fits.iter().enumerate() {
             let count = rows.effort[joint].0 as f64;
             let squares = count * fit.rmse * fit.rmse;
             let sum = &mut pooled[joint];

@@ -55,5 +55,5 @@ pub use payload::{KnownLoad, without_loads};
 pub use quantiles::student_t_975;
 pub use rows::{JointRows, used_samples};
 pub use theorem2::Theorem2;
-pub use unreported::unreported;
+pub use unreported::{Shown, unreported};
 pub use velocity::with_recorded_velocity;

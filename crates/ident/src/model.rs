@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::coupling::pair_columns;
 use crate::minimal_set::MinimalSet;
 use crate::rows::effect_columns;
+use crate::unreported::Shown;
 use crate::velocity::with_recorded_velocity;
 
 /// Schema of `model.json`.
@@ -39,6 +40,9 @@ pub struct ArmModel {
     /// Noise level of each joint's effort in the fit \[N m or N\], after the low-pass of `cutoff_hz` or, without one,
     /// as recorded; none for a URDF.
     pub effort_noise: Option<Vec<f64>>,
+    /// What columns show that leave small efforts out, by joint; predictions of these columns follow it, the links and
+    /// effects do not.
+    pub shown: Option<Vec<Option<Shown>>>,
     /// The links before the fit, those of the URDF; none for a URDF itself.
     pub prior_links: Option<Vec<InertialParameters>>,
     /// Where the numbers come from, one sentence each.
@@ -85,6 +89,7 @@ impl ArmModel {
             recorded_velocities: false,
             speed_resolution: None,
             effort_noise: None,
+            shown: None,
             prior_links: None,
             provenance,
         }
@@ -127,6 +132,7 @@ impl ArmModel {
         let mut model = self.clone();
         model.effects.clear();
         model.effort_noise = None;
+        model.shown = None;
         if let Some(links) = model.prior_links.take() {
             for (joint, link) in model.chain.joints.iter_mut().zip(links) {
                 joint.link = link;
@@ -148,7 +154,7 @@ impl ArmModel {
         RigidArm::from_chain(&self.chain)
     }
 
-    /// Effort of every joint on the grid of a motion, joint-major, not filtered afterwards.
+    /// Effort of every joint on the grid of a motion, as its column shows it, joint-major, not filtered afterwards.
     ///
     /// # Errors
     /// [`UnknownEffect`] when an effect is not in the library.
@@ -184,6 +190,11 @@ impl ArmModel {
                 for (e, x) in effort[joint].iter_mut().zip(column) {
                     *e += parameter * x;
                 }
+            }
+        }
+        for (effort, shown) in effort.iter_mut().zip(self.shown.iter().flatten()) {
+            if let Some(shown) = shown {
+                shown.of(effort);
             }
         }
         Ok(effort)
@@ -257,6 +268,8 @@ struct ModelFile {
     speed_resolution: Option<Vec<f64>>,
     #[serde(default)]
     effort_noise: Option<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shown: Option<Vec<Option<Shown>>>,
     /// ten parameters a link, as in the joints
     #[serde(default)]
     prior_links: Option<Vec<[f64; 10]>>,
@@ -353,6 +366,7 @@ impl From<&ArmModel> for ModelFile {
             recorded_velocities: model.recorded_velocities,
             speed_resolution: model.speed_resolution.clone(),
             effort_noise: model.effort_noise.clone(),
+            shown: model.shown.clone(),
             prior_links: model
                 .prior_links
                 .as_ref()
@@ -427,6 +441,14 @@ impl ModelFile {
                 |s: &Vec<f64>| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0);
             sizes.as_ref().is_none_or(fit)
         };
+        let is_sound =
+            |s: &Vec<Option<Shown>>| s.len() == count && s.iter().flatten().all(Shown::is_sound);
+        if !self.shown.as_ref().is_none_or(is_sound) {
+            return bad(
+                "shown must have one entry per joint, null or a share from 0 to 1 and an offset"
+                    .to_owned(),
+            );
+        }
         if !links_fit || !sizes_fit(&self.effort_noise) || !sizes_fit(&self.speed_resolution) {
             return bad(
                 "prior_links, effort_noise and speed_resolution must have one finite entry per joint".to_owned()
@@ -482,6 +504,7 @@ impl ModelFile {
             recorded_velocities: self.recorded_velocities,
             speed_resolution: self.speed_resolution,
             effort_noise: self.effort_noise,
+            shown: self.shown,
             prior_links: self
                 .prior_links
                 .map(|links| links.iter().map(InertialParameters::from_array).collect()),

@@ -8,7 +8,8 @@ use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::EVERYDAY;
 use armident_ident::Sought;
 use armident_ident::{
-    BatchEstimate, BatchProblem, BatchSettings, Quantity, Term, unreported, used_samples,
+    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Quantity, Shown, Term, unreported,
+    used_samples,
 };
 use armident_kinematics::InertialParameters;
 use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
@@ -133,6 +134,47 @@ fn a_column_that_leaves_small_efforts_out_does_not_speak_for_the_links() {
     assert!(worst(&plain) > 100.0, "{}", worst(&plain));
     let deaf = plain.with_unreported((0..6).map(|joint| joint == wrist).collect());
     assert!(worst(&deaf) < 4.0, "{}", worst(&deaf));
+}
+
+/// What such a column shows of the effort is what a model predicts of it: by the triangle, by sample after sample, and after
+/// a model file.
+#[test]
+fn what_a_column_shows_of_an_effort_is_predicted() {
+    let (share, offset) = (0.08, 0.3);
+    let bench = Bench::new();
+    let wrist = 3;
+    let sines = Sines::new(1000, 0.0);
+    let mut effort = bench.motion(&EFFECTS, None).effort.unwrap();
+    effort[wrist].iter_mut().for_each(|e| *e = share * *e + offset);
+    let motion = bench.recorded("rounded", &sines, &effort);
+    let problem = BatchProblem::new(&bench.arm, &bench.set)
+        .with_unreported((0..6).map(|joint| joint == wrist).collect());
+    let rows = problem.accumulate(&[&motion]);
+    let truth = bench.truth(&problem, &EFFECTS);
+    let shown = problem.shown(&rows, &truth);
+    assert_eq!(shown.iter().map(Option::is_some).position(|of| of), Some(wrist));
+    let Shown { share: found, offset: beside } = shown[wrist].unwrap();
+    assert!((found - share).abs() < 1e-9 && (beside - offset).abs() < 1e-9, "{found} {beside}");
+    assert!(problem.fit(&rows, &truth)[wrist].relative > 10.0);
+    let fit = problem.fit_as_shown(&rows, &truth, &shown);
+    assert!(fit.iter().all(|joint| joint.relative < 1e-8), "{fit:?}");
+
+    let names = bench.model.chain.joint_names();
+    let model = ArmModel {
+        effects: problem.effects(&truth, &names),
+        shown: Some(shown),
+        ..bench.model.clone().with_constants(&bench.set, &problem.constants(&truth))
+    };
+    let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
+    let predicted = read.predict(&motion).unwrap();
+    for (predicted, recorded) in predicted.iter().zip(&effort) {
+        for t in used_samples(&motion) {
+            assert!((predicted[t] - recorded[t]).abs() < 1e-6, "{} {}", predicted[t], recorded[t]);
+        }
+    }
+    let bare = ArmModel { shown: None, ..model };
+    let off = bare.predict(&motion).unwrap()[wrist][500] - effort[wrist][500];
+    assert!(off.abs() > 0.1, "{off}");
 }
 
 #[test]

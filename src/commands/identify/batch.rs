@@ -106,21 +106,23 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         ));
     }
     let BatchFit { rows, estimate, holdout_rows, .. } = &fitted;
-    for (name, share) in joints.iter().zip(&unreported) {
-        let Some(share) = share else { continue };
-        notes.push(format!(
-            "{name}: its effort repeats one value in {:.0} % of the samples although it moves: efforts that small are \
-             not reported, and all samples of this column together count as one",
-            100.0 * share
-        ));
-    }
     drop(progress);
     let progress = Progress::of(&args.output, "seeking the nearest real links");
 
     let consistent =
         if args.raw_estimate { None } else { Some(problem.nearest_consistent(estimate)?) };
     let values = consistent.as_ref().map_or(&estimate.values, |c| &c.estimated);
-
+    let shown = problem.shown(rows, values);
+    for ((name, stuck), shown) in joints.iter().zip(&unreported).zip(&shown) {
+        let (Some(stuck), Some(shown)) = (stuck, shown) else { continue };
+        notes.push(format!(
+            "{name}: its effort repeats one value in {:.0} % of the samples although it moves: efforts that small are \
+             not reported, and all samples of this column together count as one. It shows {:.1} % of the effort that the \
+             model has there, and so do predictions of it",
+            100.0 * stuck,
+            100.0 * shown.share
+        ));
+    }
     drop(progress);
     let of_urdf = set.values(&arm.constants());
     let urdf_terms: Vec<f64> = problem
@@ -131,9 +133,19 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
             Term::Effect { .. } | Term::Shared { .. } | Term::Load { .. } => 0.0,
         })
         .collect();
+    let trained = problem.fit_as_shown(rows, values, &shown);
+    let mut effort_noise = estimate.effort_noise.clone();
+    for ((noise, fit), shown) in effort_noise.iter_mut().zip(&trained).zip(&shown) {
+        // in terms of the column, as its predictions are
+        if shown.is_some() {
+            *noise = fit.rmse;
+        }
+    }
     let fit = FitReport {
-        train: fit_rows(&problem.fit(rows, values), &joints),
-        holdout: holdout_rows.as_ref().map(|r| fit_rows(&problem.fit(r, values), &joints)),
+        train: fit_rows(&trained, &joints),
+        holdout: holdout_rows
+            .as_ref()
+            .map(|r| fit_rows(&problem.fit_as_shown(r, values, &shown), &joints)),
         urdf: fit_rows(&problem.fit(holdout_rows.as_ref().unwrap_or(rows), &urdf_terms), &joints),
     };
     let mut constants = Vec::new();
@@ -234,7 +246,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         condition: estimate.condition,
         rows: estimate.rows,
         independent_share: estimate.independent_share,
-        effort_noise: by_joint(&estimate.effort_noise, &joints),
+        effort_noise: by_joint(&effort_noise, &joints),
         not_essential: (0..problem.terms.len())
             .filter(|&k| !estimate.is_essential(k))
             .map(|k| problem.label(&problem.terms[k], &joints))
@@ -263,7 +275,8 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     found.cutoff_hz = cutoff_hz;
     found.recorded_velocities = recorded_velocities;
     found.speed_resolution = speed_resolution;
-    found.effort_noise = Some(estimate.effort_noise.clone());
+    found.effort_noise = Some(effort_noise);
+    found.shown = shown.iter().any(Option::is_some).then_some(shown);
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
     let correlation = Correlation {
         labels: problem.terms.iter().map(|term| problem.label(term, &joints)).collect(),
