@@ -4,7 +4,7 @@
 //! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from stretch to stretch,
 //! and stretches that were not fitted are explained no worse: as `identify` chooses it.
 
-use armident_effects::{Effect, Place, SublinearViscousFriction};
+use armident_effects::{Effect, SublinearViscousFriction};
 use armident_ident::student_t_975;
 
 use crate::crossval::{Predictor, errors_left_out, stretches};
@@ -15,14 +15,15 @@ use crate::search::{Answer, admissible_part, answer as answer_of};
 use crate::select::Selection;
 use crate::whitened::{Whitened, WrongBody};
 
-/// What predicts best with bends on the joints that show one, and the problem that has their groups behind those of the
-/// selection; none where no joint does.
+/// What predicts best with bends on the joints that show one, and the problem that has their groups behind its others;
+/// none where no joint does.
 pub(crate) fn with_bends(
     evidence: &Evidence<'_>,
     selection: &Selection,
+    problem: &Problem,
     best: &Predictor,
 ) -> Option<(Problem, Predictor)> {
-    let Predictor { answer, scale } = best;
+    let Predictor { answer, scale, instead } = best;
     let scale = *scale;
     let at = evidence.at(&selection.point);
     let push = |problem: &mut Problem, joint: usize| {
@@ -32,7 +33,7 @@ pub(crate) fn with_bends(
         beside(&problem.whitened(scale, &selection.wide), answer, bends)
     };
     let joints = {
-        let (mut small, set) = selection.problem.restricted(&answer.set);
+        let (mut small, set) = problem.restricted(&answer.set);
         let answer = answer_of(&small.whitened(scale, &selection.wide), set)?;
         let recorded: Vec<usize> =
             (0..evidence.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
@@ -40,10 +41,10 @@ pub(crate) fn with_bends(
             recorded.into_iter().filter_map(|joint| push(&mut small, joint)).collect();
         joints_that_bend(&small, &answer, &bends, (scale, &selection.wide))?
     };
-    let mut problem = selection.problem.clone();
+    let mut problem = problem.clone();
     let bends: Vec<usize> = joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
     let answer = of(&problem, answer, &bends)?;
-    Some((problem, Predictor { answer, scale }))
+    Some((problem, Predictor { answer, scale, instead: instead.clone() }))
 }
 
 /// Joints of bends that are shown beside an answer.
@@ -93,14 +94,13 @@ pub fn is_bend(slug: &str) -> bool {
     slug == SublinearViscousFriction.law().slug
 }
 
-/// Whether friction of the joint may bend beside an answer: what is named may have its place, and a law with a speed of
-/// its own bends at that.
+/// Whether friction of the joint may bend beside an answer: what is named may have its place, and Stribeck friction bends
+/// at a speed of its own.
 fn may_bend(problem: &Problem, answer: &Answer, bend: usize) -> bool {
     let bend = &problem.groups[bend];
     let bends_by_itself = |other: &Group| {
-        let is_law_with_speed = other.places.contains(&Place::Dry) && !other.shape.is_empty();
         let is_description = matches!(other.meaning, Meaning::Flexible(_));
-        other.site == bend.site && (is_law_with_speed || is_description)
+        other.site == bend.site && (other.slug() == "stribeck_friction" || is_description)
     };
     let mut others = answer.set.iter().map(|g| &problem.groups[*g]);
     !others.any(|other| other.excludes(bend) || bends_by_itself(other))
@@ -132,11 +132,11 @@ mod tests {
         let set = named.iter().flat_map(|slug| [of(slug, 0), of(slug, 1)]).collect();
         let viscous = of("viscous_friction", BENDS);
         let answer = answer_of(&problem.whitened(0.0, &[]), set).unwrap();
-        let best = Predictor { answer: answer.clone(), scale: 0.0 };
+        let best = Predictor { answer: answer.clone(), scale: 0.0, instead: Vec::new() };
         let (wide, doubtful) = (Vec::new(), Vec::new());
         let selection = Selection { problem, answer, scale: 0.0, wide, point, doubtful };
 
-        let (problem, bent) = with_bends(&evidence, &selection, &best).unwrap();
+        let (problem, bent) = with_bends(&evidence, &selection, &selection.problem, &best).unwrap();
         let bends: Vec<&Group> = bent
             .answer
             .set

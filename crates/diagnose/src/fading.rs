@@ -58,10 +58,6 @@ pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Sel
 
 /// By joint, 0 where friction is sharp; none where it is on all of them.
 fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
-    let least_gain = |j: usize| match evidence.signals.iter().any(|s| s.rests(j)) {
-        true => LEAST_GAIN_WITH_RESTS,
-        false => LEAST_GAIN_IN_ERRORS,
-    };
     let set = with_everyday_terms_of(&of.metric(), &of.answer);
     let (small, set) = of.problem.restricted(&set);
     let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.groups[*g])).collect();
@@ -90,12 +86,20 @@ fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
                 continue;
             }
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            if mean > best[j].0 && in_standard_errors(&gains) > least_gain(j) {
+            if mean > best[j].0 && in_standard_errors(&gains) > least_gain(evidence, j) {
                 best[j] = (mean, speeds[j]);
             }
         }
     }
     best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, speed)| *speed).collect())
+}
+
+/// By how many standard errors stretches that were not fitted must say how friction of a joint turns.
+pub(crate) fn least_gain(evidence: &Evidence<'_>, joint: usize) -> f64 {
+    match evidence.signals.iter().any(|s| s.rests(joint)) {
+        true => LEAST_GAIN_WITH_RESTS,
+        false => LEAST_GAIN_IN_ERRORS,
+    }
 }
 
 /// Whether a group is dry friction of one joint.

@@ -80,6 +80,7 @@ mod signals;
 mod sprung;
 mod stops;
 mod transmission;
+mod travel;
 mod whitened;
 mod without;
 
