@@ -17,7 +17,7 @@ use crate::search::answer;
 use crate::select::Selection;
 
 /// Speeds below which the direction fades that are tried, as shares of the root mean square speed.
-const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
+const SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
 /// Stretches that were not fitted must say so by this many standard errors; by more on joints that rest somewhere, whose
 /// friction is known to hold them, and to be sharp where it breaks away.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;

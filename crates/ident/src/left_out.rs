@@ -19,7 +19,7 @@ use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;
 /// Another choice must be better by this many standard errors, from the stretches.
-const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
+const LEAST_GAIN_IN_ERRORS: f64 = 2.0;
 
 /// What the recordings are asked for beside speed resolutions and the doubt of the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -224,7 +224,7 @@ impl Resolutions {
             })
             .collect();
         let exact = motions.iter().all(|m| m.filter.is_none());
-        let shares = if exact { &[][..] } else { &[DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1] };
+        let shares = if exact { &[][..] } else { &[DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1, 0.2, 0.3] };
         Self { shares: shares.to_vec(), rms_speed }
     }
 
