@@ -3,15 +3,15 @@
 use std::sync::OnceLock;
 
 use armident_dynamics::{ArmAngles, RigidArm};
-use armident_effects::{ArmMotion, Effect, JointMotion, Place, tilted};
+use armident_effects::{ArmMotion, Effect, JointMotion, Place, Turn, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
 
-use crate::fading::faded;
 use crate::signals::Signals;
 use crate::sprung::{Spring, Sprung};
 use crate::stops::Stop;
 use crate::transmission::Load;
+use crate::turning::{AT_ONCE, faded};
 
 /// Laws that turn the configuration itself: where they are assumed to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,17 +27,17 @@ pub(crate) struct OperatingPoint {
     pub(crate) links: Option<Vec<f64>>,
     /// beside which the columns of links are formed
     pub(crate) springs: Vec<Spring>,
-    /// speeds below which dry friction fades \[rad/s or m/s\]; 0 where it is sharp
-    pub(crate) fading: Vec<f64>,
+    /// how dry friction turns
+    pub(crate) turns: Vec<Turn>,
     /// of the effort channels: what the arm does beside the believed one is recorded with it as well
     pub(crate) gain: Vec<f64>,
 }
 
 impl OperatingPoint {
     pub(crate) fn of(joints: usize) -> Self {
-        let (offset, fading, gain) = (vec![0.0; joints], vec![0.0; joints], vec![1.0; joints]);
-        let springs = Vec::new();
-        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, fading, gain }
+        let (offset, gain) = (vec![0.0; joints], vec![1.0; joints]);
+        let (springs, turns) = (Vec::new(), vec![AT_ONCE; joints]);
+        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, turns, gain }
     }
 }
 
@@ -51,8 +51,8 @@ pub(crate) struct At<'a> {
     answered: Vec<Option<Vec<f64>>>,
     /// rigid effort and what is known of the rest, where there is some
     with_known: Vec<Option<Vec<f64>>>,
-    /// directions of joints whose friction fades
-    faded: Vec<Option<Vec<f64>>>,
+    /// directions of joints whose friction does not turn at once
+    turned: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
     pub(crate) delay_s: f64,
     /// of the effort channels
@@ -94,18 +94,21 @@ impl<'a> At<'a> {
         });
         let delay_s = point.delay_s;
         let (answered, with_known) = (Vec::new(), Vec::new());
-        let fades = |(j, speed): (usize, &f64)| {
-            (*speed > 0.0).then(|| {
+        let turned = |(j, turn): (usize, &Turn)| {
+            (*turn != AT_ONCE).then(|| {
                 let (sharp, velocity) = (&signals.direction[j], &signals.velocity[j]);
-                let mut direction = faded(sharp, velocity, *speed);
-                // where a joint rests, its friction is what holds it: no function of a speed
+                let mut direction = match turn {
+                    Turn::Speed(speed) => faded(sharp, velocity, *speed),
+                    Turn::Travel(_) => turn.directions(&position[j], velocity),
+                };
+                // where a joint rests, its friction is what holds it: no function of its motion
                 for rest in signals.rests_of(j) {
                     direction[rest.clone()].copy_from_slice(&sharp[rest]);
                 }
                 direction
             })
         };
-        let faded = point.fading.iter().enumerate().map(fades).collect();
+        let turned = point.turns.iter().enumerate().map(turned).collect();
         let mut at = Self {
             signals,
             arm,
@@ -113,7 +116,7 @@ impl<'a> At<'a> {
             rigid,
             answered,
             with_known,
-            faded,
+            turned,
             delay_s,
             gain: point.gain.clone(),
             angles,
@@ -211,7 +214,7 @@ impl<'a> At<'a> {
             position: &self.position[j],
             velocity: &self.signals.velocity[j],
             acceleration: &self.signals.held_acceleration[j],
-            direction: self.faded[j].as_ref().unwrap_or(&self.signals.direction[j]),
+            direction: self.turned[j].as_ref().unwrap_or(&self.signals.direction[j]),
             rigid_effort: self.answered(j),
         }
     }

@@ -15,15 +15,14 @@ use crate::search::{Answer, admissible_part, answer as answer_of};
 use crate::select::Selection;
 use crate::whitened::{Whitened, WrongBody};
 
-/// What predicts best with bends on the joints that show one, and the problem that has their groups behind its others;
-/// none where no joint does.
+/// What predicts best with bends on the joints that show one, and the problem that has their groups behind those of the
+/// selection; none where no joint does.
 pub(crate) fn with_bends(
     evidence: &Evidence<'_>,
     selection: &Selection,
-    problem: &Problem,
     best: &Predictor,
 ) -> Option<(Problem, Predictor)> {
-    let Predictor { answer, scale, instead } = best;
+    let Predictor { answer, scale } = best;
     let scale = *scale;
     let at = evidence.at(&selection.point);
     let push = |problem: &mut Problem, joint: usize| {
@@ -33,7 +32,7 @@ pub(crate) fn with_bends(
         beside(&problem.whitened(scale, &selection.wide), answer, bends)
     };
     let joints = {
-        let (mut small, set) = problem.restricted(&answer.set);
+        let (mut small, set) = selection.problem.restricted(&answer.set);
         let answer = answer_of(&small.whitened(scale, &selection.wide), set)?;
         let recorded: Vec<usize> =
             (0..evidence.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
@@ -41,10 +40,10 @@ pub(crate) fn with_bends(
             recorded.into_iter().filter_map(|joint| push(&mut small, joint)).collect();
         joints_that_bend(&small, &answer, &bends, (scale, &selection.wide))?
     };
-    let mut problem = problem.clone();
+    let mut problem = selection.problem.clone();
     let bends: Vec<usize> = joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
     let answer = of(&problem, answer, &bends)?;
-    Some((problem, Predictor { answer, scale, instead: instead.clone() }))
+    Some((problem, Predictor { answer, scale }))
 }
 
 /// Joints of bends that are shown beside an answer.
@@ -132,11 +131,11 @@ mod tests {
         let set = named.iter().flat_map(|slug| [of(slug, 0), of(slug, 1)]).collect();
         let viscous = of("viscous_friction", BENDS);
         let answer = answer_of(&problem.whitened(0.0, &[]), set).unwrap();
-        let best = Predictor { answer: answer.clone(), scale: 0.0, instead: Vec::new() };
+        let best = Predictor { answer: answer.clone(), scale: 0.0 };
         let (wide, doubtful) = (Vec::new(), Vec::new());
         let selection = Selection { problem, answer, scale: 0.0, wide, point, doubtful };
 
-        let (problem, bent) = with_bends(&evidence, &selection, &selection.problem, &best).unwrap();
+        let (problem, bent) = with_bends(&evidence, &selection, &best).unwrap();
         let bends: Vec<&Group> = bent
             .answer
             .set

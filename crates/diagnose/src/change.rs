@@ -9,6 +9,7 @@ use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose_beside, diagnose_from,
 use crate::model::DiagnosedModel;
 use crate::placebo::Placebo;
 use crate::signals::Signals;
+use crate::turning::AT_ONCE;
 
 /// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
 /// beyond the believed model is learned first and is no finding. The models of the diagnosis have it as well.
@@ -129,8 +130,11 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     // low-passes that efforts without what is known ask for would blur what is put back
     learned.rigid_cutoff_hz = earlier.rigid_cutoff_hz;
     learned.output_cutoff_hz.clone_from(&earlier.output_cutoff_hz);
-    for (now, then) in learned.fading_speed.iter_mut().zip(&earlier.fading_speed) {
-        *now = now.max(*then);
+    for (joint, turn) in earlier.turns().into_iter().enumerate() {
+        if learned.turns()[joint] == AT_ONCE {
+            learned.fading_speed[joint] = turn.speed();
+            learned.turning_travel[joint] = turn.travel();
+        }
     }
     for (now, then) in learned.encoder_offset.iter_mut().zip(&earlier.encoder_offset) {
         *now += then;

@@ -14,7 +14,6 @@ use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, admissible_part, answer};
-use crate::travel::replaced;
 use crate::whitened::{Whitened, WrongBody};
 
 /// Stretches that each recording is cut into.
@@ -165,8 +164,6 @@ pub(crate) fn with_changes(metric: &Whitened<'_>, mut of: Answer) -> Answer {
 pub(crate) struct Predictor {
     pub(crate) answer: Answer,
     pub(crate) scale: f64,
-    /// groups of the selection, and what stands in their places
-    pub(crate) instead: Vec<(usize, usize)>,
 }
 
 impl Predictor {
@@ -179,15 +176,13 @@ impl Predictor {
         other: &Answer,
     ) -> Option<Answer> {
         let groups = &metric.problem.groups;
-        let mut set: Vec<usize> = other.set.iter().map(|g| replaced(&self.instead, *g)).collect();
+        let mut set = other.set.clone();
         let lacking: Vec<usize> =
             named.set.iter().copied().filter(|g| !other.set.contains(g)).collect();
         let stands_alone = |g: &usize| {
             is_bend(groups[*g].slug()) && lacking.iter().any(|l| groups[*l].site == groups[*g].site)
         };
-        let in_a_place =
-            |g: &usize| self.instead.iter().any(|(of, by)| by == g && named.set.contains(of));
-        let beside = self.answer.set.iter().filter(|g| !named.set.contains(g) && !in_a_place(g));
+        let beside = self.answer.set.iter().filter(|g| !named.set.contains(g));
         for &g in beside.filter(|g| !stands_alone(g)) {
             if set.iter().all(|o| *o != g && !groups[*o].excludes(&groups[g])) {
                 set.push(g);
@@ -275,11 +270,11 @@ pub(crate) fn predictor(metric: &Whitened<'_>, named: &Answer) -> Predictor {
             .as_ref()
             .is_none_or(|(_, before)| in_standard_errors(&gains(before, &found.1, None)) > 1.0);
         if better {
-            best = Some((Predictor { answer: found.0, scale, instead: Vec::new() }, found.1));
+            best = Some((Predictor { answer: found.0, scale }, found.1));
         }
     }
     best.map_or_else(
-        || Predictor { answer: named.clone(), scale: metric.scale, instead: Vec::new() },
+        || Predictor { answer: named.clone(), scale: metric.scale },
         |(predictor, _)| predictor,
     )
 }

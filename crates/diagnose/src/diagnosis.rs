@@ -29,7 +29,6 @@ use crate::search::Answer;
 use crate::seen::Seen;
 use crate::select::{Selection, select};
 use crate::signals::Signals;
-use crate::travel::with_travels;
 use crate::whitened::WrongBody;
 
 /// Root mean square errors of the raw recorded effort, by joint.
@@ -176,7 +175,7 @@ pub(crate) fn diagnose_from(
     let beyond_reference = evidence.seek_change(changed_from);
     let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.answer);
-    let selected = Selected { evidence, selection, best, described: None, narrowed_to_hz };
+    let selected = Selected { evidence, selection, best, bent: None, narrowed_to_hz };
     Ok(Diagnosis { beyond_reference, ..selected.told(model, &names)? })
 }
 
@@ -189,8 +188,8 @@ struct Selected<'a> {
     evidence: Evidence<'a>,
     selection: Selection,
     best: Predictor,
-    /// with friction that builds up over a travel, or bends over the speed, where joints show that
-    described: Option<(Problem, Predictor)>,
+    /// with friction that bends over the speed, where joints show that
+    bent: Option<(Problem, Predictor)>,
     narrowed_to_hz: Option<f64>,
 }
 
@@ -214,30 +213,25 @@ fn selected<'a>(
         && let Some(selection) = select(&mut evidence)
     {
         let best = predictor(&selection.metric(), &selection.answer);
-        return Ok(Selected::described_where_shown(evidence, selection, best, Some(NARROW_HZ)));
+        return Ok(Selected::bent_where_shown(evidence, selection, best, Some(NARROW_HZ)));
     }
-    Ok(Selected::described_where_shown(evidence, selection, best, None))
+    Ok(Selected::bent_where_shown(evidence, selection, best, None))
 }
 
 impl<'a> Selected<'a> {
-    fn described_where_shown(
+    fn bent_where_shown(
         evidence: Evidence<'a>,
         selection: Selection,
         best: Predictor,
         narrowed_to_hz: Option<f64>,
     ) -> Self {
-        let travelled = with_travels(&evidence, &selection, &best);
-        let (problem, predictor) = match &travelled {
-            Some((problem, predictor)) => (problem, predictor),
-            None => (&selection.problem, &best),
-        };
-        let described = with_bends(&evidence, &selection, problem, predictor).or(travelled);
-        Self { evidence, selection, best, described, narrowed_to_hz }
+        let bent = with_bends(&evidence, &selection, &best);
+        Self { evidence, selection, best, bent, narrowed_to_hz }
     }
 
     /// What the model is made of.
     fn predicting(&self) -> (&Problem, &Predictor) {
-        match &self.described {
+        match &self.bent {
             Some((problem, predictor)) => (problem, predictor),
             None => (&self.selection.problem, &self.best),
         }

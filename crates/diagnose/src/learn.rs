@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, effect};
+use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
 use armident_ident::ArmModel;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
@@ -17,6 +17,7 @@ use crate::sampled::low_pass;
 use crate::search::{Answer, answer};
 use crate::select::moves;
 use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
+use crate::turning::AT_ONCE;
 use crate::whitened::Whitened;
 
 /// Cut-offs tried for the output of a joint \[Hz\].
@@ -148,18 +149,17 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
     found.learned.tilt_rad = point.tilt;
     found.learned.encoder_offset = point.offset;
     found.learned.delay_s = point.delay_s;
-    found.learned.fading_speed = point.fading;
     let has_dry_friction = |name: &String| {
         found.arm.effects.iter().any(|on| {
             let law = effect(&on.effect).map(|law| law.law());
             on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
         })
     };
-    for (name, speed) in evidence.names.iter().zip(&mut found.learned.fading_speed) {
-        if !has_dry_friction(name) {
-            *speed = 0.0;
-        }
-    }
+    let turns = evidence.names.iter().zip(point.turns);
+    let turns: Vec<Turn> =
+        turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { AT_ONCE }).collect();
+    found.learned.fading_speed = turns.iter().map(|turn| turn.speed()).collect();
+    found.learned.turning_travel = turns.iter().map(|turn| turn.travel()).collect();
     found.learned.gain.clone_from(gain);
     found.arm.prior_links = Some(evidence.chain.joints.iter().map(|j| j.link).collect());
     (found, distance_in_standard_errors)

@@ -1,6 +1,6 @@
 //! What a diagnosis adds to the model of an arm, as a model file holds it.
 
-use armident_effects::{EffectOnJoint, Scope, UnknownEffect};
+use armident_effects::{EffectOnJoint, Scope, Turn, UnknownEffect};
 use serde::{Deserialize, Serialize};
 
 use crate::flexible::FlexibleTerm;
@@ -37,6 +37,10 @@ pub struct Learned {
     /// have none.
     #[serde(default)]
     pub fading_speed: Vec<f64>,
+    /// Travel of each joint since its last reversal over which its dry friction builds up \[rad or m\]; 0 where it turns
+    /// with the speed. Older files have none.
+    #[serde(default)]
+    pub turning_travel: Vec<f64>,
 }
 
 /// Why the section `learned` of a model file cannot be used.
@@ -68,7 +72,14 @@ impl Learned {
             rigid_cutoff_hz: RIGID_HZ,
             output_cutoff_hz: vec![None; joints],
             fading_speed: vec![0.0; joints],
+            turning_travel: vec![0.0; joints],
         }
+    }
+
+    /// How dry friction of each joint turns.
+    pub fn turns(&self) -> Vec<Turn> {
+        let pairs = self.fading_speed.iter().zip(&self.turning_travel);
+        pairs.map(|(speed, travel)| Turn::of(*speed, *travel)).collect()
     }
 
     /// What a model file holds beyond an arm with these joints; none in the file of a plain identification.
@@ -79,8 +90,10 @@ impl Learned {
         let document: serde_json::Value = serde_json::from_str(text)?;
         let Some(section) = document.get("learned") else { return Ok(None) };
         let mut learned: Self = serde_json::from_value(section.clone())?;
-        if learned.fading_speed.is_empty() {
-            learned.fading_speed = vec![0.0; joints.len()];
+        for list in [&mut learned.fading_speed, &mut learned.turning_travel] {
+            if list.is_empty() {
+                *list = vec![0.0; joints.len()];
+            }
         }
         learned.fits(joints)?;
         Ok(Some(learned))
@@ -93,6 +106,7 @@ impl Learned {
             ("gain", self.gain.len()),
             ("output_cutoff_hz", self.output_cutoff_hz.len()),
             ("fading_speed", self.fading_speed.len()),
+            ("turning_travel", self.turning_travel.len()),
         ];
         for (list, found) in of_joints {
             if found != joints.len() {
@@ -115,6 +129,7 @@ impl Learned {
         finite("delay_s", &[self.delay_s], any)?;
         finite("gain", &self.gain, any)?;
         finite("fading_speed", &self.fading_speed, 0.0)?;
+        finite("turning_travel", &self.turning_travel, 0.0)?;
         finite("rigid_cutoff_hz", &[self.rigid_cutoff_hz], f64::MIN_POSITIVE)?;
         let cutoffs: Vec<f64> = self.output_cutoff_hz.iter().copied().flatten().collect();
         finite("output_cutoff_hz", &cutoffs, f64::MIN_POSITIVE)?;
@@ -179,6 +194,7 @@ mod tests {
         assert!(said("delay_s", json!(0.01)).unwrap().is_some());
         // files from before friction could fade
         assert_eq!(said("fading_speed", json!([])).unwrap().unwrap().fading_speed, [0.0; 2]);
+        assert_eq!(said("turning_travel", json!([])).unwrap().unwrap().turning_travel, [0.0; 2]);
         let hat =
             json!({ "joint": "elbow", "quantity": "position", "range": [0.0, 1.0], "knots": 3 });
         let structure = |joint: &str, axis: &Value, coefficients: &[f64]| {

@@ -50,7 +50,6 @@ mod contact;
 mod crossval;
 mod diagnosis;
 mod evidence;
-mod fading;
 mod findings;
 mod flexible;
 mod hidden;
@@ -80,7 +79,7 @@ mod signals;
 mod sprung;
 mod stops;
 mod transmission;
-mod travel;
+mod turning;
 mod whitened;
 mod without;
 

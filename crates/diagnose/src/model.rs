@@ -1,7 +1,7 @@
 //! What was learned, in a form that predicts.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{EffectOnJoint, Scope, effect, joined_where_inadmissible, tilted};
+use armident_effects::{EffectOnJoint, Scope, Turn, effect, joined_where_inadmissible, tilted};
 use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
@@ -77,7 +77,7 @@ impl DiagnosedModel {
             // those of the chain already
             links: None,
             springs: Vec::new(),
-            fading: self.learned.fading_speed.clone(),
+            turns: self.learned.turns(),
             gain: self.learned.gain.clone(),
         }
     }
@@ -207,9 +207,15 @@ impl DiagnosedModel {
         if self.learned.delay_s != 0.0 {
             lost.push(format!("the lag of the efforts, {:.4} s", self.learned.delay_s));
         }
-        for (name, speed) in names.iter().zip(&self.learned.fading_speed) {
-            if *speed > 0.0 {
-                lost.push(format!("dry friction of {name} fading below {speed:.3} /s"));
+        for (name, turn) in names.iter().zip(self.learned.turns()) {
+            match turn {
+                Turn::Speed(speed) if speed > 0.0 => {
+                    lost.push(format!("dry friction of {name} fading below {speed:.3} /s"));
+                }
+                Turn::Travel(travel) => {
+                    lost.push(format!("dry friction of {name} building up over {travel:.5}"));
+                }
+                Turn::Speed(_) => {}
             }
         }
         for term in &self.learned.flexible {

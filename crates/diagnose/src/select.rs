@@ -8,7 +8,6 @@ use crate::certain::{Doubt, certain};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
 use crate::evidence::Evidence;
-use crate::fading::with_fading;
 use crate::hidden::with_hidden_motion;
 use crate::learn::View;
 use crate::material::{held, prune};
@@ -19,6 +18,7 @@ use crate::ripple::RippleColumns;
 use crate::scales::{Best, ChosenBy, Memory, best_of_scales};
 use crate::search::{Answer, answer};
 use crate::sprung::{Spring, Step, springs, stride};
+use crate::turning::with_turns;
 use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
 
 /// Logarithm of the ratio of two misfits that are the same.
@@ -115,7 +115,7 @@ pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
             None => owner.rows = rows,
         }
     }
-    Some(with_fading(owner, &found).unwrap_or(found))
+    Some(with_turns(owner, &found).unwrap_or(found))
 }
 
 /// Weighs rows and joints by what the believed arm leaves over, before anything is known. None where what is before a
@@ -332,7 +332,7 @@ pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) ->
     let mut point = OperatingPoint::of(from.offset.len());
     point.links.clone_from(&from.links);
     point.springs.clone_from(&from.springs);
-    point.fading.clone_from(&from.fading);
+    point.turns.clone_from(&from.turns);
     for &g in &found.set {
         let group = &problem.groups[g];
         let coefficients = found.fit.of_group(group);

@@ -50,7 +50,7 @@ mod viscous_friction;
 pub use asymmetric_coulomb_friction::AsymmetricCoulombFriction;
 pub use backlash::Backlash;
 pub use coulomb_friction::CoulombFriction;
-pub use direction::{LEAST_SPEED_SHARE, direction, directions, directions_with};
+pub use direction::{LEAST_SPEED_SHARE, Turn, direction, directions, directions_with};
 pub use encoder_offset::EncoderOffset;
 pub use external_contact::ExternalContact;
 pub use friction_drift::FrictionDrift;

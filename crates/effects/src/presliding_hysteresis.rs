@@ -1,5 +1,6 @@
 //! Friction that builds up over the travel since the last reversal (Dahl; LuGre with bristle damping).
 
+use crate::direction::{deflected, deflections};
 use crate::law::{
     Effect, Export, JointMotion, Law, LookAlike, MotionScale, Parameter, Place, Scope,
 };
@@ -45,15 +46,7 @@ impl Effect for PreslidingHysteresis {
     /// The bristle deflection over its saturation: exact while the joint does not turn back between two
     /// samples.
     fn columns(&self, shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
-        let mut z = 0.0;
-        let mut before = motion.position.first().copied().unwrap_or_default();
-        let deflection = motion.position.iter().map(|&q| {
-            let travel = (q - before) / shape[0];
-            before = q;
-            z = deflected(z, travel);
-            z
-        });
-        vec![deflection.collect()]
+        vec![deflections(motion.position, shape[0])]
     }
 
     fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
@@ -77,16 +70,6 @@ impl Effect for PreslidingHysteresis {
         let [level, _, damping] = [parameters[0], parameters[1], parameters[2]];
         level * deflection + damping * (velocity - velocity.abs() * deflection)
     }
-}
-
-/// Solution of `dz/dx = 1 - z sign(dx)` after a one-way travel `x`, both over the saturation
-/// deflection `Fc / s0`: the speed drops out of the law, so this is exact for any speed.
-fn deflected(deflection: f64, travel: f64) -> f64 {
-    if travel == 0.0 {
-        return deflection;
-    }
-    let side = travel.signum();
-    side + (deflection - side) * (-travel.abs()).exp()
 }
 
 /// Travels `Fc / s0` to try, as shares of the standard deviation of the position.

@@ -13,7 +13,7 @@
 use armident_dynamics::RigidArm;
 use armident_effects::{
     Admissible, EVERYDAY, Effect, EffectOnJoint, JointMotion, Parameter, SublinearViscousFriction,
-    directions_with,
+    Turn, directions_with,
 };
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
@@ -129,9 +129,8 @@ pub struct BatchProblem<'a> {
     pub(crate) by_joint: Vec<Vec<usize>>,
     /// Loads with unknowns.
     pub(crate) loads: Vec<KnownLoad>,
-    /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\]; none: a
-    /// share of the RMS speed of the motion at hand.
-    pub speed_resolution: Option<Vec<f64>>,
+    /// How each joint's dry friction turns; none: below a share of the RMS speed of the motion at hand.
+    pub turns: Option<Vec<Turn>>,
     /// Joints whose columns leave small efforts out ([`unreported`](crate::unreported)).
     pub(crate) unreported: Vec<bool>,
 }
@@ -274,7 +273,7 @@ impl<'a> BatchProblem<'a> {
             merged,
             by_joint,
             loads: Vec::new(),
-            speed_resolution: None,
+            turns: None,
             unreported: vec![false; n],
         }
     }

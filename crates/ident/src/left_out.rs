@@ -1,13 +1,13 @@
 //! Choices made by the training recordings: what explains stretches of time that were not fitted.
 //!
 //! The recordings are cut into five stretches; each is predicted by a fit to the other four. That decides
-//! how fast the direction of motion of each joint is resolved, which neighbours share a transmission, and whose friction
+//! how dry friction of each joint turns, which neighbours share a transmission, and whose friction
 //! bends over the speed.
 //! Errors of a model on motions it was fitted to would decide for whatever has more to fit with. How far the
 //! robot description is believed is asked of all stretches together
 //! (`BatchProblem::doubt_of_links`).
 
-use armident_effects::Place;
+use armident_effects::{Place, Turn};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::Motion;
 
@@ -21,7 +21,7 @@ const FOLDS: usize = 5;
 /// Another choice must be better by this many standard errors, from the stretches.
 const LEAST_GAIN_IN_ERRORS: f64 = 2.0;
 
-/// What the recordings are asked for beside speed resolutions and the doubt of the description.
+/// What the recordings are asked for beside how dry friction turns and the doubt of the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sought {
     /// Transmissions that neighbours share.
@@ -49,7 +49,7 @@ pub struct Chosen {
 }
 
 impl BatchProblem<'_> {
-    /// Chooses each joint's speed resolution and, where sought, the transmissions that neighbours share and the joints whose
+    /// Chooses how each joint's dry friction turns and, where sought, the transmissions that neighbours share and the joints whose
     /// friction bends, which become unknowns of this problem; and how far the description is believed, where the settings
     /// believe it at all. Costs one accumulation with some columns more.
     ///
@@ -68,21 +68,21 @@ impl BatchProblem<'_> {
         let candidates = if sought.couplings { self.possible_couplings() } else { Vec::new() };
         let bends = if sought.bends { self.possible_bends() } else { Vec::new() };
         let all = self.with_couplings(&candidates).with_bends(&bends);
-        let resolutions = Resolutions::of(motions);
-        self.speed_resolution = resolutions.usual();
-        let rows = all.with_all_directions(motions, &resolutions);
+        let turns = Turns::of(motions);
+        self.turns = turns.usual();
+        let rows = all.with_all_directions(motions, &turns);
         if !has_folds(&rows) {
             return Ok(chosen);
         }
         let mut with = self.clone();
-        let mut resolved = all.resolved(&rows, &with, &resolutions, settings)?;
+        let mut resolved = all.resolved(&rows, &with, &turns, settings)?;
         if sought.couplings {
             chosen.couplings = self.couplings_shown(&all, &resolved.rows, settings)?;
         }
         if !chosen.couplings.is_empty() {
             let found: Vec<_> = chosen.couplings.iter().map(|f| f.coupling).collect();
             with = self.with_couplings(&found);
-            resolved = all.resolved(&rows, &with, &resolutions, settings)?;
+            resolved = all.resolved(&rows, &with, &turns, settings)?;
         }
         if sought.bends {
             chosen.bends = with.bends_shown(&all, &resolved.rows, settings)?;
@@ -90,42 +90,42 @@ impl BatchProblem<'_> {
         if !chosen.bends.is_empty() {
             let found: Vec<usize> = chosen.bends.iter().map(|f| f.joint).collect();
             with = with.with_bends(&found);
-            resolved = all.resolved(&rows, &with, &resolutions, settings)?;
+            resolved = all.resolved(&rows, &with, &turns, settings)?;
         }
         if settings.link_prior.is_some() {
             let rows = rows_of(&resolved.rows, &all, &with);
             let link_prior = with.doubt_of_links(&rows, settings)?;
             chosen.settings = BatchSettings { link_prior, ..*settings };
         }
-        with.speed_resolution = resolved.resolution;
+        with.turns = resolved.turns;
         *self = with;
         Ok(chosen)
     }
 
-    /// Chooses each joint's speed resolution alone.
+    /// Chooses how each joint's dry friction turns alone.
     ///
     /// # Errors
     /// [`NumericError`] when a number is not finite.
     ///
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
-    pub fn choose_speed_resolution(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
-        let resolutions = Resolutions::of(motions);
-        self.speed_resolution = resolutions.usual();
-        let rows = self.with_all_directions(motions, &resolutions);
-        if has_folds(&rows) && resolutions.shares.len() > 1 {
+    pub fn choose_turns(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
+        let turns = Turns::of(motions);
+        self.turns = turns.usual();
+        let rows = self.with_all_directions(motions, &turns);
+        if has_folds(&rows) && turns.tried.len() > 1 {
             let settings = BatchSettings::default();
-            let resolved = self.resolved(&rows, self, &resolutions, &settings)?;
-            self.speed_resolution = resolved.resolution;
+            let resolved = self.resolved(&rows, self, &turns, &settings)?;
+            self.turns = resolved.turns;
         }
         Ok(())
     }
 
-    /// Rows with the usual resolution, and behind their columns the directions of the others.
-    fn with_all_directions(&self, motions: &[&Motion], resolutions: &Resolutions) -> JointRows {
+    /// Rows with the usual turn, and behind their columns the directions of the others.
+    fn with_all_directions(&self, motions: &[&Motion], turns: &Turns) -> JointRows {
         let mut usual = self.clone();
-        usual.speed_resolution = resolutions.usual();
-        let others = resolutions.shares.get(1..).unwrap_or_default();
+        usual.turns = turns.usual();
+        let others = turns.tried.get(1..).unwrap_or_default();
         let moved = usual.arm_motions(motions);
         usual.accumulate_with(
             motions,
@@ -133,22 +133,21 @@ impl BatchProblem<'_> {
                 let jumping = usual.jumping_columns(joint, motions[index]);
                 let mut columns =
                     usual.columns_beside(joint, motions[index], &moved[index], &jumping);
-                let rms = resolutions.rms_speed[joint];
-                let at: Vec<f64> = others.iter().map(|share| share * rms).collect();
-                columns.extend(usual.direction_columns(joint, motions[index], &at));
+                let others: Vec<Turn> = others.iter().map(|of| turns.on(joint, *of)).collect();
+                columns.extend(usual.direction_columns(joint, motions[index], &others));
                 (columns, effort.to_vec())
             },
             |joint| usual.by_joint[joint].len() + others.len(),
         )
     }
 
-    /// From rows with the directions of all resolutions behind the columns of this problem: the
-    /// resolutions with which `wanted` predicts best, and the rows that have them.
+    /// From rows with the directions of all turns behind the columns of this problem: the
+    /// turns with which `wanted` predicts best, and the rows that have them.
     fn resolved(
         &self,
         rows: &JointRows,
         wanted: &BatchProblem<'_>,
-        resolutions: &Resolutions,
+        turns: &Turns,
         settings: &BatchSettings,
     ) -> Result<Resolved, NumericError> {
         let n = self.by_joint.len();
@@ -172,7 +171,7 @@ impl BatchProblem<'_> {
         };
         let mut best = vec![(0.0, 0_usize); n];
         let mut before: Option<Vec<Vec<f64>>> = None;
-        for which in 0..resolutions.shares.len() {
+        for which in 0..turns.tried.len() {
             let rows = rows_of(&with(&vec![which; n]), self, wanted);
             let errors = errors_left_out(wanted, &rows, settings)?;
             let Some(before) = &before else {
@@ -187,50 +186,68 @@ impl BatchProblem<'_> {
             }
         }
         let which: Vec<usize> = best.into_iter().map(|(_, which)| which).collect();
-        let chosen = |(&which, rms): (&usize, &f64)| resolutions.shares[which] * rms;
-        let resolution = (!resolutions.shares.is_empty())
-            .then(|| which.iter().zip(&resolutions.rms_speed).map(chosen).collect());
-        Ok(Resolved { resolution, rows: with(&which) })
+        let chosen = |(joint, &which): (usize, &usize)| turns.on(joint, turns.tried[which]);
+        let found =
+            (!turns.tried.is_empty()).then(|| which.iter().enumerate().map(chosen).collect());
+        Ok(Resolved { turns: found, rows: with(&which) })
     }
 }
 
 struct Resolved {
-    resolution: Option<Vec<f64>>,
+    turns: Option<Vec<Turn>>,
     rows: JointRows,
 }
 
-/// Speed resolutions that are tried, as shares of a joint's RMS speed; below it the direction fades to
-/// zero. The usual one comes first.
+/// Ways in which dry friction may turn, the usual one first: below a share of a joint's RMS speed, or over a share of the
+/// standard deviation of its position.
 ///
-/// Dry friction of a stiff drive jumps at a reversal: the smallest share only keeps the noise of the
+/// Dry friction of a stiff drive jumps at a reversal: the smallest share of the speed only keeps the noise of the
 /// velocity out. A drive train that winds up first reverses its friction over some hundredths of the
-/// working speed; a column that jumps there puts the difference into viscous friction and inertia.
-/// Which of the two a joint has, its own recording says.
-struct Resolutions {
-    /// none where velocities are exact
-    shares: Vec<f64>,
+/// working speed or some thousandths of a radian; a column that jumps there puts the difference into viscous friction and
+/// inertia. Which of them a joint has, its own recording says.
+struct Turns {
+    /// shares; none where velocities are exact
+    tried: Vec<Turn>,
     rms_speed: Vec<f64>,
+    deviation: Vec<f64>,
 }
 
-impl Resolutions {
+impl Turns {
     fn of(motions: &[&Motion]) -> Self {
         let joints = motions.first().map_or(0, |m| m.velocity.len());
-        let rms_speed = (0..joints)
-            .map(|joint| {
-                let squares: f64 =
-                    motions.iter().flat_map(|m| &m.velocity[joint]).map(|v| v * v).sum();
-                let count: usize = motions.iter().map(|m| m.len()).sum();
-                (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
-            })
-            .collect();
+        let root_mean_square = |of: &dyn Fn(&Motion) -> &Vec<f64>, about: f64| {
+            let squares: f64 =
+                motions.iter().flat_map(|m| of(m)).map(|x| (x - about).powi(2)).sum();
+            let count: usize = motions.iter().map(|m| m.len()).sum();
+            (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
+        };
+        let rms_speed = |joint: usize| root_mean_square(&|m| &m.velocity[joint], 0.0);
+        let deviation = |joint: usize| {
+            let all = || motions.iter().flat_map(|m| &m.position[joint]);
+            let mean = all().sum::<f64>() / all().count() as f64;
+            root_mean_square(&|m| &m.position[joint], mean)
+        };
         let exact = motions.iter().all(|m| m.filter.is_none());
-        let shares = if exact { &[][..] } else { &[DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1, 0.2, 0.3] };
-        Self { shares: shares.to_vec(), rms_speed }
+        let speeds = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1, 0.2, 0.3].map(Turn::Speed);
+        let all = speeds.into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel));
+        Self {
+            tried: if exact { Vec::new() } else { all.collect() },
+            rms_speed: (0..joints).map(rms_speed).collect(),
+            deviation: (0..joints).map(deviation).collect(),
+        }
     }
 
-    fn usual(&self) -> Option<Vec<f64>> {
-        let usual = self.shares.first()?;
-        Some(self.rms_speed.iter().map(|rms| usual * rms).collect())
+    /// A share as it is on a joint.
+    fn on(&self, joint: usize, share: Turn) -> Turn {
+        match share {
+            Turn::Speed(share) => Turn::Speed(share * self.rms_speed[joint]),
+            Turn::Travel(share) => Turn::Travel(share * self.deviation[joint]),
+        }
+    }
+
+    fn usual(&self) -> Option<Vec<Turn>> {
+        let usual = *self.tried.first()?;
+        Some((0..self.rms_speed.len()).map(|joint| self.on(joint, usual)).collect())
     }
 }
 

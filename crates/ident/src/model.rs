@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
-use armident_effects::{EffectOnJoint, UnknownEffect};
+use armident_effects::{EffectOnJoint, Turn, UnknownEffect};
 use armident_kinematics::{
     AxisPair, DrivingAxisChain, DrivingAxisFrame, DrivingAxisJoint, InertialParameters, JointKind,
     JointLimits,
@@ -35,8 +35,8 @@ pub struct ArmModel {
     /// Whether the model was fitted with recorded velocities in the place of differentiated positions;
     /// predictions use them too where a motion has them.
     pub recorded_velocities: bool,
-    /// Speed under which each joint's direction of motion fades to zero \[rad/s or m/s\].
-    pub speed_resolution: Option<Vec<f64>>,
+    /// How each joint's dry friction turns.
+    pub turns: Option<Vec<Turn>>,
     /// Noise level of each joint's effort in the fit \[N m or N\], after the low-pass of `cutoff_hz` or, without one,
     /// as recorded; none for a URDF.
     pub effort_noise: Option<Vec<f64>>,
@@ -87,7 +87,7 @@ impl ArmModel {
             effects: Vec::new(),
             cutoff_hz: None,
             recorded_velocities: false,
-            speed_resolution: None,
+            turns: None,
             effort_noise: None,
             shown: None,
             prior_links: None,
@@ -182,10 +182,10 @@ impl ArmModel {
                 }
                 continue;
             }
-            let resolution = self.speed_resolution.as_ref().map(|r| r[joint]);
+            let turn = self.turns.as_ref().map(|turns| turns[joint]);
             let (shape, coefficients) = effect.shape_and_coefficients(&on_joint.parameters);
             let kind = self.chain.joints[joint].kind;
-            let columns = effect_columns(effect, &shape, kind, joint, motion, resolution);
+            let columns = effect_columns(effect, &shape, kind, joint, motion, turn);
             for (column, parameter) in columns.iter().zip(&coefficients) {
                 for (e, x) in effort[joint].iter_mut().zip(column) {
                     *e += parameter * x;
@@ -264,8 +264,12 @@ struct ModelFile {
     cutoff_hz: Option<f64>,
     #[serde(default)]
     recorded_velocities: bool,
+    /// speeds below which dry friction turns, 0 where it turns over a travel
     #[serde(default)]
     speed_resolution: Option<Vec<f64>>,
+    /// travels over which it turns, 0 where it turns with the speed
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    turning_travel: Option<Vec<f64>>,
     #[serde(default)]
     effort_noise: Option<Vec<f64>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -329,6 +333,9 @@ impl From<&ArmModel> for ModelFile {
     fn from(model: &ArmModel) -> Self {
         let chain = &model.chain;
         let vector = |v: &Vector3<f64>| [v.x, v.y, v.z];
+        let of_turns = |of: fn(Turn) -> f64| -> Option<Vec<f64>> {
+            model.turns.as_ref().map(|turns| turns.iter().map(|turn| of(*turn)).collect())
+        };
         Self {
             schema: MODEL_SCHEMA.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -364,7 +371,8 @@ impl From<&ArmModel> for ModelFile {
             effects: model.effects.clone(),
             cutoff_hz: model.cutoff_hz,
             recorded_velocities: model.recorded_velocities,
-            speed_resolution: model.speed_resolution.clone(),
+            speed_resolution: of_turns(Turn::speed),
+            turning_travel: of_turns(Turn::travel).filter(|all| all.iter().any(|x| *x > 0.0)),
             effort_noise: model.effort_noise.clone(),
             shown: model.shown.clone(),
             prior_links: model
@@ -449,11 +457,19 @@ impl ModelFile {
                     .to_owned(),
             );
         }
-        if !links_fit || !sizes_fit(&self.effort_noise) || !sizes_fit(&self.speed_resolution) {
+        if !links_fit
+            || !sizes_fit(&self.effort_noise)
+            || !sizes_fit(&self.speed_resolution)
+            || !sizes_fit(&self.turning_travel)
+        {
             return bad(
-                "prior_links, effort_noise and speed_resolution must have one finite entry per joint".to_owned()
+                "prior_links, effort_noise, speed_resolution and turning_travel must have one finite entry per joint".to_owned()
             );
         }
+        let travels = self.turning_travel.unwrap_or_else(|| vec![0.0; count]);
+        let turns = self.speed_resolution.map(|speeds| {
+            speeds.iter().zip(&travels).map(|(speed, travel)| Turn::of(*speed, *travel)).collect()
+        });
         let axis_pairs = self
             .axis_pairs
             .iter()
@@ -502,7 +518,7 @@ impl ModelFile {
             effects: self.effects,
             cutoff_hz: self.cutoff_hz,
             recorded_velocities: self.recorded_velocities,
-            speed_resolution: self.speed_resolution,
+            turns,
             effort_noise: self.effort_noise,
             shown: self.shown,
             prior_links: self

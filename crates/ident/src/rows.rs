@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use armident_dynamics::ArmMotion;
-use armident_effects::{EVERYDAY, Effect, JointMotion, Place, directions_with};
+use armident_effects::{EVERYDAY, Effect, JointMotion, Place, Turn};
 use armident_kinematics::JointKind;
 use armident_numeric::AccumulatedQr;
 use armident_recording::Motion;
@@ -324,7 +324,7 @@ impl BatchProblem<'_> {
         motion: &Motion,
         wanted: impl Fn(&dyn Effect) -> bool,
     ) -> Vec<TermColumn> {
-        let resolution = self.resolution(joint);
+        let turn = self.turn(joint);
         let kind = self.arm().joints[joint].kind;
         let mut of_effect: Vec<Option<Vec<Vec<f64>>>> = vec![None; LAWS.len()];
         let mut columns = Vec::new();
@@ -332,32 +332,32 @@ impl BatchProblem<'_> {
             let Term::Effect { effect, parameter, .. } = self.terms[k] else { continue };
             let law = LAWS[effect];
             if wanted(law) {
-                let formed = of_effect[effect].get_or_insert_with(|| {
-                    effect_columns(law, &[], kind, joint, motion, resolution)
-                });
+                let formed = of_effect[effect]
+                    .get_or_insert_with(|| effect_columns(law, &[], kind, joint, motion, turn));
                 columns.push((k, formed[parameter].clone()));
             }
         }
         columns
     }
 
-    fn resolution(&self, joint: usize) -> Option<f64> {
-        self.speed_resolution.as_ref().map(|r| r[joint])
+    fn turn(&self, joint: usize) -> Option<Turn> {
+        self.turns.as_ref().map(|turns| turns[joint])
     }
 
-    /// Columns of the direction of motion of a joint at other speed resolutions, as [`Self::columns`] has
-    /// it.
+    /// Columns of dry friction of a joint that turns in other ways, as [`Self::columns`] has it.
     pub(crate) fn direction_columns(
         &self,
         joint: usize,
         motion: &Motion,
-        resolutions: &[f64],
+        turns: &[Turn],
     ) -> Vec<Vec<f64>> {
         let kind = self.arm().joints[joint].kind;
         let Some(law) = EVERYDAY.iter().find(|law| jumps(**law)) else { return Vec::new() };
-        let formed = resolutions
+        let formed = turns
             .iter()
-            .filter_map(|&at| effect_columns(*law, &[], kind, joint, motion.fine(), Some(at)).pop())
+            .filter_map(|&turn| {
+                effect_columns(*law, &[], kind, joint, motion.fine(), Some(turn)).pop()
+            })
             .collect();
         motion.filtered_fine(formed)
     }
@@ -412,19 +412,19 @@ pub(crate) fn effect_columns(
     kind: JointKind,
     joint: usize,
     motion: &Motion,
-    speed_resolution: Option<f64>,
+    turn: Option<Turn>,
 ) -> Vec<Vec<f64>> {
     let velocity = &motion.velocity[joint];
-    let speed_resolution = match (speed_resolution, &motion.filter) {
+    let turn = match (turn, &motion.filter) {
         // without a low-pass velocities are exact: so is their sign
-        (_, None) => 0.0,
+        (Some(Turn::Speed(_)) | None, None) => Turn::Speed(0.0),
         (Some(given), _) => given,
         (None, _) => {
             let squares: f64 = velocity.iter().map(|v| v * v).sum();
-            DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt()
+            Turn::Speed(DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt())
         }
     };
-    let direction = directions_with(velocity, speed_resolution.max(f64::MIN_POSITIVE));
+    let direction = turn.directions(&motion.position[joint], velocity);
     effect.columns(shape, &joint_motion(kind, joint, motion, &direction))
 }
 

@@ -69,6 +69,9 @@ pub struct DiagnoseReport {
     /// speeds below which dry friction fades \[rad/s or m/s\]
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     friction_fades_below: BTreeMap<String, f64>,
+    /// travels since a reversal over which dry friction builds up \[rad or m\]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    friction_builds_up_over: BTreeMap<String, f64>,
     /// coefficients of sub-linear viscous friction in the model \[N m (s/rad)^0.5 or N (s/m)^0.5\]
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     friction_bends: BTreeMap<String, f64>,
@@ -166,10 +169,8 @@ impl DiagnoseReport {
                 true => SmallTerm::of(chain, diagnosis),
                 false => Vec::new(),
             },
-            friction_fades_below: (diagnosis.joints.iter().cloned())
-                .zip(diagnosis.model.learned.fading_speed.iter().copied())
-                .filter(|(_, speed)| *speed > 0.0)
-                .collect(),
+            friction_fades_below: above_zero(diagnosis, &diagnosis.model.learned.fading_speed),
+            friction_builds_up_over: above_zero(diagnosis, &diagnosis.model.learned.turning_travel),
             friction_bends: diagnosis
                 .model
                 .friction_bends()
@@ -210,6 +211,7 @@ impl DiagnoseReport {
             narrowed_to_hz: None,
             small_terms: Vec::new(),
             friction_fades_below: BTreeMap::new(),
+            friction_builds_up_over: BTreeMap::new(),
             friction_bends: BTreeMap::new(),
             beyond_reference: BTreeMap::new(),
             doubtful_changes: Vec::new(),
@@ -367,6 +369,12 @@ impl DiagnoseReport {
             text.push_str(&format!(
                 "\ndry friction does not turn at once, it fades below (rad/s or m/s): {}\n",
                 by_joint_text(&self.friction_fades_below)
+            ));
+        }
+        if !self.friction_builds_up_over.is_empty() {
+            text.push_str(&format!(
+                "\ndry friction builds up over a travel since the last reversal (rad or m): {}\n",
+                by_joint_text(&self.friction_builds_up_over)
             ));
         }
         if !self.friction_bends.is_empty() {
@@ -674,6 +682,12 @@ fn titled(slug: &str, joints: &[String], link: Option<&String>) -> String {
 }
 
 /// Joints with their speeds.
+/// Those of some numbers, one a joint, that are not 0.
+fn above_zero(diagnosis: &Diagnosis, numbers: &[f64]) -> BTreeMap<String, f64> {
+    let pairs = diagnosis.joints.iter().cloned().zip(numbers.iter().copied());
+    pairs.filter(|(_, number)| *number > 0.0).collect()
+}
+
 fn by_joint_text(speeds: &BTreeMap<String, f64>) -> String {
     let of_joint =
         |(joint, speed): (&String, &f64)| format!("{joint} {}", significant(*speed, 2, 0.0));

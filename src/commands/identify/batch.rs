@@ -261,7 +261,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         warnings,
         notes,
     };
-    let speed_resolution = problem.speed_resolution.clone();
+    let turns = problem.turns.clone();
     let mut found = match &consistent {
         Some(consistent) => ArmModel {
             effects: problem.consistent_effects(consistent, &joints),
@@ -274,7 +274,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     };
     found.cutoff_hz = cutoff_hz;
     found.recorded_velocities = recorded_velocities;
-    found.speed_resolution = speed_resolution;
+    found.turns = turns;
     found.effort_noise = Some(effort_noise);
     found.shown = shown.iter().any(Option::is_some).then_some(shown);
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));
@@ -398,7 +398,7 @@ fn drive_gains(
         .map(Motion::thinned)
         .collect();
     let motions: Vec<&Motion> = motions.iter().collect();
-    problem.choose_speed_resolution(&motions)?;
+    problem.choose_turns(&motions)?;
     let gains = problem.drive_gains(&motions, &is_current, loads)?;
     let open: Vec<String> = (joints.iter().zip(&gains.joints))
         .filter(|(_, gain)| gain.is_some_and(|gain| !gain.is_determined()))

@@ -1,10 +1,10 @@
-//! How sharply dry friction turns: a drive train that winds up first reverses its friction over some hundredths, sometimes a
-//! fifth of the working speed, a stiff one at once.
+//! How dry friction turns: a drive train that winds up first reverses its friction over some hundredths, sometimes a
+//! third of the working speed, or over some thousandths of a radian, a stiff one at once.
 //!
-//! Names are found with sharp friction. What fades is tried afterwards, by stretches that were not fitted: it seldom
-//! decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
+//! Names are found with friction that turns at once. How it turns is tried afterwards, by stretches that were not fitted: it
+//! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
 
-use armident_effects::{LIBRARY, Place, Scope, direction};
+use armident_effects::{LIBRARY, MotionScale, Place, Scope, Turn, direction};
 
 use crate::at::{At, OperatingPoint};
 use crate::contact::ContactColumns;
@@ -16,8 +16,9 @@ use crate::refine::recreate;
 use crate::search::answer;
 use crate::select::Selection;
 
-/// Speeds below which the direction fades that are tried, as shares of the root mean square speed.
-const SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
+/// Speeds below which the direction fades that are tried, as shares of the root mean square speed; travels are
+/// [`Turn::TRAVEL_SHARES`].
+const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
 /// Stretches that were not fitted must say so by this many standard errors; by more on joints that rest somewhere, whose
 /// friction is known to hold them, and to be sharp where it breaks away.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
@@ -30,10 +31,12 @@ pub(crate) fn faded(sharp: &[f64], velocity: &[f64], speed: f64) -> Vec<f64> {
     sharp.iter().zip(velocity).map(fades).collect()
 }
 
-/// The selection with friction that fades where that explains more; none where it does nowhere.
-pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Selection> {
-    let speeds = fading_speeds(evidence, of)?;
-    let point = OperatingPoint { fading: speeds, ..of.point.clone() };
+/// Friction that turns at once.
+pub(crate) const AT_ONCE: Turn = Turn::Speed(0.0);
+
+/// The selection with friction that does not turn at once where that explains more; none where it does nowhere.
+pub(crate) fn with_turns(evidence: &Evidence<'_>, of: &Selection) -> Option<Selection> {
+    let point = OperatingPoint { turns: turns_shown(evidence, of)?, ..of.point.clone() };
     let at = evidence.at(&point);
     let contact = ContactColumns::new(evidence, &at);
     let mut problem = evidence.problem(&point);
@@ -56,8 +59,8 @@ pub(crate) fn with_fading(evidence: &Evidence<'_>, of: &Selection) -> Option<Sel
     })
 }
 
-/// By joint, 0 where friction is sharp; none where it is on all of them.
-fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
+/// By joint; none where friction turns at once on all of them.
+fn turns_shown(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<Turn>> {
     let set = with_everyday_terms_of(&of.metric(), &of.answer);
     let (small, set) = of.problem.restricted(&set);
     let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.groups[*g])).collect();
@@ -67,35 +70,42 @@ fn fading_speeds(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<f64>> {
     let errors =
         |problem: &Problem, set: &[usize]| errors_left_out(problem, set, of.scale, &of.wide);
     let sharp = errors(&small, &set);
-    let mut best = vec![(0.0, 0.0); evidence.joints()];
-    for share in SHARES {
-        let speeds: Vec<f64> = evidence.scale.iter().map(|s| share * s.speed_rms).collect();
-        let at = evidence.at(&OperatingPoint { fading: speeds.clone(), ..of.point.clone() });
+    let mut best = vec![(0.0, AT_ONCE); evidence.joints()];
+    for share in
+        SPEED_SHARES.map(Turn::Speed).into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel))
+    {
+        let on_joint = |scale: &MotionScale| match share {
+            Turn::Speed(share) => Turn::Speed(share * scale.speed_rms),
+            Turn::Travel(share) => Turn::Travel(share * scale.position_deviation),
+        };
+        let turns: Vec<Turn> = evidence.scale.iter().map(on_joint).collect();
+        let at = evidence.at(&OperatingPoint { turns: turns.clone(), ..of.point.clone() });
         let mut problem = small.clone();
         let set: Vec<usize> = set
             .iter()
-            .map(
-                |&g| if dry.contains(&g) { fades(evidence, &at, &mut problem, g) } else { Some(g) },
-            )
+            .map(|&g| match dry.contains(&g) {
+                true => turned(evidence, &at, &mut problem, g),
+                false => Some(g),
+            })
             .collect::<Option<_>>()?;
-        let faded = errors(&problem, &set);
+        let turned = errors(&problem, &set);
         for j in 0..evidence.joints() {
             let gains: Vec<f64> =
-                sharp.iter().zip(&faded).map(|(s, f)| (s[j] / f[j]).ln()).collect();
+                sharp.iter().zip(&turned).map(|(s, t)| (s[j] / t[j]).ln()).collect();
             if gains.iter().any(|gain| !gain.is_finite()) {
                 continue;
             }
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
             if mean > best[j].0 && in_standard_errors(&gains) > least_gain(evidence, j) {
-                best[j] = (mean, speeds[j]);
+                best[j] = (mean, turns[j]);
             }
         }
     }
-    best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, speed)| *speed).collect())
+    best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, turn)| *turn).collect())
 }
 
 /// By how many standard errors stretches that were not fitted must say how friction of a joint turns.
-pub(crate) fn least_gain(evidence: &Evidence<'_>, joint: usize) -> f64 {
+fn least_gain(evidence: &Evidence<'_>, joint: usize) -> f64 {
     match evidence.signals.iter().any(|s| s.rests(joint)) {
         true => LEAST_GAIN_WITH_RESTS,
         false => LEAST_GAIN_IN_ERRORS,
@@ -113,7 +123,7 @@ fn law_of(group: &Group) -> Option<&'static dyn armident_effects::Effect> {
 }
 
 /// The group with friction as it is at these recordings, added to a problem.
-fn fades(
+fn turned(
     evidence: &Evidence<'_>,
     at: &[At<'_>],
     problem: &mut Problem,
@@ -147,9 +157,10 @@ mod tests {
         let found = answer(&problem.whitened(0.0, &[]), set).unwrap();
         let (wide, doubtful) = (Vec::new(), Vec::new());
         let sharp = Selection { problem, answer: found, scale: 0.0, wide, point, doubtful };
-        let faded = with_fading(&evidence, &sharp).unwrap();
-        let speeds = &faded.point.fading;
-        assert!((0.02..0.05).contains(&speeds[0]) && speeds[1] < 0.02, "{speeds:?}");
+        let faded = with_turns(&evidence, &sharp).unwrap();
+        let turns = &faded.point.turns;
+        let Turn::Speed(speed) = turns[0] else { panic!("{turns:?}") };
+        assert!((0.02..0.05).contains(&speed) && turns[1].speed() < 0.02, "{turns:?}");
         let level =
             |of: &Selection| of.answer.fit.of_group(&of.problem.groups[of.answer.set[0]])[0];
         assert!((level(&faded) - 4.0).abs() < 0.02, "{}", level(&faded));
