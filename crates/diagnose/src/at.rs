@@ -97,11 +97,11 @@ impl<'a> At<'a> {
         let turned = |(j, turn): (usize, &Turn)| {
             (*turn != AT_ONCE).then(|| {
                 let (sharp, velocity) = (&signals.direction[j], &signals.velocity[j]);
-                let mut direction = match turn {
-                    Turn::Speed(speed) => faded(sharp, velocity, *speed),
-                    Turn::Travel(_) => turn.directions(&position[j], velocity),
+                let Turn::Speed(speed) = turn else {
+                    return turn.directions(&position[j], velocity);
                 };
-                // where a joint rests, its friction is what holds it: no function of its motion
+                let mut direction = faded(sharp, velocity, *speed);
+                // where a joint rests, its friction is what holds it: no function of a speed
                 for rest in signals.rests_of(j) {
                     direction[rest.clone()].copy_from_slice(&sharp[rest]);
                 }

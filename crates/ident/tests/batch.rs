@@ -5,7 +5,7 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_effects::EVERYDAY;
+use armident_effects::{EVERYDAY, Turn};
 use armident_ident::Sought;
 use armident_ident::{
     ArmModel, BatchEstimate, BatchProblem, BatchSettings, Quantity, Shown, Term, unreported,
@@ -384,6 +384,59 @@ fn friction_that_bends_is_told_from_a_line() {
             assert!(off.abs() < 4.0 * error, "{seed}, {joint}: {value} +- {error}");
         }
     }
+}
+
+/// Of two joints without other friction one turns it over a travel, the other at once; a model file keeps which.
+#[test]
+fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
+    const TRAVELS: usize = 1;
+    const TRAVEL_RAD: f64 = 0.01;
+    const LEVEL: f64 = 9.0;
+    let bench = Bench::new();
+    let sines = Sines::new(4000, 0.0);
+    let mut effort = inverse_dynamics_of_motion(&bench.arm, &sines.q, &sines.dq, &sines.ddq);
+    let mut random = Pcg64::seed_from_u64(7);
+    let noise = Normal::new(0.0, 0.05).unwrap();
+    for (j, effort) in effort.iter_mut().enumerate() {
+        let turn = if j == TRAVELS { Turn::Travel(TRAVEL_RAD) } else { Turn::Speed(0.0) };
+        let direction = turn.directions(&sines.q[j], &sines.dq[j]);
+        let friction = direction.iter().map(|d| LEVEL * d + noise.sample(&mut random));
+        effort.iter_mut().zip(friction).for_each(|(e, f)| *e += f);
+    }
+    let names = bench.model.chain.joint_names();
+    let channels = (0..6).map(|j| JointChannels {
+        position: Some(sines.q[j].clone()),
+        effort: Some(effort[j].clone()),
+        ..JointChannels::new(names[j])
+    });
+    let recording = Recording::new("made", sines.time_s.clone(), channels.collect()).unwrap();
+    let motion = Motion::from_recording(&recording, &names, &MotionSettings::default()).unwrap();
+    let mut problem = BatchProblem::new(&bench.arm, &bench.set);
+    problem.choose_turns(&[&motion]).unwrap();
+    let turns = problem.turns.clone().unwrap();
+    let travels: Vec<usize> = (0..6).filter(|&joint| turns[joint].travel() > 0.0).collect();
+    assert_eq!(travels, [TRAVELS], "{turns:?}");
+    let travel = turns[TRAVELS].travel();
+    assert!((0.5..2.0).contains(&(travel / TRAVEL_RAD)), "{travel}");
+
+    let found = problem.estimate(&problem.accumulate(&[&motion])).unwrap();
+    let model = ArmModel {
+        effects: problem.effects(&found.values, &names),
+        turns: Some(turns),
+        ..bench.model.clone().with_constants(&bench.set, &problem.constants(&found.values))
+    };
+    let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
+    let read_turn = read.turns.as_ref().unwrap()[TRAVELS];
+    assert!((read_turn.travel() / travel - 1.0).abs() < 1e-12, "{read_turn:?}");
+    let error = |model: &ArmModel| {
+        let predicted = &model.predict(&motion).unwrap()[TRAVELS];
+        let used = used_samples(&motion);
+        let squares =
+            used.clone().map(|t| (predicted[t] - effort[TRAVELS][t]).powi(2)).sum::<f64>();
+        (squares / used.len() as f64).sqrt()
+    };
+    let sharp = ArmModel { turns: None, ..read.clone() };
+    assert!(error(&read) < 0.7 * error(&sharp), "{} {}", error(&read), error(&sharp));
 }
 
 #[test]

@@ -73,6 +73,15 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
             100.0 * gain
         ));
     }
+    for (joint, turn) in joints.iter().zip(problem.turns.iter().flatten()) {
+        if turn.travel() > 0.0 {
+            notes.push(format!(
+                "dry friction of {joint} builds up over a travel of {:.2} mrad or mm since the last reversal: stretches left \
+                 out of the fit say so",
+                1e3 * turn.travel()
+            ));
+        }
+    }
     for BendFound { joint, in_errors } in &bends {
         notes.push(format!(
             "friction of {} grows more slowly than its speed: that part of it is {in_errors:.0} standard errors from none \
