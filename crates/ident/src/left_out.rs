@@ -20,6 +20,8 @@ use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 const FOLDS: usize = 5;
 /// Another choice must be better by this many standard errors, from the stretches.
 const LEAST_GAIN_IN_ERRORS: f64 = 2.0;
+/// The same where columns are checked: friction that is left over must not look like a fault.
+const LEAST_GAIN_OF_CHECKS: f64 = 1.0;
 
 /// What the recordings are asked for beside how dry friction turns and the doubt of the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,14 +77,14 @@ impl BatchProblem<'_> {
             return Ok(chosen);
         }
         let mut with = self.clone();
-        let mut resolved = all.resolved(&rows, &with, &turns, settings)?;
+        let mut resolved = all.resolved(&rows, &with, (&turns, LEAST_GAIN_IN_ERRORS), settings)?;
         if sought.couplings {
             chosen.couplings = self.couplings_shown(&all, &resolved.rows, settings)?;
         }
         if !chosen.couplings.is_empty() {
             let found: Vec<_> = chosen.couplings.iter().map(|f| f.coupling).collect();
             with = self.with_couplings(&found);
-            resolved = all.resolved(&rows, &with, &turns, settings)?;
+            resolved = all.resolved(&rows, &with, (&turns, LEAST_GAIN_IN_ERRORS), settings)?;
         }
         if sought.bends {
             chosen.bends = with.bends_shown(&all, &resolved.rows, settings)?;
@@ -90,7 +92,7 @@ impl BatchProblem<'_> {
         if !chosen.bends.is_empty() {
             let found: Vec<usize> = chosen.bends.iter().map(|f| f.joint).collect();
             with = with.with_bends(&found);
-            resolved = all.resolved(&rows, &with, &turns, settings)?;
+            resolved = all.resolved(&rows, &with, (&turns, LEAST_GAIN_IN_ERRORS), settings)?;
         }
         if settings.link_prior.is_some() {
             let rows = rows_of(&resolved.rows, &all, &with);
@@ -115,7 +117,8 @@ impl BatchProblem<'_> {
         let rows = self.with_all_directions(motions, &turns);
         if has_folds(&rows) && turns.tried.len() > 1 {
             let settings = BatchSettings::default();
-            let resolved = self.resolved(&rows, self, &turns, &settings)?;
+            let least = (&turns, LEAST_GAIN_OF_CHECKS);
+            let resolved = self.resolved(&rows, self, least, &settings)?;
             self.turns = resolved.turns;
         }
         Ok(())
@@ -147,7 +150,7 @@ impl BatchProblem<'_> {
         &self,
         rows: &JointRows,
         wanted: &BatchProblem<'_>,
-        turns: &Turns,
+        (turns, least): (&Turns, f64),
         settings: &BatchSettings,
     ) -> Result<Resolved, NumericError> {
         let n = self.by_joint.len();
@@ -179,7 +182,7 @@ impl BatchProblem<'_> {
                 continue;
             };
             for (joint, best) in best.iter_mut().enumerate() {
-                let gain = clear_gain(before, &errors, &[joint], LEAST_GAIN_IN_ERRORS);
+                let gain = clear_gain(before, &errors, &[joint], least);
                 if let Some(gain) = gain.filter(|gain| *gain > best.0) {
                     *best = (gain, which);
                 }
