@@ -129,7 +129,7 @@ impl Robot {
     pub(crate) fn as_simulated(&self) -> (ArmModel, Vec<String>) {
         match self.diagnosed() {
             Some(diagnosed) => diagnosed.as_simulated(),
-            None => (self.arm.clone(), Vec::new()),
+            None => (self.arm.clone(), self.arm.of_predictions_alone()),
         }
     }
 }

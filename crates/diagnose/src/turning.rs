@@ -135,6 +135,8 @@ fn turned(
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
     use crate::made::{evidence, ur5};
 
@@ -165,6 +167,40 @@ mod tests {
             |of: &Selection| of.answer.fit.of_group(&of.problem.groups[of.answer.set[0]])[0];
         assert!((level(&faded) - 4.0).abs() < 0.02, "{}", level(&faded));
         assert!((level(&sharp) - 4.0).abs() > (level(&faded) - 4.0).abs());
+    }
+
+    /// Of two joints with Coulomb friction, one builds it up over 4 mrad, the other at once.
+    #[test]
+    fn friction_that_builds_up_over_a_travel_is_told() {
+        const TRAVEL_RAD: f64 = 0.004;
+        const STEP_S: f64 = 1.0 / 200.0;
+        let chain = ur5();
+        // samples come in the order of time
+        let deflection = Cell::new(0.0);
+        let evidence = evidence(&chain, &chain, |j, v| match j {
+            0 => {
+                let side = v.signum();
+                let left = (-(v * STEP_S / TRAVEL_RAD).abs()).exp();
+                deflection.set(side + (deflection.get() - side) * left);
+                4.0 * deflection.get()
+            }
+            1 => 4.0 * v.signum(),
+            _ => 0.0,
+        });
+        let point = OperatingPoint::of(evidence.joints());
+        let problem = evidence.problem(&point);
+        let coulomb = |joint: usize| {
+            let is = |g: &Group| g.slug() == "coulomb_friction" && g.site.joints == [joint];
+            problem.groups.iter().position(is).unwrap()
+        };
+        let set = vec![coulomb(0), coulomb(1)];
+        let found = answer(&problem.whitened(0.0, &[]), set).unwrap();
+        let (wide, doubtful) = (Vec::new(), Vec::new());
+        let sharp = Selection { problem, answer: found, scale: 0.0, wide, point, doubtful };
+        let turned = with_turns(&evidence, &sharp).unwrap();
+        let turns = &turned.point.turns;
+        assert!((0.5..2.0).contains(&(turns[0].travel() / TRAVEL_RAD)), "{turns:?}");
+        assert!(turns[1].travel() < 1e-3, "{turns:?}");
     }
 
     #[test]

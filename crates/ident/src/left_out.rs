@@ -22,6 +22,10 @@ const FOLDS: usize = 5;
 const LEAST_GAIN_IN_ERRORS: f64 = 2.0;
 /// The same where columns are checked: friction that is left over must not look like a fault.
 const LEAST_GAIN_OF_CHECKS: f64 = 1.0;
+/// Speeds below which friction may turn, as shares of a joint's RMS speed, the usual one first,
+const SPEED_SHARES: [f64; 4] = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1];
+/// and those of drive trains that wind up far.
+const FAR_SPEED_SHARES: [f64; 2] = [0.2, 0.3];
 
 /// What the recordings are asked for beside how dry friction turns and the doubt of the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,15 +108,17 @@ impl BatchProblem<'_> {
         Ok(chosen)
     }
 
-    /// Chooses how each joint's dry friction turns alone.
+    /// Chooses the speed below which each joint's dry friction turns, alone: what a check asks for first is a lag of the
+    /// efforts, which a friction that turns late would take.
     ///
     /// # Errors
     /// [`NumericError`] when a number is not finite.
     ///
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
-    pub fn choose_turns(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
-        let turns = Turns::of(motions);
+    pub fn choose_turning_speeds(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
+        let mut turns = Turns::of(motions);
+        turns.tried.retain(|turn| SPEED_SHARES.map(Turn::Speed).contains(turn));
         self.turns = turns.usual();
         let rows = self.with_all_directions(motions, &turns);
         if has_folds(&rows) && turns.tried.len() > 1 {
@@ -231,8 +237,8 @@ impl Turns {
             root_mean_square(&|m| &m.position[joint], mean)
         };
         let exact = motions.iter().all(|m| m.filter.is_none());
-        let speeds = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1, 0.2, 0.3].map(Turn::Speed);
-        let all = speeds.into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel));
+        let speeds = SPEED_SHARES.into_iter().chain(FAR_SPEED_SHARES).map(Turn::Speed);
+        let all = speeds.chain(Turn::TRAVEL_SHARES.map(Turn::Travel));
         Self {
             tried: if exact { Vec::new() } else { all.collect() },
             rms_speed: (0..joints).map(rms_speed).collect(),

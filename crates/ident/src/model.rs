@@ -154,6 +154,23 @@ impl ArmModel {
         RigidArm::from_chain(&self.chain)
     }
 
+    /// What predictions have that is no part of a simulated arm: friction that builds up over a travel, which turns at once
+    /// there, and columns that show a share of the efforts.
+    pub fn of_predictions_alone(&self) -> Vec<String> {
+        let names = || self.chain.joints.iter().map(|joint| &joint.name);
+        let turns =
+            names().zip(self.turns.iter().flatten()).filter(|(_, turn)| turn.travel() > 0.0);
+        let turns = turns.map(|(name, turn)| {
+            format!("dry friction of {name} building up over {:.5}", turn.travel())
+        });
+        let shown = names().zip(self.shown.iter().flatten());
+        let shown = shown.filter_map(|(name, shown)| {
+            let percent = 100.0 * shown.as_ref()?.share;
+            Some(format!("the {percent:.1} % of its effort that the column of {name} shows"))
+        });
+        turns.chain(shown).collect()
+    }
+
     /// Effort of every joint on the grid of a motion, as its column shows it, joint-major, not filtered afterwards.
     ///
     /// # Errors

@@ -412,7 +412,8 @@ fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
     let recording = Recording::new("made", sines.time_s.clone(), channels.collect()).unwrap();
     let motion = Motion::from_recording(&recording, &names, &MotionSettings::default()).unwrap();
     let mut problem = BatchProblem::new(&bench.arm, &bench.set);
-    problem.choose_turns(&[&motion]).unwrap();
+    let settings = BatchSettings::default();
+    problem.choose(&[&motion], &settings, Sought::NOTHING).unwrap();
     let turns = problem.turns.clone().unwrap();
     let travels: Vec<usize> = (0..6).filter(|&joint| turns[joint].travel() > 0.0).collect();
     assert_eq!(travels, [TRAVELS], "{turns:?}");

@@ -25,7 +25,7 @@ fn every_method_finds_the_friction_within_its_errors() {
     let arm = model.rigid_arm();
     let set = MinimalSet::of(&arm).unwrap();
     let mut problem = BatchProblem::new(&arm, &set);
-    problem.choose_turns(&[&motion]).unwrap();
+    problem.choose_turning_speeds(&[&motion]).unwrap();
     let settings = BatchSettings::default();
     let (mut inside, mut all) = (0, 0);
     for method in Method::ALL {

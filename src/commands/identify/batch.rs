@@ -407,7 +407,7 @@ fn drive_gains(
         .map(Motion::thinned)
         .collect();
     let motions: Vec<&Motion> = motions.iter().collect();
-    problem.choose_turns(&motions)?;
+    problem.choose_turning_speeds(&motions)?;
     let gains = problem.drive_gains(&motions, &is_current, loads)?;
     let open: Vec<String> = (joints.iter().zip(&gains.joints))
         .filter(|(_, gain)| gain.is_some_and(|gain| !gain.is_determined()))

@@ -211,7 +211,7 @@ pub fn check(
     let arm = model.rigid_arm();
     let set = MinimalSet::of(&arm)?;
     let mut problem = BatchProblem::new(&arm, &set);
-    problem.choose_turns(&motions.iter().collect::<Vec<_>>())?;
+    problem.choose_turning_speeds(&motions.iter().collect::<Vec<_>>())?;
     let names = model.chain.joint_names();
     let own: Vec<Recording> = recordings.iter().map(|r| of_joints(r, &names)).collect();
     let quality: Vec<QualityReport> = own.iter().map(quality).collect();
@@ -223,7 +223,7 @@ pub fn check(
     for _ in 0..ALIGNMENTS {
         let Some(so_far) = delay.clone().filter(Delay::excludes_zero) else { break };
         aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
-        problem.choose_turns(&aligned.iter().collect::<Vec<_>>())?;
+        problem.choose_turning_speeds(&aligned.iter().collect::<Vec<_>>())?;
         rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
         let Some(rest) = delay::delay(&rows) else { break };
         delay = Some(so_far.and_then(&rest));
