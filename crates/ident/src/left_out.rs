@@ -18,10 +18,11 @@ use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
 
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;
-/// Another choice must be better by this many standard errors, from the stretches.
+/// Friction that turns later than usual must be better by this many standard errors, from the stretches,
 const LEAST_GAIN_IN_ERRORS: f64 = 2.0;
-/// The same where columns are checked: friction that is left over must not look like a fault.
-const LEAST_GAIN_OF_CHECKS: f64 = 1.0;
+/// and by so many where it turns sooner, as the law says; and where columns are checked: friction that is left over must not
+/// look like a fault.
+const LEAST_GAIN_OF_SHARP: f64 = 1.0;
 /// Speeds below which friction may turn, as shares of a joint's RMS speed, the usual one first,
 const SPEED_SHARES: [f64; 4] = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1];
 /// and those of drive trains that wind up far.
@@ -81,14 +82,14 @@ impl BatchProblem<'_> {
             return Ok(chosen);
         }
         let mut with = self.clone();
-        let mut resolved = all.resolved(&rows, &with, (&turns, LEAST_GAIN_IN_ERRORS), settings)?;
+        let mut resolved = all.resolved(&rows, &with, (&turns, least_gain), settings)?;
         if sought.couplings {
             chosen.couplings = self.couplings_shown(&all, &resolved.rows, settings)?;
         }
         if !chosen.couplings.is_empty() {
             let found: Vec<_> = chosen.couplings.iter().map(|f| f.coupling).collect();
             with = self.with_couplings(&found);
-            resolved = all.resolved(&rows, &with, (&turns, LEAST_GAIN_IN_ERRORS), settings)?;
+            resolved = all.resolved(&rows, &with, (&turns, least_gain), settings)?;
         }
         if sought.bends {
             chosen.bends = with.bends_shown(&all, &resolved.rows, settings)?;
@@ -96,7 +97,7 @@ impl BatchProblem<'_> {
         if !chosen.bends.is_empty() {
             let found: Vec<usize> = chosen.bends.iter().map(|f| f.joint).collect();
             with = with.with_bends(&found);
-            resolved = all.resolved(&rows, &with, (&turns, LEAST_GAIN_IN_ERRORS), settings)?;
+            resolved = all.resolved(&rows, &with, (&turns, least_gain), settings)?;
         }
         if settings.link_prior.is_some() {
             let rows = rows_of(&resolved.rows, &all, &with);
@@ -123,8 +124,8 @@ impl BatchProblem<'_> {
         let rows = self.with_all_directions(motions, &turns);
         if has_folds(&rows) && turns.tried.len() > 1 {
             let settings = BatchSettings::default();
-            let least = (&turns, LEAST_GAIN_OF_CHECKS);
-            let resolved = self.resolved(&rows, self, least, &settings)?;
+            let least = |_| LEAST_GAIN_OF_SHARP;
+            let resolved = self.resolved(&rows, self, (&turns, least), &settings)?;
             self.turns = resolved.turns;
         }
         Ok(())
@@ -156,7 +157,7 @@ impl BatchProblem<'_> {
         &self,
         rows: &JointRows,
         wanted: &BatchProblem<'_>,
-        (turns, least): (&Turns, f64),
+        (turns, least): (&Turns, fn(Turn) -> f64),
         settings: &BatchSettings,
     ) -> Result<Resolved, NumericError> {
         let n = self.by_joint.len();
@@ -188,7 +189,7 @@ impl BatchProblem<'_> {
                 continue;
             };
             for (joint, best) in best.iter_mut().enumerate() {
-                let gain = clear_gain(before, &errors, &[joint], least);
+                let gain = clear_gain(before, &errors, &[joint], least(turns.tried[which]));
                 if let Some(gain) = gain.filter(|gain| *gain > best.0) {
                     *best = (gain, which);
                 }
@@ -199,6 +200,14 @@ impl BatchProblem<'_> {
         let found =
             (!turns.tried.is_empty()).then(|| which.iter().enumerate().map(chosen).collect());
         Ok(Resolved { turns: found, rows: with(&which) })
+    }
+}
+
+/// By how many standard errors a turn must explain more than the usual one.
+fn least_gain(turn: Turn) -> f64 {
+    match turn {
+        Turn::Speed(share) if share < DEFAULT_SPEED_RESOLUTION => LEAST_GAIN_OF_SHARP,
+        _ => LEAST_GAIN_IN_ERRORS,
     }
 }
 
