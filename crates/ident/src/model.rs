@@ -161,7 +161,7 @@ impl ArmModel {
         let turns =
             names().zip(self.turns.iter().flatten()).filter(|(_, turn)| turn.travel() > 0.0);
         let turns = turns.map(|(name, turn)| {
-            format!("dry friction of {name} building up over {:.5}", turn.travel())
+            format!("dry friction of {name} building up over {:.5} rad or m", turn.travel())
         });
         let shown = names().zip(self.shown.iter().flatten());
         let shown = shown.filter_map(|(name, shown)| {
