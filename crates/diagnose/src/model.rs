@@ -213,7 +213,9 @@ impl DiagnosedModel {
                     lost.push(format!("dry friction of {name} fading below {speed:.3} /s"));
                 }
                 Turn::Travel(travel) => {
-                    lost.push(format!("dry friction of {name} building up over {travel:.5} rad or m"));
+                    lost.push(format!(
+                        "dry friction of {name} building up over {travel:.5} rad or m"
+                    ));
                 }
                 Turn::Speed(_) => {}
             }
