@@ -140,15 +140,8 @@ mod tests {
     use super::*;
     use crate::made::{evidence, ur5};
 
-    /// Of two joints with Coulomb friction, one turns it within 0.04 rad/s (a tenth of its speed), the other at once.
-    #[test]
-    fn a_joint_that_winds_up_is_told_from_a_stiff_one() {
-        let chain = ur5();
-        let evidence = evidence(&chain, &chain, |j, v| match j {
-            0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
-            1 => 4.0 * v.signum(),
-            _ => 0.0,
-        });
+    /// Coulomb friction of the first two joints, which turns at once.
+    fn with_coulomb_friction(evidence: &Evidence<'_>) -> Selection {
         let point = OperatingPoint::of(evidence.joints());
         let problem = evidence.problem(&point);
         let coulomb = |joint: usize| {
@@ -158,7 +151,19 @@ mod tests {
         let set = vec![coulomb(0), coulomb(1)];
         let found = answer(&problem.whitened(0.0, &[]), set).unwrap();
         let (wide, doubtful) = (Vec::new(), Vec::new());
-        let sharp = Selection { problem, answer: found, scale: 0.0, wide, point, doubtful };
+        Selection { problem, answer: found, scale: 0.0, wide, point, doubtful }
+    }
+
+    /// Of two joints with Coulomb friction, one turns it within 0.04 rad/s (a tenth of its speed), the other at once.
+    #[test]
+    fn a_joint_that_winds_up_is_told_from_a_stiff_one() {
+        let chain = ur5();
+        let evidence = evidence(&chain, &chain, |j, v| match j {
+            0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
+            1 => 4.0 * v.signum(),
+            _ => 0.0,
+        });
+        let sharp = with_coulomb_friction(&evidence);
         let faded = with_turns(&evidence, &sharp).unwrap();
         let turns = &faded.point.turns;
         let Turn::Speed(speed) = turns[0] else { panic!("{turns:?}") };
@@ -187,16 +192,7 @@ mod tests {
             1 => 4.0 * v.signum(),
             _ => 0.0,
         });
-        let point = OperatingPoint::of(evidence.joints());
-        let problem = evidence.problem(&point);
-        let coulomb = |joint: usize| {
-            let is = |g: &Group| g.slug() == "coulomb_friction" && g.site.joints == [joint];
-            problem.groups.iter().position(is).unwrap()
-        };
-        let set = vec![coulomb(0), coulomb(1)];
-        let found = answer(&problem.whitened(0.0, &[]), set).unwrap();
-        let (wide, doubtful) = (Vec::new(), Vec::new());
-        let sharp = Selection { problem, answer: found, scale: 0.0, wide, point, doubtful };
+        let sharp = with_coulomb_friction(&evidence);
         let turned = with_turns(&evidence, &sharp).unwrap();
         let turns = &turned.point.turns;
         assert!((0.5..2.0).contains(&(turns[0].travel() / TRAVEL_RAD)), "{turns:?}");
