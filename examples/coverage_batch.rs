@@ -17,7 +17,8 @@ use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet, 
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -5,7 +5,8 @@ use std::path::Path;
 use armident_diagnose::{DiagnosedModel, Learned};
 use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{Motion, MotionSettings, Recording};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::Recording;
 
 use crate::args::ChainArgs;
 use crate::failure::Failure;

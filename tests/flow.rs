@@ -10,17 +10,21 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
-    ("recording", &["numeric"]),
-    ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
-    ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
-    ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
+    ("recording", &[]),
+    ("motion", &["numeric", "recording"]),
+    ("simulation", &["dynamics", "effects", "kinematics", "motion", "recording"]),
+    (
+        "ident",
+        &["dynamics", "effects", "kinematics", "motion", "numeric", "recording", "simulation"],
+    ),
+    ("diagnose", &["dynamics", "effects", "ident", "kinematics", "motion", "numeric", "recording"]),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
-    ("page", &["effects", "kinematics", "recording", "report"]),
+    ("page", &["effects", "kinematics", "motion", "recording", "report"]),
     (
         "challenge",
         &[
@@ -29,6 +33,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
             "effects",
             "ident",
             "kinematics",
+            "motion",
             "recording",
             "report",
             "simulation",
@@ -45,6 +50,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
             "export",
             "ident",
             "kinematics",
+            "motion",
             "numeric",
             "page",
             "recording",

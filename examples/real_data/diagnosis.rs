@@ -7,9 +7,9 @@ use std::path::Path;
 use armident_diagnose::{
     Books, DiagnosedModel, Diagnosis, Finding, Placebo, diagnose_with_placebo,
 };
-use armident_ident::Sought;
 use armident_ident::{
-    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported,
+    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought,
+    unreported,
 };
 use armident_recording::Recording;
 use armident_report::unit_told;

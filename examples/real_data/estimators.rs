@@ -3,13 +3,12 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::Sought;
 use armident_ident::check::with_drive_signals;
 use armident_ident::{
-    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported, used_samples,
-    with_recorded_velocity,
+    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
+    used_samples, with_recorded_velocity,
 };
-use armident_recording::Motion;
+use armident_motion::Motion;
 
 use crate::sets::{Data, KeptOut, SETS, Set};
 

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use armident_ident::ArmModel;
 use armident_ident::check::{Check, Topic, Verdict, check, with_drive_signals};
-use armident_recording::{Motion, MotionSettings, Recording, common_cutoff_hz};
+use armident_motion::{Motion, MotionSettings, common_cutoff_hz};
+use armident_recording::Recording;
 
 use crate::sets::{Data, SETS, part};
 

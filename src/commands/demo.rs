@@ -5,9 +5,8 @@ use std::path::Path;
 
 use armident_effects::EffectOnJoint;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
-use armident_recording::{
-    FileFormat, JointChannels, Motion, MotionSettings, Recording, encode, read_csv_from,
-};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{FileFormat, JointChannels, Recording, encode, read_csv_from};
 use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
 use clap::Parser;
 

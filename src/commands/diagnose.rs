@@ -82,7 +82,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
         // the efforts against the robot show what the columns are
         let joints = model.chain.joint_names();
-        let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
+        let cutoff_hz = armident_motion::common_cutoff_hz(&train, &joints, None)?;
         let models: [(&str, &dyn Predicts); 1] = [("the robot as given", &model)];
         let files = used(args, &train_files, &[], &[]);
         let recorded = [(train.as_slice(), Role::Training)];
@@ -182,7 +182,7 @@ fn replayed(
     recordings: &[Recording],
 ) -> Option<ReplayPair> {
     let joints = after.arm.chain.joint_names();
-    let cutoff_hz = armident_recording::common_cutoff_hz(recordings, &joints, None).ok()?;
+    let cutoff_hz = armident_motion::common_cutoff_hz(recordings, &joints, None).ok()?;
     let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz).ok()?;
     let of = |model: &DiagnosedModel| -> Option<BTreeMap<String, f64>> {
         let moved = replay(&model.as_simulated().0, &motions).ok().filter(|m| m.windows > 0)?;

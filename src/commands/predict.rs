@@ -48,7 +48,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     // what a diagnosis wrote has its own low-pass
     let cutoff_hz = match robot.learned {
         Some(_) => None,
-        None => armident_recording::common_cutoff_hz(
+        None => armident_motion::common_cutoff_hz(
             std::slice::from_ref(&recording),
             &model.chain.joint_names(),
             args.cutoff_hz.or(model.cutoff_hz),

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use armident_kinematics::nearest;
+use armident_motion::{Motion, MotionSettings, findings};
 use armident_recording::{
-    Action, Encoded, FileFormat, FindingKind, Mapping, Motion, MotionSettings, Quantity,
-    ReadSettings, Recording, encode, findings, read_recording,
+    Action, Encoded, FileFormat, FindingKind, Mapping, Quantity, ReadSettings, Recording, encode,
+    read_recording,
 };
 
 use crate::args::{OutputArgs, ReadingArgs};

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_motion::Motion;
 use armident_page::Role;
-use armident_recording::Motion;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
@@ -37,11 +37,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let model = &robot.arm;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = armident_recording::common_cutoff_hz(
-        &recorded,
-        &joints,
-        args.cutoff_hz.or(model.cutoff_hz),
-    )?;
+    let cutoff_hz =
+        armident_motion::common_cutoff_hz(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
     let motions: Vec<Motion> = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?
         .into_iter()
         .zip(&recorded)

@@ -7,11 +7,10 @@ use armident_effects::{ArmMotion, Effect, JointMotion, Place, Turn, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
 
-use crate::signals::Signals;
 use crate::sprung::{Spring, Sprung};
-use crate::stops::Stop;
 use crate::transmission::Load;
 use crate::turning::{AT_ONCE, faded};
+use armident_motion::{Signals, Stop};
 
 /// Laws that turn the configuration itself: where they are assumed to be.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,8 +6,9 @@
 
 use armident_dynamics::RigidArm;
 use armident_ident::validate::whiteness;
+use armident_motion::differentiate;
 use armident_numeric::dot;
-use armident_recording::{RecordingError, differentiate};
+use armident_recording::RecordingError;
 use serde::Serialize;
 
 use crate::at::At;

@@ -5,11 +5,11 @@ use armident_ident::ArmModel;
 use armident_ident::check::{
     ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
 };
-use armident_recording::{Motion, MotionSettings, Quantity, Recording, common_cutoff_hz};
+use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
+use armident_recording::{Quantity, Recording};
 use serde::Serialize;
 
 use crate::atlas::JointAtlas;
-use crate::band::BAND_HZ;
 use crate::diagnosis::{DiagnoseError, Diagnosis, usable_signals};
 use crate::findings::Finding;
 

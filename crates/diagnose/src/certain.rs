@@ -243,9 +243,9 @@ mod tests {
     use armident_dynamics::RigidArm;
 
     use crate::made::{swung, ur5};
-    use crate::signals::Signals;
     use crate::sprung::Spring;
     use crate::transmission::{self, Transmission};
+    use armident_motion::Signals;
 
     /// What stays of these changes, as joints.
     fn stays(

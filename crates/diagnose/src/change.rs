@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose_beside, diagnose_from, model_of};
 use crate::model::DiagnosedModel;
 use crate::placebo::Placebo;
-use crate::signals::Signals;
 use crate::turning::AT_ONCE;
+use armident_motion::Signals;
 
 /// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
 /// beyond the believed model is learned first and is no finding. The models of the diagnosis have it as well.

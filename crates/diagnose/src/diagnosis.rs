@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::atlas::{JointAtlas, atlas, character};
-use crate::band::BAND_HZ;
 use crate::bands::{NARROW_HZ, is_off_in};
 use crate::bending::with_bends;
 use crate::books::DriveGain;
@@ -28,8 +27,8 @@ use crate::problem::Problem;
 use crate::search::Answer;
 use crate::seen::Seen;
 use crate::select::{Selection, select};
-use crate::signals::Signals;
 use crate::whitened::WrongBody;
+use armident_motion::{BAND_HZ, Signals};
 
 /// Root mean square errors of the raw recorded effort, by joint.
 #[derive(Debug, Clone, Default, Serialize)]

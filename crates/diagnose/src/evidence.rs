@@ -14,8 +14,8 @@ use crate::at::{At, OperatingPoint};
 use crate::background::{as_large_as, inertial_error_directions};
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::{Blocks, Rows};
-use crate::signals::Signals;
 use crate::sprung::Sprung;
+use armident_motion::Signals;
 
 /// Share of the time of the reference in which a joint is no faster than its usual speed,
 const USUAL: f64 = 0.99;

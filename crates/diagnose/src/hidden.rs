@@ -5,15 +5,14 @@ use armident_effects::Place;
 use crate::at::At;
 use crate::contact::ContactColumns;
 use crate::evidence::Evidence;
-use crate::flexible;
 use crate::material::{LEAST, band_noise, excess, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::refine;
 use crate::ripple::RippleColumns;
 use crate::scales::{Best, Memory, keep_better, laws_at, search_at};
 use crate::search::{Answer, all_admissible, answer};
-use crate::transmission;
 use crate::whitened::{Whitened, WrongBody};
+use crate::{flexible, transmission};
 
 /// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
 /// name, and on how many joints.

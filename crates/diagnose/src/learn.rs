@@ -13,12 +13,12 @@ use crate::flexible::FlexibleTerm;
 use crate::model::DiagnosedModel;
 use crate::problem::{Group, Meaning};
 use crate::real_links::{Settled, settled};
-use crate::sampled::low_pass;
 use crate::search::{Answer, answer};
 use crate::select::moves;
 use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
 use crate::turning::AT_ONCE;
 use crate::whitened::Whitened;
+use armident_motion::low_pass;
 
 /// Cut-offs tried for the output of a joint \[Hz\].
 const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::made::{swung, ur5};
     use crate::select::select;
-    use crate::signals::Signals;
+    use armident_motion::Signals;
 
     /// The UR5, and one with other links.
     fn believed_and_real() -> (DrivingAxisChain, DrivingAxisChain) {

@@ -6,10 +6,9 @@ use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_u
 use armident_recording::{JointChannels, Recording};
 
 use crate::at::{At, OperatingPoint};
-use crate::band::BAND_HZ;
 use crate::evidence::Evidence;
 use crate::problem::Problem;
-use crate::signals::Signals;
+use armident_motion::{BAND_HZ, Signals};
 
 pub(crate) fn ur5() -> DrivingAxisChain {
     let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();

@@ -9,11 +9,9 @@ use nalgebra::Vector3;
 use crate::at::{At, OperatingPoint};
 use crate::bending::is_bend;
 use crate::learned::Learned;
-use crate::sampled::{later, low_pass};
 use crate::seen::Seen;
-use crate::signals::Signals;
-use crate::stops::{continued, filter_between};
 use crate::transmission::Transmission;
+use armident_motion::{Signals, continued, filter_between, later, low_pass};
 
 /// A model with what a diagnosis learned.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::signals::Signals;
+use armident_motion::Signals;
 
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
 const STUCK_WEIGHT: f64 = 0.15;

@@ -1,9 +1,7 @@
 //! A recording made ready once, for the predictions of many models.
 
-use armident_recording::{EvenGrid, Recording, RecordingError};
-
-use crate::band::BAND_HZ;
-use crate::signals::Signals;
+use armident_motion::{BAND_HZ, EvenGrid, Signals};
+use armident_recording::{Recording, RecordingError};
 
 /// A recording as models of one arm see it.
 pub struct Seen<'a> {

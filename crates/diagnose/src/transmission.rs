@@ -10,8 +10,9 @@
 
 use armident_dynamics::gravity_effort;
 use armident_effects::{Effect, Place, RotorInertia};
+use armident_motion::{Kind, Series, Signals, differentiate, kinematics_filter, low_pass};
 use armident_numeric::dot;
-use armident_recording::{RecordingError, differentiate};
+use armident_recording::RecordingError;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -19,9 +20,6 @@ use crate::at::At;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::Blocks;
-use crate::sampled::{kinematics_filter, low_pass};
-use crate::signals::Signals;
-use crate::stops::{Kind, Series};
 
 /// Cut-off of the motor's position \[Hz\]: the link may ring well above the band.
 const MOTOR_HZ: f64 = 80.0;
@@ -569,10 +567,10 @@ pub(crate) fn offer(
 mod tests {
     use super::*;
     use crate::at::{OperatingPoint, changed};
-    use crate::band::BAND_HZ;
     use crate::made::{swung, ur5};
     use armident_dynamics::RigidArm;
     use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+    use armident_motion::BAND_HZ;
     use armident_recording::{JointChannels, Recording};
 
     /// A link behind a spring that is heavier than believed moves as in an arm that is believed to have it.

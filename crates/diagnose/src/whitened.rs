@@ -506,11 +506,11 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::band::BAND_HZ;
     use crate::flexible::{Basis, Flexible};
     use crate::problem::{Background, Site};
     use crate::rows::Rows;
-    use crate::signals::Signals;
+    use armident_motion::BAND_HZ;
+    use armident_motion::Signals;
     use armident_recording::{JointChannels, Recording};
 
     /// A hinge that swings for 10 s.

@@ -7,8 +7,8 @@
 
 use armident_effects::{Effect, EffectOnJoint, JointCoupling, MotionScale};
 use armident_kinematics::JointKind;
+use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::Motion;
 
 use crate::batch::{BatchProblem, BatchSettings, Term, noise_of};
 use crate::left_out::{clear_gain, errors_left_out};

@@ -1,7 +1,8 @@
 //! One fit of recordings: source of velocities, method, hold-out, cross-validation.
 
+use armident_motion::Motion;
 use armident_numeric::NumericError;
-use armident_recording::{Motion, Recording};
+use armident_recording::Recording;
 
 use crate::batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit};
 use crate::methods::{Endogeneity, Method, MethodError};

@@ -8,8 +8,8 @@
 //! (`BatchProblem::doubt_of_links`).
 
 use armident_effects::{Place, Turn};
+use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::Motion;
 
 use crate::batch::{BatchProblem, BatchSettings, LAWS, Term};
 use crate::bending::BendFound;

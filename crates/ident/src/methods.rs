@@ -19,8 +19,8 @@
 //! Econometrics 165 (2011).
 
 use armident_dynamics::ArmMotion;
+use armident_motion::{DerivativeSource, Motion, MotionSettings};
 use armident_numeric::{AccumulatedQr, Mat, NumericError};
-use armident_recording::{DerivativeSource, Motion, MotionSettings};
 use armident_simulation::{SimulatedArm, SimulationError, TrackingGains, Trajectory, track};
 use rayon::prelude::*;
 

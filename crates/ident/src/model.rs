@@ -10,7 +10,8 @@ use armident_kinematics::{
     AxisPair, DrivingAxisChain, DrivingAxisFrame, DrivingAxisJoint, InertialParameters, JointKind,
     JointLimits,
 };
-use armident_recording::{Motion, Recording};
+use armident_motion::Motion;
+use armident_recording::Recording;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 use armident_dynamics::ArmMotion;
 use armident_effects::{EVERYDAY, Effect, JointMotion, Place, Turn};
 use armident_kinematics::JointKind;
+use armident_motion::Motion;
 use armident_numeric::AccumulatedQr;
-use armident_recording::Motion;
 use rayon::prelude::*;
 
 use crate::batch::{BatchProblem, LAWS, Term};

@@ -4,7 +4,8 @@
 //! believe it before all others: a wrist whose column is 0 then weighs nothing.
 
 use armident_effects::{Effect, TorqueOffset};
-use armident_recording::{Recording, stuck_effort_shares};
+use armident_motion::stuck_effort_shares;
+use armident_recording::Recording;
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{BatchProblem, JointFit, LAWS, Term};

@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use armident_recording::{JointChannels, Motion, Recording};
+use armident_motion::Motion;
+use armident_recording::{JointChannels, Recording};
 use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};

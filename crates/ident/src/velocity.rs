@@ -1,6 +1,7 @@
 //! Recorded velocities in the place of differentiated positions.
 
-use armident_recording::{Motion, Quantity, Recording};
+use armident_motion::Motion;
+use armident_recording::{Quantity, Recording};
 
 /// A motion whose velocity is the recorded one through the motion's low-pass, and whose acceleration is
 /// the derivative of that.

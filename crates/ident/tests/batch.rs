@@ -6,13 +6,13 @@ mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{EVERYDAY, Turn};
-use armident_ident::Sought;
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Quantity, Shown, Term, unreported,
-    used_samples,
+    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Quantity, Shown, Sought, Term,
+    unreported, used_samples,
 };
 use armident_kinematics::InertialParameters;
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;

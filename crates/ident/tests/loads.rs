@@ -5,12 +5,11 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_ident::Sought;
 use armident_ident::{
-    ArmModel, BatchProblem, BatchSettings, Coupling, KnownLoad, Method, without_loads,
+    ArmModel, BatchProblem, BatchSettings, Coupling, KnownLoad, Method, Sought, without_loads,
 };
 use armident_kinematics::InertialParameters;
-use armident_recording::Motion;
+use armident_motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};

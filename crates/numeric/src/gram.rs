@@ -1,8 +1,7 @@
 //! Gram matrices of columns, and small symmetric systems that are solved many times.
 
-use faer::Mat;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Par};
+use faer::{Accum, Mat, Par};
 
 /// `AᵀA` of columns of one length.
 pub fn gram_of_columns(columns: &[&[f64]]) -> Mat<f64> {

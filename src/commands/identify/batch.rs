@@ -7,8 +7,9 @@ use armident_ident::{
     CouplingFound, DriveGain, DriveGains, KnownLoad, LAWS, MinimalSet, Recorded, Sought, Term,
     without_loads,
 };
+use armident_motion::Motion;
 use armident_page::Correlation;
-use armident_recording::{Motion, Quantity, Recording};
+use armident_recording::{Quantity, Recording};
 use armident_report::{
     ConsistencyReport, DriveGainRow, EffectRow, EndogeneityRow, FitReport, IdentifyReport, LoadRow,
     MergedRow,
@@ -30,7 +31,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     let (model, unused) = robot::load_links(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, args.cutoff_hz)?;
+    let cutoff_hz = armident_motion::common_cutoff_hz(&train, &joints, args.cutoff_hz)?;
     let loads = payloads(args, &model, &[(&train_files, &train), (&holdout_files, &holdout)])?;
 
     let arm = model.rigid_arm();

@@ -6,7 +6,8 @@ use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{ArmModel, JointFit, MinimalSet};
-use armident_recording::{Motion, Recording};
+use armident_motion::Motion;
+use armident_recording::Recording;
 use armident_report::{
     ConsistencyReport, ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, StepRow,
 };
@@ -48,7 +49,7 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
     let files: Vec<PathBuf> =
         plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
     let recordings: Vec<Recording> = recordings::read_all(&files, &args.reading, &args.output)?;
-    let cutoff_hz = armident_recording::common_cutoff_hz(&recordings, &joints, args.cutoff_hz)?;
+    let cutoff_hz = armident_motion::common_cutoff_hz(&recordings, &joints, args.cutoff_hz)?;
     let motions = recordings::motions_with_effort(&recordings, &joints, cutoff_hz)?;
 
     let arm = model.rigid_arm();

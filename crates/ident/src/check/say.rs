@@ -1,9 +1,9 @@
 //! From numbers to verdicts and sentences.
 
-use armident_recording::{
-    Action, CUTOFF_OVER_EDGE, Finding, FindingKind, HIGHEST_CUTOFF_SHARE, Motion, QualityReport,
-    Quantity, RESTING_RANGE,
+use armident_motion::{
+    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, Motion, QualityReport, RESTING_RANGE,
 };
+use armident_recording::{Action, Finding, FindingKind, Quantity};
 
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::delay::Delay;

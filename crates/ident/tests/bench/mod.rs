@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use armident_dynamics::RigidArm;
 use armident_ident::{ArmModel, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 
 pub(crate) struct Bench {
     pub(crate) model: ArmModel,

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_recording::ZeroPhaseLowPass;
+use armident_motion::ZeroPhaseLowPass;
 
 fn judge(file: &str) -> csv::Reader<std::fs::File> {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/judges");

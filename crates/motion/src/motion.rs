@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::butterworth::{DEFAULT_ORDER, ZeroPhaseLowPass};
 use crate::cutoff::default_cutoff_hz;
-use crate::error::{Fault, RecordingError};
-use crate::recording::{JointChannels, Quantity, Recording};
-use crate::repeated_frames::RepeatedFrames;
-use crate::resample::EvenGrid;
+use crate::duplicate_frames::RepeatedFrames;
+use crate::grid::EvenGrid;
+use crate::low_pass::{DEFAULT_ORDER, ZeroPhaseLowPass};
+use armident_recording::{Fault, JointChannels, Quantity, Recording, RecordingError};
 
 /// Where velocity and acceleration come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_recording::{Motion, MotionSettings, read_csv};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::read_csv;
 
 #[path = "../../../tests/shared.rs"]
 #[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]

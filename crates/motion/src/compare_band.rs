@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// Cut-off (-6 dB) of the band \[Hz\]: motions of arms and their friction live below; the noise of
 /// efforts and of differentiated encoders mostly above.
-pub(crate) const BAND_HZ: f64 = 10.0;
+pub const BAND_HZ: f64 = 10.0;
 /// Share of the sample rate that the cut-off may be: there differences of fourth order lose 4 % of a
 /// derivative, and less below.
 const BAND_SHARE: f64 = 1.0 / 6.0;
@@ -14,24 +14,24 @@ const ROWS_PER_CYCLE: f64 = 2.5;
 const HALF_LENGTH_S: f64 = 0.25;
 /// Samples closer to an end than this \[s\] are not used: the kernel and the low-pass of the
 /// kinematics reach there.
-pub(crate) const EDGE_S: f64 = 0.3;
+pub const EDGE_S: f64 = 0.3;
 
 /// A zero-phase low-pass whose output is formed only at the rows that are kept: a windowed sine
 /// cardinal. One kept row costs its taps, which is a tenth of a recursive filter over all samples.
 #[derive(Debug, Clone)]
-pub(crate) struct Band {
+pub struct Band {
     taps: Vec<f64>,
-    /// sample index of each row
-    pub(crate) kept: Vec<usize>,
-    /// rows per second
-    pub(crate) rows_hz: f64,
+    /// Sample index of each row.
+    pub kept: Vec<usize>,
+    /// Rows per second.
+    pub rows_hz: f64,
     rate_hz: f64,
     cutoff_hz: f64,
 }
 
 impl Band {
     /// Up to `highest_hz`, or what the rate allows.
-    pub(crate) fn new(rate_hz: f64, samples: usize, highest_hz: f64) -> Self {
+    pub fn new(rate_hz: f64, samples: usize, highest_hz: f64) -> Self {
         let cutoff_hz = highest_hz.min(BAND_SHARE * rate_hz);
         let cutoff = cutoff_hz / rate_hz;
         // as many cycles of the cut-off whatever it is
@@ -54,13 +54,13 @@ impl Band {
     }
 
     /// The rows of a column given at every sample.
-    pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
+    pub fn rows(&self, column: &[f64]) -> Vec<f64> {
         self.at(column, &self.kept)
     }
 
     /// Appends the rows of columns of which only a few are not zero at a sample: `few` of them, with their
     /// values. Each row costs its taps so many times, however many columns there are.
-    pub(crate) fn rows_of_few(&self, entries: &[(usize, f64)], few: usize, rows: &mut [Vec<f64>]) {
+    pub fn rows_of_few(&self, entries: &[(usize, f64)], few: usize, rows: &mut [Vec<f64>]) {
         let half = self.taps.len() / 2;
         let mut sums = vec![0.0; rows.len()];
         for &i in &self.kept {
@@ -78,7 +78,7 @@ impl Band {
     }
 
     /// Rows so far apart that white noise is white in them again: at twice the cut-off.
-    pub(crate) fn independent_rows(&self, column: &[f64]) -> Vec<f64> {
+    pub fn independent_rows(&self, column: &[f64]) -> Vec<f64> {
         let step = (self.rate_hz / (2.0 * self.cutoff_hz)).ceil().max(1.0) as usize;
         let (Some(&first), Some(&last)) = (self.kept.first(), self.kept.last()) else {
             return Vec::new();
@@ -108,7 +108,7 @@ impl Band {
 
     /// Variance that white noise of variance 1, coloured by the kernel `[c, 1 - 2c, c]` to variance 1
     /// again, keeps in the band.
-    pub(crate) fn noise_gain(&self, colour: f64) -> f64 {
+    pub fn noise_gain(&self, colour: f64) -> f64 {
         let kernel = [colour, 1.0 - 2.0 * colour, colour];
         let n = self.taps.len();
         let both = (0..n + 2).map(|i| {
@@ -121,7 +121,7 @@ impl Band {
     }
 
     /// Mean over all frequencies of `|F|² g(f)`, for noise that a filter of power `g` has shaped.
-    pub(crate) fn mean_power(&self, g: impl Fn(f64) -> f64) -> f64 {
+    pub fn mean_power(&self, g: impl Fn(f64) -> f64) -> f64 {
         const POINTS: usize = 400;
         let half = self.taps.len() / 2;
         let power = |k: usize| {
@@ -135,7 +135,7 @@ impl Band {
     }
 
     /// Independent samples per row.
-    pub(crate) fn independent_share(&self) -> f64 {
+    pub fn independent_share(&self) -> f64 {
         // white noise in, so variance over share of the band: mean |F|² is 2 B / rate
         let bandwidth = 0.5 * self.rate_hz * self.mean_power(|_| 1.0);
         (2.0 * bandwidth / self.rows_hz).min(1.0)

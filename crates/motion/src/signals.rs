@@ -4,18 +4,17 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::{Continuation, EvenGrid, differentiate};
 use armident_numeric::dot;
-use armident_recording::{
-    Continuation, EvenGrid, Quantity, Recording, RecordingError, differentiate,
-};
+use armident_recording::{Quantity, Recording, RecordingError};
 use rayon::prelude::*;
 
-use crate::band::Band;
-use crate::noise::{Noise, noise_of};
-use crate::sampled::{
+use crate::compare_band::Band;
+use crate::decimate::{
     every, kinematics_cutoff_hz, kinematics_filter, kinematics_power, later, means,
 };
-use crate::stops::{
+use crate::noise_spectrum::{Noise, noise_of};
+use crate::standstill::{
     Channels, Reaction, SmearedStep, SmoothMotion, Stop, directions_and_stops, held, least_step,
     quantisation, react, stands_at_ends, starts_at_rest,
 };
@@ -36,43 +35,54 @@ const SEARCHED_HZ: f64 = 250.0;
 
 /// Channels of the joints of a chain on an even grid, joint-major.
 #[derive(Debug, Clone)]
-pub(crate) struct Signals {
-    pub(crate) source: String,
-    pub(crate) rate_hz: f64,
-    /// before it was thinned
-    pub(crate) recorded_hz: f64,
-    /// since the first sample
-    pub(crate) time_s: Vec<f64>,
-    pub(crate) recorded_position: Vec<Vec<f64>>,
-    /// how these go on past the ends of the recording
-    pub(crate) goes_on: Vec<Continuation>,
-    /// whether the arm stands there
-    pub(crate) stands: [bool; 2],
-    /// whether the arm rests at the first sample, however suddenly it moves then
-    pub(crate) starts_at_rest: bool,
-    pub(crate) position: Vec<Vec<f64>>,
-    pub(crate) velocity: Vec<Vec<f64>>,
-    pub(crate) acceleration: Vec<Vec<f64>>,
-    /// the same with the jumps where the joint stops, and as its drive answers it: [`held`]
-    pub(crate) own_acceleration: Vec<Vec<f64>>,
-    pub(crate) held_acceleration: Vec<Vec<f64>>,
-    pub(crate) direction: Vec<Vec<f64>>,
-    pub(crate) stuck: Vec<Vec<bool>>,
-    /// where a joint comes to a stop
-    pub(crate) stops: Vec<Vec<Stop>>,
+pub struct Signals {
+    /// Where the recording comes from.
+    pub source: String,
+    /// Samples per second of the grid.
+    pub rate_hz: f64,
+    /// Samples per second before decimation.
+    pub recorded_hz: f64,
+    /// Times since the first sample \[s\].
+    pub time_s: Vec<f64>,
+    /// Positions on the grid, not filtered \[rad or m\].
+    pub recorded_position: Vec<Vec<f64>>,
+    /// How these go on past the ends of the recording.
+    pub goes_on: Vec<Continuation>,
+    /// Whether the arm stands still at the first and at the last sample.
+    pub stands: [bool; 2],
+    /// Whether the arm rests at the first sample, however suddenly it moves then.
+    pub starts_at_rest: bool,
+    /// Low-passed positions \[rad or m\].
+    pub position: Vec<Vec<f64>>,
+    /// Their derivatives \[rad/s or m/s\].
+    pub velocity: Vec<Vec<f64>>,
+    /// Their second derivatives \[rad/s² or m/s²\].
+    pub acceleration: Vec<Vec<f64>>,
+    /// The same with the jumps where the joint stops.
+    pub own_acceleration: Vec<Vec<f64>>,
+    /// The same as the drive answers it: during a dwell it goes from that of before to none.
+    pub held_acceleration: Vec<Vec<f64>>,
+    /// Sign of the velocity, between -1 and 1 where a joint reverses within a sample or rests.
+    pub direction: Vec<Vec<f64>>,
+    /// Whether the joint rests at a sample.
+    pub stuck: Vec<Vec<bool>>,
+    /// Standstills of each joint, in the order of time.
+    pub stops: Vec<Vec<Stop>>,
     /// accelerations of the other joints where one stops
     reactions: Vec<Vec<Reaction>>,
     smeared_step: Arc<SmearedStep>,
-    /// empty for a joint whose effort is not recorded
-    pub(crate) effort: Vec<Vec<f64>>,
-    /// what of the recorded effort is known and no longer in `effort`
-    pub(crate) taken: Vec<Vec<f64>>,
-    /// noise of the effort of one recorded sample, and in the band \[N m or N\]
-    pub(crate) effort_noise: Vec<f64>,
-    pub(crate) effort_noise_in_band: Vec<f64>,
-    /// noise of the acceleration in the band \[rad/s2 or m/s2\]
-    pub(crate) acceleration_noise: Vec<f64>,
-    pub(crate) band: Band,
+    /// Efforts on the grid \[N m or N\]; empty for a joint whose effort is not recorded.
+    pub effort: Vec<Vec<f64>>,
+    /// Known part of the recorded effort, no longer in `effort` \[N m or N\].
+    pub taken: Vec<Vec<f64>>,
+    /// Noise of the effort of one recorded sample \[N m or N\].
+    pub effort_noise: Vec<f64>,
+    /// Noise of the effort in the band \[N m or N\].
+    pub effort_noise_in_band: Vec<f64>,
+    /// Noise of the acceleration in the band \[rad/s² or m/s²\].
+    pub acceleration_noise: Vec<f64>,
+    /// The band in which efforts are compared.
+    pub band: Band,
     /// below which all is compared, if the rate allows it
     band_hz: f64,
 }
@@ -89,7 +99,7 @@ impl Signals {
     ///
     /// # Errors
     /// A joint without position, or a recording that is mostly gaps.
-    pub(crate) fn below(
+    pub fn below(
         recording: &Recording,
         joints: &[String],
         band_hz: f64,
@@ -102,7 +112,7 @@ impl Signals {
     ///
     /// # Errors
     /// A joint without position.
-    pub(crate) fn on(
+    pub fn on(
         grid: &EvenGrid,
         recording: &Recording,
         joints: &[String],
@@ -221,7 +231,7 @@ impl Signals {
 
     /// Accelerations of all joints as they are on one of them: its own and, where it stops, the others' jump. While it rests
     /// they are what its drive answers if that is asked for (`held`).
-    pub(crate) fn accelerations_on(&self, row: usize, held: bool) -> Cow<'_, [Vec<f64>]> {
+    pub fn accelerations_on(&self, row: usize, held: bool) -> Cow<'_, [Vec<f64>]> {
         if self.stops[row].is_empty() {
             return Cow::Borrowed(&self.acceleration);
         }
@@ -235,7 +245,7 @@ impl Signals {
     }
 
     /// Samples at which a joint rests.
-    pub(crate) fn rests_of(&self, joint: usize) -> impl Iterator<Item = Range<usize>> {
+    pub fn rests_of(&self, joint: usize) -> impl Iterator<Item = Range<usize>> {
         let lasting = self.stops[joint].iter().filter(|stop| stop.lasts(self.rate_hz));
         lasting.map(|stop| {
             let (start, end) = stop.samples();
@@ -243,12 +253,18 @@ impl Signals {
         })
     }
 
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
     /// Whether a joint rests somewhere.
-    pub(crate) fn rests(&self, joint: usize) -> bool {
+    pub fn rests(&self, joint: usize) -> bool {
         self.stops[joint].iter().any(|stop| stop.lasts(self.rate_hz))
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
         self.time_s.len()
     }
 
@@ -256,7 +272,7 @@ impl Signals {
     /// hundreds of times, and all is compared in the band. Efforts, directions and positions as recorded become
     /// means around the samples that remain, motions are below the rate already; noise stays what it was found to be
     /// at every sample.
-    pub(crate) fn thinned(mut self, of_all: usize) -> Self {
+    pub fn thinned(mut self, of_all: usize) -> Self {
         let most = (self.rate_hz / SEARCHED_HZ).floor() as usize;
         let step = of_all.div_ceil(SEARCHED_SAMPLES).min(most);
         if step < 2 {
@@ -348,7 +364,7 @@ impl Signals {
 impl Signals {
     /// The efforts as they were before a delay \[s\]: at every instant, what is recorded that much
     /// later.
-    pub(crate) fn effort_before(&self, delay_s: f64) -> Vec<Vec<f64>> {
+    pub fn effort_before(&self, delay_s: f64) -> Vec<Vec<f64>> {
         // what was recorded is late, what is known is not
         let before = |(all, taken): (Vec<f64>, &Vec<f64>)| {
             let before = later(&all, delay_s * self.rate_hz);
@@ -358,7 +374,7 @@ impl Signals {
     }
 
     /// Efforts with what was taken out of the recorded ones.
-    pub(crate) fn with_taken(&self, mut effort: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    pub fn with_taken(&self, mut effort: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         for (effort, taken) in effort.iter_mut().zip(&self.taken) {
             effort.iter_mut().zip(taken).for_each(|(e, taken)| *e += taken);
         }
@@ -366,7 +382,7 @@ impl Signals {
     }
 
     /// The same with a known part of the efforts taken out.
-    pub(crate) fn without(mut self, known: Vec<Vec<f64>>) -> Self {
+    pub fn without(mut self, known: Vec<Vec<f64>>) -> Self {
         for ((effort, taken), known) in self.effort.iter_mut().zip(&mut self.taken).zip(known) {
             for ((effort, taken), known) in effort.iter_mut().zip(taken).zip(known) {
                 *effort -= known;
@@ -380,7 +396,7 @@ impl Signals {
 #[cfg(test)]
 mod tests {
     use super::{SEARCHED_SAMPLES, Signals};
-    use crate::band::BAND_HZ;
+    use crate::compare_band::BAND_HZ;
     use armident_recording::{JointChannels, Recording};
 
     /// What is compared in the band is the same of few samples as of all, friction that reverses among it; noise

@@ -1,9 +1,9 @@
 //! Whether an arm stands where a recording starts, and where it ends.
 
-use armident_recording::ZeroPhaseLowPass;
+use crate::ZeroPhaseLowPass;
 
 use super::Channels;
-use super::fit::{Fit, Sample};
+use super::local_polynomial::{Fit, Sample};
 
 /// An arm stands at an end of a recording where so much of its motion there \[s\], smoothed with so much around \[s\],
 /// says so by twice this logarithm of the likelihood.

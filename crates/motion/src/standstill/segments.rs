@@ -1,9 +1,9 @@
 //! A recording cut where its joint stops: what lies between two stops is smooth, and smoothed for itself.
 
-use armident_recording::{Continuation, ZeroPhaseLowPass, differentiate};
+use crate::{Continuation, ZeroPhaseLowPass, differentiate};
 
 use super::{Channels, SmoothMotion, Stop};
-use crate::sampled::between;
+use crate::decimate::between;
 
 /// Efforts are continued past a stop by so much of their mirror image \[s\].
 const MIRRORED_S: f64 = 0.12;
@@ -91,9 +91,12 @@ fn pieces(stops: &[Stop], samples: usize, rate_hz: f64) -> Vec<Piece> {
 
 /// What a channel is: it says how its image behind a stop looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Kind {
+pub enum Kind {
+    /// Position: mirrored about the standstill.
     Position,
+    /// Velocity.
     Velocity,
+    /// Effort.
     Effort,
 }
 
@@ -110,7 +113,7 @@ impl Kind {
 }
 
 /// A channel, and how it goes on past the ends of its recording.
-pub(crate) struct Series<'a> {
+pub struct Series<'a> {
     values: &'a [f64],
     kind: Kind,
     before: Vec<f64>,
@@ -121,7 +124,7 @@ pub(crate) struct Series<'a> {
 
 impl<'a> Series<'a> {
     /// Continued as is said; by its mirror image where the joint stands.
-    pub(crate) fn of(
+    pub fn of(
         values: &'a [f64],
         kind: Kind,
         goes_on: Continuation,
@@ -166,7 +169,7 @@ impl<'a> Series<'a> {
     }
 
     /// All of it continued, and the number of samples in front.
-    pub(crate) fn whole(&self) -> (Vec<f64>, usize) {
+    pub fn whole(&self) -> (Vec<f64>, usize) {
         self.piece(&Piece::WHOLE)
     }
 
@@ -216,7 +219,7 @@ fn smooth_piece(
 }
 
 /// A low-pass that leaves what jumps where a joint stops as it is.
-pub(crate) fn filter_between(
+pub fn filter_between(
     values: &[f64],
     stops: &[Stop],
     low_pass: &ZeroPhaseLowPass,

@@ -1,6 +1,6 @@
 //! Where a joint stays at one place though its motion around says that it would have left it.
 
-use armident_recording::{QUARTIC_TERMS, Quartics};
+use crate::{QUARTIC_TERMS, Quartics};
 
 use super::Channels;
 

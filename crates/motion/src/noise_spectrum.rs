@@ -21,9 +21,9 @@ const HANN_CORRELATION: f64 = 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
     /// Standard deviation per sample, in the unit of the channel.
-    pub(crate) deviation: f64,
+    pub deviation: f64,
     /// `c`, 0 (white) to 0.2.
-    pub(crate) colour: f64,
+    pub colour: f64,
 }
 
 /// The noise of evenly sampled values. Zero for fewer samples than two windows.

@@ -4,9 +4,8 @@
 
 use std::f64::consts::PI;
 
-use armident_recording::{
-    DerivativeSource, JointChannels, Motion, MotionSettings, Recording, RecordingError,
-};
+use armident_motion::{DerivativeSource, Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording, RecordingError};
 
 /// Position, velocity and acceleration of a motion of three sines up to 2.1 Hz.
 fn exact(t: f64) -> [f64; 3] {

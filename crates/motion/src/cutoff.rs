@@ -5,9 +5,8 @@ use std::f64::consts::{LN_2, PI};
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
-use crate::error::RecordingError;
-use crate::recording::{MIN_SAMPLES, Quantity, Recording};
-use crate::resample::EvenGrid;
+use crate::grid::EvenGrid;
+use armident_recording::{MIN_SAMPLES, Quantity, Recording, RecordingError};
 
 /// Share of the velocity power that lies below the band edge of a motion.
 pub const POWER_SHARE: f64 = 0.999;

@@ -4,10 +4,8 @@
 
 use std::fmt::Write as _;
 
-use armident_recording::{
-    Action, FindingKind, QualityReport, Quantity, Recording, differences, quality, read_csv,
-    read_csv_from,
-};
+use armident_motion::{QualityReport, differences, quality};
+use armident_recording::{Action, FindingKind, Quantity, Recording, read_csv, read_csv_from};
 
 #[path = "../../../tests/shared.rs"]
 #[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]

@@ -5,8 +5,7 @@
 //! rate, as in films, and the next one is one step ahead: then the clock stood. Read as it is, either is a jump of all
 //! speeds by half or whole, which no arm can do.
 
-use crate::finding::{Action, Finding, FindingKind, percent, places, spans_of};
-use crate::recording::Recording;
+use armident_recording::{Action, Finding, FindingKind, Recording, percent, places, spans_of};
 
 /// Frames before and after in which the arm must move steadily.
 const STEADY: usize = 3;
@@ -142,8 +141,8 @@ fn steps_ahead(positions: &[&[f64]], frame: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::JointChannels;
-    use crate::resample::EvenGrid;
+    use crate::grid::EvenGrid;
+    use armident_recording::JointChannels;
 
     const STEP_S: f64 = 0.02;
 

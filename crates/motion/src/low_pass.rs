@@ -9,7 +9,7 @@ use sci_rs::signal::filter::sosfilt_zi_dyn;
 
 use rayon::prelude::*;
 
-use crate::error::{Fault, RecordingError};
+use armident_recording::{Fault, RecordingError};
 
 /// Order of the low-pass where nothing else is asked for. Forward and backward it counts twice.
 pub const DEFAULT_ORDER: usize = 4;

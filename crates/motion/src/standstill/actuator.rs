@@ -48,7 +48,7 @@ pub(crate) fn held(acceleration: &[f64], stops: &[Stop], rate_hz: f64) -> Vec<f6
 }
 
 /// Efforts without a jump where the joint stops.
-pub(crate) fn continued(effort: &[f64], stops: &[Stop], rate_hz: f64) -> Vec<f64> {
+pub fn continued(effort: &[f64], stops: &[Stop], rate_hz: f64) -> Vec<f64> {
     let mut all = effort.to_vec();
     for stop in stops {
         let Some((start, end)) = stop.rest() else { continue };

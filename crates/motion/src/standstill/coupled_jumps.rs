@@ -7,8 +7,8 @@
 use armident_recording::RecordingError;
 
 use super::Stop;
-use super::fit::{Fit, Sample, nearness};
-use crate::sampled::low_pass;
+use super::local_polynomial::{Fit, Sample, nearness};
+use crate::decimate::low_pass;
 
 /// So much of a motion around a stop \[s\], and so many samples a side at least, say by how much an acceleration jumps.
 const SIDE_S: f64 = 0.04;
@@ -131,8 +131,8 @@ fn jump_at(position: &[f64], at: f64, noise: f64, rate_hz: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampled::{kinematics_cutoff_hz, kinematics_filter};
-    use crate::stops::quantisation;
+    use crate::decimate::{kinematics_cutoff_hz, kinematics_filter};
+    use crate::standstill::quantisation;
 
     const RATE_HZ: f64 = 400.0;
     const STEP: f64 = 2e-5;

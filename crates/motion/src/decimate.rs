@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use armident_recording::{CUTOFF_SHARE_BOUND, RecordingError, ZeroPhaseLowPass};
+use crate::{CUTOFF_SHARE_BOUND, ZeroPhaseLowPass};
+use armident_recording::RecordingError;
 
 /// Cut-off of the low-pass of positions before they are differentiated \[Hz\], well above the band:
 /// columns with signs and products are formed from it and only then filtered.
@@ -15,7 +16,11 @@ pub(crate) fn kinematics_power(f_hz: f64, order: i32) -> f64 {
     magnitude * magnitude * (TAU * f_hz).powi(2 * order)
 }
 
-pub(crate) fn kinematics_filter(rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
+/// The low-pass of positions before they are differentiated, at this rate.
+///
+/// # Errors
+/// A rate that allows no low-pass.
+pub fn kinematics_filter(rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
     low_pass(KINEMATICS_HZ, rate_hz)
 }
 
@@ -29,7 +34,10 @@ fn highest_cutoff_hz(rate_hz: f64) -> f64 {
 }
 
 /// A low-pass of this cut-off, or of the highest that the rate allows.
-pub(crate) fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
+///
+/// # Errors
+/// A rate that allows no low-pass.
+pub fn low_pass(cutoff_hz: f64, rate_hz: f64) -> Result<ZeroPhaseLowPass, RecordingError> {
     ZeroPhaseLowPass::new(KINEMATICS_ORDER, cutoff_hz.min(highest_cutoff_hz(rate_hz)), rate_hz)
 }
 
@@ -69,7 +77,7 @@ pub(crate) fn between(values: &[f64], place: f64) -> f64 {
 }
 
 /// Values `samples` later.
-pub(crate) fn later(values: &[f64], samples: f64) -> Vec<f64> {
+pub fn later(values: &[f64], samples: f64) -> Vec<f64> {
     if samples == 0.0 {
         return values.to_vec();
     }

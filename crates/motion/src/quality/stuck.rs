@@ -3,9 +3,9 @@
 use std::cell::LazyCell;
 
 use crate::cutoff::RESTING_RANGE;
-use crate::finding::{Action, Finding, FindingKind, percent, places, spans_of};
-use crate::recording::{JointChannels, Quantity};
-use crate::timing::Timing;
+use armident_recording::{
+    Action, Finding, FindingKind, JointChannels, Quantity, Timing, percent, places, spans_of,
+};
 
 /// Shortest repetition that can be stuck \[s\]: slower updates than 10 Hz are a fault as well.
 const STUCK_S: f64 = 0.1;

@@ -3,8 +3,8 @@
 use armident_numeric::Cholesky;
 use rayon::prelude::*;
 
-use crate::butterworth::ZeroPhaseLowPass;
 use crate::differentiate::differentiate;
+use crate::low_pass::ZeroPhaseLowPass;
 
 /// Continuation at each end, in periods of the cut-off: beyond it the low-pass remembers nothing.
 const MARGIN_PERIODS: f64 = 3.0;

@@ -2,30 +2,31 @@
 //!
 //! Friction helps a joint to stop, and is against what comes after. It turns back at once where its drive has overcome
 //! friction by then, with what acceleration is left; else it rests, and breaks away with none. Much is known all the
-//! same. The motion before a stop is smooth by itself, and so is that after it ([`pieces`]), so that the stop is known to
-//! a fraction of a sample ([`place`]). A drive does not jump: its effort is continuous where a joint stops and where it
-//! breaks away, so while the joint rests it goes from what it needed before to what it needs after ([`drive`]). The other
-//! joints' efforts do not jump either, so their accelerations do ([`reaction`]). And what the drive follows goes on
+//! same. The motion before a stop is smooth by itself, and so is that after it ([`segments`]), so that the stop is known to
+//! a fraction of a sample ([`event_time`]). A drive does not jump: its effort is continuous where a joint stops and where it
+//! breaks away, so while the joint rests it goes from what it needed before to what it needs after ([`actuator`]). The other
+//! joints' efforts do not jump either, so their accelerations do ([`coupled_jumps`]). And what the drive follows goes on
 //! meanwhile: how far it runs while friction reverses is told by the rests in which the joint turns back ([`direction`]).
 
+mod actuator;
+mod coupled_jumps;
 mod direction;
-mod drive;
-mod ends;
-mod fit;
-mod pieces;
-mod place;
-mod reaction;
-mod rests;
+mod dwell;
+mod event_time;
+mod local_polynomial;
+mod record_ends;
+mod segments;
 
+pub use actuator::continued;
+pub(crate) use actuator::held;
+pub(crate) use coupled_jumps::{Reaction, SmearedStep, react};
 pub(crate) use direction::directions_and_stops;
-pub(crate) use drive::{continued, held};
-pub(crate) use ends::{stands_at_ends, starts_at_rest};
-pub(crate) use pieces::{Kind, Series, filter_between};
-pub(crate) use reaction::{Reaction, SmearedStep, react};
+pub(crate) use record_ends::{stands_at_ends, starts_at_rest};
+pub use segments::{Kind, Series, filter_between};
 
-use armident_recording::Continuation;
+use crate::Continuation;
 use direction::{spells, sure_speed};
-use place::Around;
+use event_time::Around;
 
 /// A stop shorter than this is none for friction that fades \[s\]: the joint turns back.
 const LASTS_S: f64 = 0.008;
@@ -35,22 +36,24 @@ const AWAY_S: f64 = 0.02;
 
 /// Where a joint comes to a stop, and where it breaks away, in samples; the same where it turns back at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Stop {
-    pub(crate) from: f64,
-    pub(crate) to: f64,
-    /// signs of the speed before and after, 0 where the recording begins or ends
-    pub(crate) directions: [f64; 2],
+pub struct Stop {
+    /// Where the joint comes to a stop, in samples.
+    pub from: f64,
+    /// Where it breaks away, in samples.
+    pub to: f64,
+    /// Signs of the velocity before and after, 0 where the recording begins or ends.
+    pub directions: [f64; 2],
 }
 
 impl Stop {
     /// Its samples, `[start, end)`: none where a joint turns back between two.
-    pub(crate) fn samples(&self) -> (usize, usize) {
+    pub fn samples(&self) -> (usize, usize) {
         let start = self.from.ceil() as usize;
         (start, if self.to > self.from { self.to.floor() as usize + 1 } else { start })
     }
 
     /// Whether the joint was in motion before.
-    pub(crate) fn stops(&self) -> bool {
+    pub fn stops(&self) -> bool {
         self.from > 0.0
     }
 
@@ -60,7 +63,7 @@ impl Stop {
     }
 
     /// Whether the joint stays where it is for a while.
-    pub(crate) fn lasts(&self, rate_hz: f64) -> bool {
+    pub fn lasts(&self, rate_hz: f64) -> bool {
         self.to - self.from > LASTS_S * rate_hz
     }
 
@@ -76,7 +79,7 @@ impl Stop {
     }
 
     /// Of every so many samples.
-    pub(crate) fn thinned(&self, step: usize) -> Self {
+    pub fn thinned(&self, step: usize) -> Self {
         Self { from: self.from / step as f64, to: self.to / step as f64, ..*self }
     }
 }
@@ -90,16 +93,16 @@ pub(crate) struct SmoothMotion {
 
 /// What is recorded of the motion of one joint, on an even grid.
 pub(crate) struct Channels<'a> {
-    pub(crate) position: &'a [f64],
+    pub position: &'a [f64],
     /// to be used in place of the derivative of the position
-    pub(crate) velocity: Option<&'a [f64]>,
+    pub velocity: Option<&'a [f64]>,
     /// least difference of positions
-    pub(crate) step: f64,
-    pub(crate) rate_hz: f64,
+    pub step: f64,
+    pub rate_hz: f64,
     /// how position and velocity go on past the ends of the recording
-    pub(crate) goes_on: [Continuation; 2],
+    pub goes_on: [Continuation; 2],
     /// whether the joint stands at the first sample, and at the last
-    pub(crate) stands: [bool; 2],
+    pub stands: [bool; 2],
 }
 
 /// A stop as it is seen at first.
@@ -202,7 +205,7 @@ pub(crate) fn least_step(position: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampled::kinematics_filter;
+    use crate::decimate::kinematics_filter;
 
     const RATE_HZ: f64 = 400.0;
 

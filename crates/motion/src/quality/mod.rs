@@ -4,13 +4,15 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::cutoff::{band_edge_hz, noise_sigma};
-use crate::finding::{Action, Finding, FindingKind, Span, percent, places};
-use crate::recording::{JointChannels, Quantity, Recording};
-use crate::repeated_frames::RepeatedFrames;
-use crate::resample::EvenGrid;
-use crate::runs::{quantisation_step, saturated, stuck};
-use crate::timing::Timing;
-use crate::velocity_check;
+use crate::duplicate_frames::RepeatedFrames;
+use crate::grid::EvenGrid;
+use armident_recording::{
+    Action, Finding, FindingKind, JointChannels, Quantity, Recording, Span, Timing, percent,
+    places, velocity_findings,
+};
+mod stuck;
+
+use stuck::{quantisation_step, saturated, stuck};
 
 /// Positions beyond this are four turns; arms rarely do that, degrees always \[rad\].
 const FAR_POSITION: f64 = 25.0;
@@ -117,7 +119,7 @@ fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     let repeated = RepeatedFrames::of(recording);
     findings.extend(repeated.map(|repeated| repeated.finding(&recording.time_s)));
     findings.extend(recording.joints.iter().filter_map(far_position));
-    findings.extend(velocity_check::findings(recording, timing));
+    findings.extend(velocity_findings(recording, timing));
     let of_joint = |joint: &JointChannels| {
         let mut of_joint = stuck(&recording.time_s, timing, joint);
         of_joint.extend(saturated(&recording.time_s, joint));

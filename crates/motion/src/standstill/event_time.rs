@@ -10,7 +10,7 @@ use std::ops::Range;
 use armident_numeric::{Cholesky, dot};
 
 use super::Stop;
-use super::fit::{Fit, Sample, nearness};
+use super::local_polynomial::{Fit, Sample, nearness};
 
 /// So much of the motion before and after a stop \[s\], and so many samples at least, say where it is...
 const SIDE_S: f64 = 0.05;
@@ -268,7 +268,7 @@ impl Around {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stops::quantisation;
+    use crate::standstill::quantisation;
 
     /// A joint of inertia 1 with dry friction behind a drive of this natural frequency \[rad/s\] follows two sines.
     /// Gives its positions at this rate, and its stops.
