@@ -41,6 +41,8 @@ mod demo;
 mod diagnose;
 /// models as URDF and MJCF, and what these formats cannot hold
 mod export;
+/// an estimator from outside the library
+mod extend_estimator;
 /// MCAP beside CSV
 mod formats;
 /// pages of results in a browser

@@ -7,9 +7,9 @@ use std::path::Path;
 use armident_diagnose::{
     Books, DiagnosedModel, Diagnosis, Finding, Placebo, diagnose_with_placebo,
 };
+use armident_ident::estimators::{Estimator, Ols, TrainingData};
 use armident_ident::{
-    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought,
-    unreported,
+    ArmModel, BatchProblem, BatchSettings, IdentifyRequest, MinimalSet, identify,
 };
 use armident_recording::Recording;
 use armident_report::unit_told;
@@ -290,19 +290,21 @@ fn plain_errors(
     let problem = BatchProblem::new(&arm, &minimal);
     let motions = data.motions(train)?;
     let all: Vec<_> = motions.iter().collect();
-    let (_, found, _) = problem.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
+    let rows = problem.accumulate(&all);
+    let training = TrainingData { model, motions: &all, rows: &rows };
+    let found = Ols.fit(&problem, &training, &BatchSettings::PLAIN)?;
     errors_with(data, &problem, &minimal, &found.values, holdout)
 }
 
 /// With the values of an estimate, through the low-pass of the set's baseline.
 fn errors_with(
     data: &Data,
-    problem: &BatchProblem<'_>,
+    problem: &BatchProblem,
     minimal: &MinimalSet,
     values: &[f64],
     holdout: &[Recording],
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
-    let model = data.model.clone().with_constants(minimal, &problem.constants(values));
+    let model = minimal.in_model(data.model.clone(), &problem.constants(values));
     let mut found = DiagnosedModel::believed(&model);
     let effects = problem.effects(values, &model.chain.joint_names());
     let (couplings, own) = effects.into_iter().partition(|on| on.other_joint.is_some());
@@ -344,33 +346,12 @@ fn identified_errors(
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
     let model = &data.model;
     let names = model.chain.joint_names();
-    let arm = model.rigid_arm();
-    let minimal = MinimalSet::of(&arm)?;
-    let is_unreported = unreported(train, &names).iter().map(Option::is_some).collect();
-    let mut problem = BatchProblem::new(&arm, &minimal).with_unreported(is_unreported);
-    let motions = data.motions(train)?;
-    let chosen = problem.choose(
-        &motions.iter().collect::<Vec<_>>(),
-        &BatchSettings::default(),
-        Sought::ALL,
-    )?;
-    let none = Recorded { recordings: &[], motions: &[] };
-    let fitted = BatchFit::of(
-        &problem,
-        model,
-        Method::Irls,
-        &chosen.settings,
-        Recorded { recordings: train, motions: &motions },
-        none,
-    )?;
-    let real = problem.nearest_consistent(&fitted.estimate)?;
-    let found = ArmModel {
-        effects: problem.consistent_effects(&real, &names),
-        recorded_velocities: fitted.velocity_gain.is_some(),
-        turns: problem.turns.clone(),
-        shown: Some(problem.shown(&fitted.rows, &real.estimated)),
-        ..model.clone().with_links(&real.links)
+    let request = IdentifyRequest {
+        cutoff_hz: Some(data.cutoff_hz),
+        decimate: false,
+        ..IdentifyRequest::new(model, train)
     };
+    let found = identify(&request)?.model;
     let predicted = |recording: &Recording| -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
         let motions = data.motions(std::slice::from_ref(recording))?;
         let motion = motions.into_iter().next().ok_or("no motion")?;

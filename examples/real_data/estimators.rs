@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::check::with_drive_signals;
+use armident_ident::checks::with_drive_signals;
+use armident_ident::estimators::{ALL, Estimator, Ols, TrainingData};
 use armident_ident::{
-    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
-    used_samples, with_recorded_velocity,
+    BatchProblem, BatchSettings, IdentifyRequest, MinimalSet, Prepared, used_samples,
 };
 use armident_motion::Motion;
 
@@ -14,6 +14,8 @@ use crate::sets::{Data, KeptOut, SETS, Set};
 
 /// Stretches that a hold-out is cut into, for the scatter of the difference of two errors.
 pub(crate) const STRETCHES: usize = 8;
+/// The estimator of `identify` unless another is given.
+const DEFAULT: &str = "irls";
 /// Share of a recording that is fitted where there is only one.
 const TRAINING_SHARE: f64 = 2.0 / 3.0;
 
@@ -30,20 +32,20 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
          effort columns leave small efforts out stand in the table and are not counted: what is recorded there is \
          not what the body needs, and predictions have the share of it that the fitted part shows.\n"
     );
-    println!("| set | joint | plain | {} |", Method::ALL.map(Method::name).join(" | "));
+    println!("| set | joint | plain | {} |", ALL.map(Estimator::name).join(" | "));
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
-    let mut gains = vec![Vec::new(); Method::ALL.len()];
+    let mut gains = vec![Vec::new(); ALL.len()];
     let mut notes = Vec::new();
     for set in &SETS {
         table(set, folder, &mut gains, &mut notes)?;
     }
     println!("\nGeometric mean over all joints counted of the error, relative to *plain*:\n");
-    for (method, logs) in Method::ALL.iter().zip(&gains) {
+    for (estimator, logs) in ALL.iter().zip(&gains) {
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
         let above = logs.iter().filter(|log| **log > 0.0).count();
         println!(
             "* `{}`: {:.3}, above *plain* on {above} of {}",
-            method.name(),
+            estimator.name(),
             mean.exp(),
             logs.len()
         );
@@ -75,13 +77,19 @@ fn table(
     let rows = plain.accumulate(&all);
     let judged = plain.accumulate(&holdout_motions.iter().collect::<Vec<_>>());
     let mut default_stretches = None;
-    let (_, found, _) = plain.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
+    let training = TrainingData { model, motions: &all, rows: &rows };
+    let found = Ols.fit(&plain, &training, &BatchSettings::PLAIN)?;
     let plain_stretches = stretches(&plain, &holdout_motions, &found.values);
     let mut columns = vec![(plain.fit(&judged, &found.values), plain.fit(&rows, &found.values))];
-    let unreported = unreported(&train, &names);
-    let is_unreported: Vec<bool> = unreported.iter().map(Option::is_some).collect();
-    let mut problem = BatchProblem::new(&arm, &minimal).with_unreported(is_unreported);
-    for (name, share) in names.iter().zip(&unreported) {
+    let request = IdentifyRequest {
+        holdout: &holdout,
+        cutoff_hz: Some(data.cutoff_hz),
+        decimate: false,
+        ..IdentifyRequest::new(model, &train)
+    };
+    let prepared = Prepared::of(&request)?;
+    let dead_zone_shares = prepared.dead_zone_shares();
+    for (name, share) in names.iter().zip(dead_zone_shares) {
         let Some(share) = share else { continue };
         notes.push(format!(
             "{}: the effort of {name} repeats one value in {:.0} % of the samples although it moves: not counted",
@@ -89,7 +97,7 @@ fn table(
             100.0 * share
         ));
     }
-    let chosen = problem.choose(&all, &BatchSettings::default(), Sought::ALL)?;
+    let chosen = prepared.structure();
     for found in &chosen.couplings {
         let [a, b] = found.coupling.joints().map(|joint| names[joint]);
         notes.push(format!(
@@ -102,43 +110,25 @@ fn table(
     if let Some(relative) = chosen.settings.link_prior {
         notes.push(format!("{}: URDF believed to {:.0} %", set.folder, 100.0 * relative));
     }
-    for method in Method::ALL {
-        let fitted = BatchFit::of(
-            &problem,
-            model,
-            method,
-            &chosen.settings,
-            Recorded { recordings: &train, motions: &train_motions },
-            Recorded { recordings: &holdout, motions: &holdout_motions },
-        );
-        match fitted {
-            Ok(fitted) => {
-                let judged = fitted.holdout_rows.as_ref().ok_or("no hold-out")?;
-                if let Some(found) = fitted.endogeneity {
-                    let term = problem.label(&problem.terms[found.term], &names);
+    for estimator in ALL {
+        match prepared.fit(estimator) {
+            Ok(found) => {
+                let judged = found.errors.holdout.clone().ok_or("no hold-out")?;
+                if let Some(tested) = found.estimate.endogeneity() {
+                    let term = found.problem.label(&found.problem.terms[tested.term], &names);
                     notes.push(format!(
                         "{}: Durbin-Wu-Hausman p = {:.2} ({term} moves by {:+.1} standard errors)",
-                        set.folder, found.p, found.t
+                        set.folder, tested.p, tested.t
                     ));
                 }
-                let links = problem.nearest_consistent(&fitted.estimate)?;
-                if method == Method::Irls {
-                    let with_recorded = |(m, r)| with_recorded_velocity(m, r);
-                    let recorded = holdout_motions.iter().zip(&holdout).map(with_recorded);
-                    let motions = match fitted.velocity_gain {
-                        Some(_) => recorded.collect::<Option<Vec<_>>>().ok_or("no velocities")?,
-                        None => holdout_motions.clone(),
-                    };
-                    default_stretches = Some(stretches(&problem, &motions, &links.estimated));
+                if estimator.name() == DEFAULT {
+                    default_stretches =
+                        Some(stretches(&found.problem, &found.holdout_motions, found.values()));
                 }
-                let shown = problem.shown(&fitted.rows, &links.estimated);
-                columns.push((
-                    problem.fit_as_shown(judged, &links.estimated, &shown),
-                    problem.fit_as_shown(&fitted.rows, &links.estimated, &shown),
-                ));
+                columns.push((judged, found.errors.train.clone()));
             }
             Err(error) => {
-                notes.push(format!("{}, {}: {error}", set.folder, method.name()));
+                notes.push(format!("{}, {}: {error}", set.folder, estimator.name()));
                 columns.push((Vec::new(), Vec::new()));
             }
         }
@@ -157,10 +147,10 @@ fn table(
             })
             .collect();
         println!("| {} | {joint} | {} |", set.folder, cells.join(" | "));
-        if unreported[j].is_some() {
+        if dead_zone_shares[j].is_some() {
             continue;
         }
-        let place = 1 + Method::ALL.iter().position(|m| *m == Method::Irls).unwrap_or(0);
+        let place = 1 + ALL.iter().position(|estimator| estimator.name() == DEFAULT).unwrap_or(0);
         if let (Some(found), Some(plain), Some(of_default)) =
             (error(place), error(0), &default_stretches)
             && found > plain
@@ -184,7 +174,7 @@ fn table(
 }
 
 /// Per joint, the errors on stretches of motions.
-fn stretches(problem: &BatchProblem<'_>, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
+fn stretches(problem: &BatchProblem, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
     let mut errors = vec![Vec::new(); problem.arm().dof()];
     let each = STRETCHES.div_ceil(motions.len());
     for motion in motions {

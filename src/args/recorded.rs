@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use armident_ident::Method;
+use armident_ident::estimators::Estimator;
 use clap::{Args, ValueEnum};
 
-use super::value::{PayloadArg, parse_payload, parse_positive};
+use super::value::{PayloadArg, estimators, parse_payload, parse_positive};
 use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -30,29 +30,6 @@ pub(crate) enum ViscousArg {
     Auto,
     /// proportional to the speed: what a URDF or MJCF can hold
     Linear,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodArg {
-    /// least squares, every row alike
-    Ols,
-    /// joints weighted by their noise
-    Wls,
-    /// weighted, samples that are off count for less (Huber)
-    Irls,
-    /// weighted, with the simulated arm for instruments; tests least squares against it
-    Iv,
-}
-
-impl MethodArg {
-    pub(crate) fn method(self) -> Method {
-        match self {
-            Self::Ols => Method::Ols,
-            Self::Wls => Method::Wls,
-            Self::Irls => Method::Irls,
-            Self::Iv => Method::Iv,
-        }
-    }
 }
 
 /// Estimate an arm's inertia constants and joint friction from recordings
@@ -82,8 +59,8 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
     /// How ordinary motion is fitted; no matter with a plan
-    #[arg(long, value_name = "METHOD", default_value = "irls")]
-    pub(crate) method: MethodArg,
+    #[arg(long, value_name = "METHOD", default_value = "irls", value_parser = estimators())]
+    pub(crate) method: &'static dyn Estimator,
     /// Leave each recording out once, and judge the fit to the others on it
     #[arg(long)]
     pub(crate) cross_validate: bool,

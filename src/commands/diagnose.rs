@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use armident_diagnose::{
     Books, DiagnosedModel, Errors, Known, Seen, diagnose_change, diagnose_with_placebo,
 };
-use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_ident::validation::{REPLAY_WINDOW_S, replay};
 use armident_page::Role;
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};

@@ -1,15 +1,17 @@
 //! `armident identify`.
 
 mod batch;
+mod notes;
+mod payloads;
 mod planned;
+mod report;
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_ident::{ArmModel, Consistent, JointFit, MinimalSet};
+use armident_ident::ArmModel;
 use armident_page::{Correlation, Drawing, Role};
 use armident_recording::Recording;
-use armident_report::{ConstantRow, FitRows, IdentifyReport};
+use armident_report::IdentifyReport;
 
 use super::recordings;
 use crate::args::IdentifyArgs;
@@ -59,57 +61,11 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }
 
-/// What an identification leaves: the result, the model, and what a page draws.
+/// The result of an identification: the report, the model, and what a page draws.
 struct Identified {
     report: IdentifyReport,
     model: ArmModel,
-    /// fitted, and kept out
+    /// training and hold-out
     read: [Vec<Recording>; 2],
     correlation: Option<Correlation>,
-}
-
-fn constant_row(
-    set: &MinimalSet,
-    k: usize,
-    joints: &[&str],
-    urdf: f64,
-    found: Option<(f64, f64, f64)>,
-    undetermined: f64,
-    from_prior: f64,
-) -> ConstantRow {
-    let constant = &set.constants[k];
-    ConstantRow {
-        label: constant.label(),
-        joint: joints[constant.joint].to_owned(),
-        unit: constant.unit(),
-        value: found.map(|(value, _, _)| value),
-        standard_error: found.map(|(_, error, _)| error),
-        interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
-        urdf,
-        consistent: None,
-        from_prior,
-        undetermined,
-    }
-}
-
-/// Values of the real links beside the estimates, which are in the order of the set.
-fn add_consistent(rows: &mut [ConstantRow], set: &MinimalSet, found: Option<&Consistent>) {
-    let Some(found) = found else { return };
-    for (k, constant) in set.constants.iter().enumerate() {
-        let label = constant.label();
-        if let Some(row) = rows.iter_mut().find(|row| row.label == label) {
-            row.consistent = Some(found.estimated[k]);
-        }
-    }
-}
-
-fn fit_rows(fits: &[JointFit], joints: &[&str]) -> FitRows {
-    let pick = |value: fn(&JointFit) -> f64| {
-        joints.iter().zip(fits).map(|(j, fit)| ((*j).to_owned(), value(fit))).collect()
-    };
-    FitRows { rmse: pick(|f| f.rmse), relative: pick(|f| f.relative) }
-}
-
-fn by_joint(values: &[f64], joints: &[&str]) -> BTreeMap<String, f64> {
-    joints.iter().zip(values).map(|(j, v)| ((*j).to_owned(), *v)).collect()
 }

@@ -154,21 +154,26 @@ pub(crate) fn motions_with_effort(
                         recording.joint(j).is_none_or(|c| c.channel(Quantity::Effort).is_none())
                     })
                     .collect();
-                let hint = without.iter().find_map(|joint| misspelt_effort(recording, joint));
-                return Err(Failure::new(
-                    format!("there is no effort column for {}", without.join(", ")),
-                    &recording.source,
-                    Some(hint.unwrap_or_else(|| {
-                        "every chain joint needs <joint>/effort in N m or N (currents and voltages \
-                         become efforts by --mapping FILE, see docs/mapping.md); lock joints without \
-                         one by --lock JOINT=VALUE"
-                            .to_owned()
-                    })),
-                ));
+                return Err(no_effort(recording, &without));
             }
             Ok(motion)
         })
         .collect()
+}
+
+/// A recording lacks the effort of some joints.
+pub(crate) fn no_effort(recording: &Recording, joints: &[&str]) -> Failure {
+    let hint = joints.iter().find_map(|joint| misspelt_effort(recording, joint));
+    Failure::new(
+        format!("there is no effort column for {}", joints.join(", ")),
+        &recording.source,
+        Some(hint.unwrap_or_else(|| {
+            "every chain joint needs <joint>/effort in N m or N (currents and voltages \
+             become efforts by --mapping FILE, see docs/mapping.md); lock joints without \
+             one by --lock JOINT=VALUE"
+                .to_owned()
+        })),
+    )
 }
 
 /// A column that was not read and is nearly the effort of a joint.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_ident::ArmModel;
-use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_ident::validation::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
 use armident_motion::Motion;
 use armident_page::Role;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
             velocity_rms: by_joint(&names, replay.joints.iter().map(|r| r.velocity_rms)),
         }),
         Err(error) => {
-            warnings.push(format!("no forward replay of the {which}: {error} [no-replay]"));
+            warnings.push(format!("forward replay skipped ({which}): {error} [no-replay]"));
             None
         }
     };
@@ -65,8 +65,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let (replay_before, replay_after) = if args.no_replay {
         (None, None)
     } else {
-        let _progress = Progress::of(&args.output, "driving the simulated arm");
-        notes.extend(lost.iter().map(|what| format!("not in the forward replay: {what}")));
+        let _progress = Progress::of(&args.output, "forward replay");
+        notes.extend(lost.iter().map(|what| format!("omitted from forward replay: {what}")));
         (replayed("URDF", &before), replayed("model", &simulated))
     };
     let without_effects: Vec<_> =

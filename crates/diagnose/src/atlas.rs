@@ -5,7 +5,7 @@
 //! anything is fitted.
 
 use armident_dynamics::RigidArm;
-use armident_ident::validate::whiteness;
+use armident_ident::whiteness;
 use armident_motion::differentiate;
 use armident_numeric::dot;
 use armident_recording::RecordingError;

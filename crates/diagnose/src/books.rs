@@ -2,7 +2,7 @@
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::ArmModel;
-use armident_ident::check::{
+use armident_ident::checks::{
     ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
 };
 use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
@@ -60,7 +60,7 @@ pub struct Books {
 }
 
 impl Books {
-    /// Checks the effort columns of recordings against an arm ([`armident_ident::check`]).
+    /// Checks the effort columns of recordings against an arm ([`armident_ident::checks`]).
     ///
     /// # Errors
     /// Recordings that a diagnosis refuses.

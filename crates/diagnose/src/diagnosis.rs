@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use armident_ident::ArmModel;
-use armident_ident::validate::whiteness;
+use armident_ident::whiteness;
 use armident_kinematics::DrivingAxisChain;
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;

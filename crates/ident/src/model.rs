@@ -15,11 +15,9 @@ use armident_recording::Recording;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::coupling::pair_columns;
-use crate::minimal_set::MinimalSet;
-use crate::rows::effect_columns;
-use crate::unreported::Shown;
-use crate::velocity::with_recorded_velocity;
+use crate::dead_zone::DeadZone;
+use crate::law_columns::{effect_columns, pair_columns};
+use crate::recorded_velocity::with_recorded_velocity;
 
 /// Schema of `model.json`.
 pub const MODEL_SCHEMA: &str = "armident.model/1";
@@ -43,7 +41,7 @@ pub struct ArmModel {
     pub effort_noise: Option<Vec<f64>>,
     /// What columns show that leave small efforts out, by joint; predictions of these columns follow it, the links and
     /// effects do not.
-    pub shown: Option<Vec<Option<Shown>>>,
+    pub shown: Option<Vec<Option<DeadZone>>>,
     /// The links before the fit, those of the URDF; none for a URDF itself.
     pub prior_links: Option<Vec<InertialParameters>>,
     /// Where the numbers come from, one sentence each.
@@ -94,26 +92,6 @@ impl ArmModel {
             prior_links: None,
             provenance,
         }
-    }
-
-    /// The same arm with minimal constants of these values.
-    ///
-    /// Standard parameters outside the minimal set keep the values they have, which changes no
-    /// effort; the links need not be physically consistent one by one.
-    #[must_use]
-    pub fn with_constants(mut self, set: &MinimalSet, values: &[f64]) -> Self {
-        let arm = RigidArm::from_chain(&self.chain);
-        self.prior_links.get_or_insert_with(|| arm.links.clone());
-        let mut bodies = arm.constants();
-        let difference: Vec<f64> =
-            values.iter().zip(set.values(&bodies)).map(|(new, old)| new - old).collect();
-        for (constant, change) in set.constants.iter().zip(difference) {
-            constant.add_to(change, &mut bodies);
-        }
-        for (joint, link) in self.chain.joints.iter_mut().zip(arm.with_constants(&bodies).links) {
-            joint.link = link;
-        }
-        self
     }
 
     /// The same arm with other links, one per joint, in the frames of the joints.
@@ -212,7 +190,7 @@ impl ArmModel {
         }
         for (effort, shown) in effort.iter_mut().zip(self.shown.iter().flatten()) {
             if let Some(shown) = shown {
-                shown.of(effort);
+                shown.apply(effort);
             }
         }
         Ok(effort)
@@ -291,7 +269,7 @@ struct ModelFile {
     #[serde(default)]
     effort_noise: Option<Vec<f64>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    shown: Option<Vec<Option<Shown>>>,
+    shown: Option<Vec<Option<DeadZone>>>,
     /// ten parameters a link, as in the joints
     #[serde(default)]
     prior_links: Option<Vec<[f64; 10]>>,
@@ -467,8 +445,9 @@ impl ModelFile {
                 |s: &Vec<f64>| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0);
             sizes.as_ref().is_none_or(fit)
         };
-        let is_sound =
-            |s: &Vec<Option<Shown>>| s.len() == count && s.iter().flatten().all(Shown::is_sound);
+        let is_sound = |s: &Vec<Option<DeadZone>>| {
+            s.len() == count && s.iter().flatten().all(DeadZone::is_sound)
+        };
         if !self.shown.as_ref().is_none_or(is_sound) {
             return bad(
                 "shown must have one entry per joint, null or a share from 0 to 1 and an offset"

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_ident::check::{
+use armident_ident::checks::{
     ChannelKind, Check, ConstantCheck, QualityReport, RecordingCheck, Topic, Verdict,
 };
 use serde::Serialize;

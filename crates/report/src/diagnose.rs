@@ -7,7 +7,7 @@ use armident_diagnose::{
     NextMotion, Placebo,
 };
 use armident_effects::{Effect, SublinearViscousFriction, effect, is_less};
-use armident_ident::check::Check;
+use armident_ident::checks::Check;
 use armident_kinematics::DrivingAxisChain;
 use serde::Serialize;
 
