@@ -23,6 +23,10 @@ impl Estimator for NominalNoise {
         "nominal"
     }
 
+    fn title(&self) -> &'static str {
+        "least squares with nominal noise"
+    }
+
     fn description(&self) -> &'static str {
         "weighted least squares, weights from nominal noise levels"
     }

@@ -95,7 +95,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Holdout)];
-    let models: [(&str, &dyn Predicts); 2] = [("URDF alone", &before), ("model", &robot)];
+    let models: [(&str, &dyn Predicts); 2] = [("URDF only", &before), ("model", &robot)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());
     let warnings = &report.warnings;

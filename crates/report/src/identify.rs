@@ -223,6 +223,11 @@ pub struct FitRows {
     pub relative: BTreeMap<String, f64>,
 }
 
+/// What an estimator of this name is called in texts; the name itself of one that is not in the library.
+pub fn estimator_title(name: &str) -> &str {
+    armident_ident::estimators::by_name(name).map_or(name, |estimator| estimator.title())
+}
+
 impl IdentifyReport {
     /// The page a person reads.
     pub fn text(&self, bars: Bars) -> String {
@@ -236,13 +241,7 @@ impl IdentifyReport {
             },
             self.recordings.len(),
             if self.recordings.len() == 1 { "" } else { "s" },
-            match self.estimator {
-                Some("ols") => "ordinary least squares",
-                Some("irls") => "robust least squares",
-                Some("iv") => "instrumental variables",
-                Some(_) => "weighted least squares",
-                None => "Algorithm 2",
-            },
+            self.estimator.map_or("Algorithm 2", estimator_title),
         );
         text += &format!(
             "rank {} of {}, condition number {}, {} rows ({} % independent), {}\n",

@@ -34,7 +34,7 @@ pub use consistency::ConsistencyReport;
 pub use diagnose::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 pub use identify::{
     ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
-    LoadRow, MergedRow, StepRow,
+    LoadRow, MergedRow, StepRow, estimator_title,
 };
 pub use numbers::{significant, uncertain, unit_told};
 pub use params::ParamsReport;

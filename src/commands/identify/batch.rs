@@ -107,7 +107,8 @@ pub(super) fn failure(error: IdentifyError, read: [&[Recording]; 2]) -> Failure 
         IdentifyError::Numeric(error) => error.into(),
         IdentifyError::NoEffort { ref source_name, ref joints } => {
             let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
-            match read.concat().iter().find(|r| r.source == *source_name) {
+            let mut all = read.iter().copied().flatten();
+            match all.find(|recording| recording.source == *source_name) {
                 Some(recording) => recordings::no_effort(recording, &joints),
                 None => Failure::new(&error, source_name, None::<String>),
             }

@@ -41,13 +41,33 @@ fn robot_wide(topic: Topic, verdict: Verdict, message: String) -> Check {
 
 /// At most four digits, for sentences.
 fn short(x: f64) -> String {
-    let digits = (3 - x.abs().max(1e-300).log10().floor() as i32).clamp(0, 9) as usize;
-    let text = format!("{x:.digits$}");
+    digits(x, 4)
+}
+
+/// At most so many digits, without zeros at the end.
+fn digits(x: f64, most: i32) -> String {
+    let decimals = decimals(x, most);
+    let text = format!("{x:.decimals$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
         text
     }
+}
+
+/// Decimals at which a number has so many digits.
+fn decimals(x: f64, most: i32) -> usize {
+    (most - 1 - x.abs().max(1e-300).log10().floor() as i32).clamp(0, 9) as usize
+}
+
+/// A gain with three digits and the ends of its interval with as many decimals, or two digits if that is more.
+fn gain_and_interval(gain: f64, interval: [f64; 2]) -> (String, String) {
+    let places = decimals(gain, 3);
+    let [low, high] = interval.map(|end| {
+        let places = places.max(decimals(end, 2));
+        format!("{end:.places$}")
+    });
+    (format!("gain {gain:.places$}"), format!("95 % interval {low} to {high}"))
 }
 
 /// `dead`: joints whose effort columns have a dead zone.
@@ -243,8 +263,9 @@ pub(super) fn channel(
         ..robot_wide(Topic::Channel, verdict, message)
     };
     let newton = if kind.is_rotational() { "N m" } else { "N" };
-    let gain =
-        format!("gain {} (95 % interval {} to {})", short(found.gain), short(low), short(high));
+    let (gain, interval) = gain_and_interval(found.gain, found.gain_95);
+    let flipped_gain = format!("sign flipped ({gain}, {interval})");
+    let gain = format!("{gain} ({interval})");
     let moved = channels.order[joint];
     if moved != joint && channels.order_probability <= SURE {
         let message = format!(
@@ -316,10 +337,9 @@ pub(super) fn channel(
     ];
     let most = kinds.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|k| k.1);
     let (message, advice) = match most {
-        Some(ChannelKind::SignFlipped) => (
-            format!("sign flipped, {gain}"),
-            "set sign = -1 in a mapping file, or flip the joint axis".to_owned(),
-        ),
+        Some(ChannelKind::SignFlipped) => {
+            (flipped_gain, "set sign = -1 in a mapping file, or flip the joint axis".to_owned())
+        }
         Some(ChannelKind::WithoutGravity) => (
             "gravity is already compensated".to_owned(),
             "log uncompensated efforts, or pass --gravity 0,0,0".to_owned(),
@@ -341,8 +361,8 @@ pub(super) fn channel(
                 format!("another unit{flip}: {gain}{gear}"),
                 format!(
                     "multiply by {} to {} in a mapping file (gear_ratio or current gain)",
-                    short((1.0 / low).min(1.0 / high)),
-                    short((1.0 / low).max(1.0 / high))
+                    digits((1.0 / low).min(1.0 / high), 3),
+                    digits((1.0 / low).max(1.0 / high), 3)
                 ),
             )
         }

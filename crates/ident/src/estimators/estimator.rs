@@ -14,7 +14,10 @@ pub trait Estimator: fmt::Debug + Send + Sync {
     /// Name on the command line and in files.
     fn name(&self) -> &'static str;
 
-    /// Its error model in a clause, for help texts.
+    /// Name of the method for people, as in "identified by weighted least squares".
+    fn title(&self) -> &'static str;
+
+    /// The method in a clause, for help texts.
     fn description(&self) -> &'static str;
 
     /// Estimates all terms of a problem, in their order, with standard errors. By-products are

@@ -31,6 +31,10 @@ impl Estimator for Huber {
         "irls"
     }
 
+    fn title(&self) -> &'static str {
+        "robust weighted least squares (Huber)"
+    }
+
     fn description(&self) -> &'static str {
         "robust weighted least squares (Huber)"
     }

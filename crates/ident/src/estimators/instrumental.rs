@@ -34,6 +34,10 @@ impl Estimator for Instrumental {
         "iv"
     }
 
+    fn title(&self) -> &'static str {
+        "instrumental variables"
+    }
+
     fn description(&self) -> &'static str {
         "instrumental variables from the simulated arm, with an endogeneity test"
     }

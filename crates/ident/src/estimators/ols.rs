@@ -17,6 +17,10 @@ impl Estimator for Ols {
         "ols"
     }
 
+    fn title(&self) -> &'static str {
+        "ordinary least squares"
+    }
+
     fn description(&self) -> &'static str {
         "ordinary least squares"
     }

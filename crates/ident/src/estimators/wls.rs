@@ -17,6 +17,10 @@ impl Estimator for Wls {
         "wls"
     }
 
+    fn title(&self) -> &'static str {
+        "weighted least squares"
+    }
+
     fn description(&self) -> &'static str {
         "weighted least squares, weights from each joint's noise"
     }

@@ -8,9 +8,8 @@
 //! of some seconds of motion have little power by themselves, because each has speeds of its own.
 //!
 //! References: block jackknife in [`jackknife`](crate::inference::jackknife); the law in
-//! [`SublinearViscousFriction`]; the rule is own.
+//! [`SublinearViscousFriction`](armident_effects::SublinearViscousFriction); the rule is own.
 
-use armident_effects::{Effect, SublinearViscousFriction};
 use armident_numeric::NumericError;
 
 use super::fold_errors::fold_errors;
@@ -24,13 +23,6 @@ pub struct SublinearFound {
     pub joint: usize,
     /// Its coefficient over its standard error.
     pub t: f64,
-}
-
-impl SublinearFound {
-    /// The law's name in files.
-    pub fn slug() -> &'static str {
-        SublinearViscousFriction.law().slug
-    }
 }
 
 impl BatchProblem {

@@ -274,10 +274,7 @@ fn bars(of: &Identified, kind: &str) -> Option<figures::Figure> {
 
 fn excitation(of: &Identified) -> Section {
     let method = match of.estimator.as_deref() {
-        Some("ols") => "ordinary least squares",
-        Some("wls") => "weighted least squares",
-        Some("irls") => "robust least squares",
-        Some("iv") => "instrumental variables",
+        Some(name) => armident_report::estimator_title(name),
         _ if of.method == "algorithm2" => "Algorithm 2",
         _ => &of.method,
     };
