@@ -13,10 +13,11 @@
 #![allow(clippy::print_stdout, reason = "the table is the output")]
 
 use armident_effects::EffectOnJoint;
-use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet, Sought, Term};
+use armident_ident::{BatchProblem, BatchSettings, Method, MinimalSet, Sought, Term};
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
+use armident_model::ArmModel;
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};

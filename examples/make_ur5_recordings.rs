@@ -6,8 +6,8 @@
 //! ```
 
 use armident_effects::EffectOnJoint;
-use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording, write_csv};
 use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
 use nalgebra::Vector3;

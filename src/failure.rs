@@ -4,9 +4,9 @@ use std::fmt::Display;
 use std::path::Path;
 
 use armident_diagnose::DiagnoseError;
-use armident_ident::ModelError;
 use armident_ident::algorithm2::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
+use armident_model::ModelError;
 use armident_recording::RecordingError;
 use armident_simulation::SimulationError;
 use clap::builder::styling::{AnsiColor, Style};

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_diagnose::{DiagnosedModel, Diagnosis, Finding, Seen};
+use armident_diagnose::{Diagnosis, Finding};
 use armident_kinematics::DrivingAxisChain;
+use armident_model::{DiagnosedModel, PreparedRecording};
 use armident_page::{
     Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
 };
@@ -156,8 +157,8 @@ pub(crate) fn of_models<'a>(
 /// What is drawn of a diagnosis.
 pub(crate) fn of_diagnosis(
     diagnosis: &Diagnosis,
-    train: &[Seen<'_>],
-    holdout: &[Seen<'_>],
+    train: &[PreparedRecording<'_>],
+    holdout: &[PreparedRecording<'_>],
 ) -> Result<Drawing, Failure> {
     let before = &diagnosis.believed;
     let models = [before, &diagnosis.rigid, &diagnosis.model];
@@ -171,7 +172,7 @@ pub(crate) fn of_diagnosis(
     let canvas = Canvas::new(chain, &["before", "rigid", "after"], &all)?;
     let mut drawing = canvas.drawing();
     for finding in &diagnosis.findings {
-        let model = diagnosis.model.without(finding, before);
+        let model = finding.ablated_from(&diagnosis.model, before);
         // a finding is looked at on what it was found in
         let mut without =
             train.iter().map(|seen| model.predict_seen(seen)).collect::<Result<Vec<_>, _>>()?;

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use armident_diagnose::{DiagnosedModel, Learned};
-use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_model::{ArmModel, DiagnosedModel, Learned};
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::Recording;
 
@@ -172,7 +171,7 @@ fn learned(path: &Path, model: &ArmModel) -> Result<Option<Learned>, Failure> {
         return Ok(None);
     }
     let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::model(path, &armident_ident::ModelError::Unreadable(error)))?;
+        .map_err(|error| Failure::model(path, &armident_model::ModelError::Unreadable(error)))?;
     Learned::in_model_file(&text, &model.chain.joint_names()).map_err(|error| {
         Failure::new(
             error,

@@ -10,20 +10,33 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 15] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
     ("recording", &[]),
     ("motion", &["numeric", "recording"]),
+    ("model", &["dynamics", "effects", "kinematics", "motion", "recording"]),
     ("simulation", &["dynamics", "effects", "kinematics", "motion", "recording"]),
     (
         "ident",
-        &["dynamics", "effects", "kinematics", "motion", "numeric", "recording", "simulation"],
+        &[
+            "dynamics",
+            "effects",
+            "kinematics",
+            "model",
+            "motion",
+            "numeric",
+            "recording",
+            "simulation",
+        ],
     ),
-    ("diagnose", &["dynamics", "effects", "ident", "kinematics", "motion", "numeric", "recording"]),
-    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
+    (
+        "diagnose",
+        &["dynamics", "effects", "ident", "kinematics", "model", "motion", "numeric", "recording"],
+    ),
+    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model"]),
     ("page", &["effects", "kinematics", "motion", "recording", "report"]),
     (
         "challenge",
@@ -31,15 +44,15 @@ const ARROWS: [(&str, &[&str]); 14] = [
             "diagnose",
             "dynamics",
             "effects",
-            "ident",
             "kinematics",
+            "model",
             "motion",
             "recording",
             "report",
             "simulation",
         ],
     ),
-    ("export", &["effects", "ident", "kinematics"]),
+    ("export", &["effects", "kinematics", "model"]),
     (
         "",
         &[
@@ -50,6 +63,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
             "export",
             "ident",
             "kinematics",
+            "model",
             "motion",
             "numeric",
             "page",

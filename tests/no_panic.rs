@@ -4,8 +4,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use armident_ident::algorithm2::{Plan, algorithm2};
-use armident_ident::{ArmModel, BatchProblem, MinimalSet};
+use armident_ident::{BatchProblem, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf_bytes};
+use armident_model::ArmModel;
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{Recording, read_csv_from};
 use proptest::prelude::*;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use armident_dynamics::{inertia_matrix, inverse_dynamics};
-use armident_ident::ArmModel;
+use armident_model::ArmModel;
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 

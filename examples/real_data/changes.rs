@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_diagnose::{Books, DiagnosedModel, Diagnosis, Finding, diagnose_change};
-use armident_ident::ArmModel;
+use armident_diagnose::{Books, Diagnosis, Finding, diagnose_change};
 use armident_kinematics::InertialParameters;
+use armident_model::{ArmModel, DiagnosedModel};
 use armident_recording::{JointChannels, Recording};
 use nalgebra::{Matrix3, Vector3};
 

@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use armident_diagnose::{
-    Books, DiagnosedModel, Diagnosis, Finding, Placebo, diagnose_with_placebo,
-};
+use armident_diagnose::{Books, Diagnosis, Finding, Placebo, diagnose_with_placebo};
 use armident_ident::{
-    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought,
-    unreported,
+    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
 };
+use armident_model::{ArmModel, DiagnosedModel};
 use armident_recording::Recording;
 use armident_report::unit_told;
 
@@ -302,7 +300,7 @@ fn errors_with(
     values: &[f64],
     holdout: &[Recording],
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
-    let model = data.model.clone().with_constants(minimal, &problem.constants(values));
+    let model = minimal.applied_to(data.model.clone(), &problem.constants(values));
     let mut found = DiagnosedModel::believed(&model);
     let effects = problem.effects(values, &model.chain.joint_names());
     let (couplings, own) = effects.into_iter().partition(|on| on.other_joint.is_some());

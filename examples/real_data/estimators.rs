@@ -6,9 +6,9 @@ use std::path::Path;
 use armident_ident::check::with_drive_signals;
 use armident_ident::{
     BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
-    used_samples, with_recorded_velocity,
+    used_samples,
 };
-use armident_motion::Motion;
+use armident_motion::{Motion, with_recorded_velocity};
 
 use crate::sets::{Data, KeptOut, SETS, Set};
 

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_diagnose::{
-    Books, DiagnosedModel, Errors, Known, Seen, diagnose_change, diagnose_with_placebo,
-};
+use armident_diagnose::{Books, Errors, Known, diagnose_change, diagnose_with_placebo};
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_model::{DiagnosedModel, PreparedRecording};
 use armident_page::Role;
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
@@ -122,7 +121,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         }
         None => None,
     };
-    let errors = |of: &[Seen<'_>]| -> Result<Option<Errors>, Failure> {
+    let errors = |of: &[PreparedRecording<'_>]| -> Result<Option<Errors>, Failure> {
         Ok(if of.is_empty() { None } else { Some(diagnosis.errors(of)?) })
     };
     let fits = Fits { train: errors(&seen_train)?, holdout: errors(&seen_holdout)? };

@@ -6,7 +6,8 @@ mod planned;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_ident::{ArmModel, Consistent, JointFit, MinimalSet};
+use armident_ident::{Consistent, JointFit, MinimalSet};
+use armident_model::ArmModel;
 use armident_page::{Correlation, Drawing, Role};
 use armident_recording::Recording;
 use armident_report::{ConstantRow, FitRows, IdentifyReport};

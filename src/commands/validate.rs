@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_page::Role;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};

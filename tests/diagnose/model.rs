@@ -111,10 +111,11 @@ fn bundled_example() {
 /// The minimal set beside the findings holds the truth in its intervals: the UR5 with the heavier forearm.
 #[test]
 fn constants_of_the_diagnosed_arm() {
-    use armident_ident::{ArmModel, MinimalSet};
+    use armident_ident::MinimalSet;
     use armident_kinematics::{
         ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
     };
+    use armident_model::ArmModel;
     let robot = load_urdf(&urdf()).unwrap();
     let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
     let mut model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 use armident_effects::effect;
 use rayon::prelude::*;
 
-use crate::at::OperatingPoint;
 use crate::crossval::{errors_left_out, surely_less};
 use crate::material::{LEAST, band_noise, held};
 use crate::problem::{Group, Meaning, Problem};
@@ -15,6 +14,7 @@ use crate::rows::Blocks;
 use crate::scales::{may_be_wrong, with_one_more};
 use crate::search::{Answer, answer};
 use crate::whitened::{PRICE_OF_SELDOM, Whitened, WrongBody};
+use armident_model::OperatingPoint;
 
 /// Share of what a name needs that another law may leave over and still pass for the same.
 const TOLD_APART: f64 = 1.0 / 3.0;
@@ -133,7 +133,7 @@ pub(crate) fn load_first(metric: &Whitened<'_>, mut of: Answer) -> Answer {
 fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
     let problem = metric.problem;
     let groups = &problem.groups;
-    if matches!(groups[group].meaning, Meaning::Flexible(_)) {
+    if matches!(groups[group].meaning, Meaning::SmoothDirections(_)) {
         return Vec::new();
     }
     let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
@@ -143,7 +143,7 @@ fn of_group(metric: &Whitened<'_>, of: &Answer, group: usize) -> Vec<Rival> {
     for (g, candidate) in groups.iter().enumerate() {
         let same = candidate.slug() == groups[group].slug()
             && candidate.site.joints == groups[group].site.joints;
-        let unnamed = matches!(candidate.meaning, Meaning::Flexible(_));
+        let unnamed = matches!(candidate.meaning, Meaning::SmoothDirections(_));
         let windowed = candidate.site.window.is_some();
         let taken = rest.iter().any(|r| *r == g || groups[*r].excludes(candidate));
         // a law that contains the other explains no less; that is no reason to doubt the simpler one
@@ -310,8 +310,8 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
 
     use super::*;
-    use crate::at::changed;
     use crate::made::{evidence, ur5};
+    use armident_model::changed;
 
     /// What sits on the axis of a joint is on one side of it or on the other.
     #[test]

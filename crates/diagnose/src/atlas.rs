@@ -11,10 +11,10 @@ use armident_numeric::dot;
 use armident_recording::RecordingError;
 use serde::Serialize;
 
-use crate::at::At;
 use crate::evidence::Evidence;
-use crate::model::DiagnosedModel;
 use crate::ripple::wave_gain;
+use crate::sprung::Posed;
+use armident_model::DiagnosedModel;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.
 const BINS: usize = 12;
@@ -126,7 +126,7 @@ const CONSERVATIVE: f64 = 0.2;
 /// The character of an effort on a joint, given at every sample of every recording.
 pub(crate) fn character(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     joint: usize,
     effort: &[Vec<f64>],
 ) -> Character {
@@ -201,10 +201,10 @@ pub(crate) fn atlas(
             .collect()
     };
     let (of_before, of_rigid, of_after) = (left(before)?, left(rigid)?, left(after)?);
-    let point = crate::at::OperatingPoint::of(evidence.joints());
+    let point = armident_model::OperatingPoint::of(evidence.joints());
     let arm = RigidArm::from_chain(evidence.chain);
-    let at: Vec<At<'_>> =
-        signals.iter().map(|s| At::new(evidence.chain, &arm, s, &point)).collect();
+    let at: Vec<Posed<'_>> =
+        signals.iter().map(|s| Posed::new(evidence.chain, &arm, s, &point)).collect();
     let mut joints = Vec::new();
     for j in 0..evidence.joints() {
         if signals.iter().any(|s| s.effort[j].is_empty()) {
@@ -256,7 +256,7 @@ pub(crate) fn atlas(
 }
 
 impl States {
-    fn of(at: &[At<'_>], joint: usize) -> Self {
+    fn of(at: &[Posed<'_>], joint: usize) -> Self {
         let n = at.iter().map(|at| at.signals.band.kept.len()).sum();
         let mut columns: Vec<(&'static str, Vec<f64>)> = [
             "speed",

@@ -4,7 +4,7 @@
 //! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from stretch to stretch,
 //! and stretches that were not fitted are explained no worse: as `identify` chooses it.
 
-use armident_effects::{Effect, SublinearViscousFriction};
+use armident_effects::SublinearViscousFriction;
 use armident_ident::student_t_975;
 
 use crate::crossval::{Predictor, errors_left_out, stretches};
@@ -88,17 +88,12 @@ fn beside(metric: &Whitened<'_>, answer: &Answer, bends: &[usize]) -> Option<Ans
     admissible_part(metric, [&answer.set[..], bends].concat(), &stays)
 }
 
-/// Whether a law is the bend of a joint's friction.
-pub fn is_bend(slug: &str) -> bool {
-    slug == SublinearViscousFriction.law().slug
-}
-
 /// Whether friction of the joint may bend beside an answer: what is named may have its place, and Stribeck friction bends
 /// at a speed of its own.
 fn may_bend(problem: &Problem, answer: &Answer, bend: usize) -> bool {
     let bend = &problem.groups[bend];
     let bends_by_itself = |other: &Group| {
-        let is_description = matches!(other.meaning, Meaning::Flexible(_));
+        let is_description = matches!(other.meaning, Meaning::SmoothDirections(_));
         other.site == bend.site && (other.slug() == "stribeck_friction" || is_description)
     };
     let mut others = answer.set.iter().map(|g| &problem.groups[*g]);
@@ -108,8 +103,9 @@ fn may_bend(problem: &Problem, answer: &Answer, bend: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::at::OperatingPoint;
     use crate::made::{evidence, ur5};
+    use armident_model::OperatingPoint;
+    use armident_model::is_bend;
 
     /// Of two joints whose friction grows with the speed one bends; names stay a line's.
     #[test]

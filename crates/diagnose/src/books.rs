@@ -1,10 +1,10 @@
 //! The books first: a column in another unit, of another joint or with another sign is no physics.
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_ident::ArmModel;
 use armident_ident::check::{
     ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
 };
+use armident_model::ArmModel;
 use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
 use armident_recording::{Quantity, Recording};
 use serde::Serialize;

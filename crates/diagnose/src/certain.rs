@@ -4,7 +4,6 @@ use armident_effects::EVERYDAY;
 use armident_numeric::Cholesky;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::at::{At, OperatingPoint};
 use crate::background::as_large_as;
 use crate::evidence::Evidence;
 use crate::material::{answer_without, held, unnamed};
@@ -14,7 +13,9 @@ use crate::rows::Blocks;
 use crate::scatter::Scatter;
 use crate::search::{Answer, answer};
 use crate::select::REFERENCE_SCALE;
+use crate::sprung::Posed;
 use crate::whitened::Whitened;
+use armident_model::OperatingPoint;
 
 /// Chance of a change that is none, among all that are tried.
 pub(crate) const CHANCE: f64 = 0.01;
@@ -36,7 +37,7 @@ pub(crate) struct Doubt {
 /// excite it says nothing of it, and a motion that does would then look like a change.
 pub(crate) fn certain(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     metric: &Whitened<'_>,
     mut of: Answer,
     point: &OperatingPoint,
@@ -94,7 +95,7 @@ impl LeftOpen {
     /// description without a name is none of an effect.
     pub(crate) fn of(
         evidence: &Evidence<'_>,
-        at: &[At<'_>],
+        at: &[Posed<'_>],
         metric: &Whitened<'_>,
         of: &Answer,
     ) -> Self {
@@ -106,7 +107,7 @@ impl LeftOpen {
             let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
             if everyday
                 || group.site.window.is_some()
-                || matches!(group.meaning, Meaning::Flexible(_))
+                || matches!(group.meaning, Meaning::SmoothDirections(_))
             {
                 continue;
             }
@@ -128,10 +129,9 @@ impl LeftOpen {
         let mut problem = self.problem(metric, of);
         // how far from nothing is asked of a size as well that is held at 1 elsewhere
         problem.groups.iter_mut().for_each(|group| group.is_of_size_one = false);
-        let named =
-            of.set.iter().enumerate().filter(|(_, g)| {
-                !matches!(metric.problem.groups[**g].meaning, Meaning::Flexible(_))
-            });
+        let named = of.set.iter().enumerate().filter(|(_, g)| {
+            !matches!(metric.problem.groups[**g].meaning, Meaning::SmoothDirections(_))
+        });
         let Some((opened, fitted)) = fitted(&problem, metric) else {
             return named.map(|(_, g)| (1.0, *g)).collect();
         };
@@ -243,8 +243,9 @@ mod tests {
     use armident_dynamics::RigidArm;
 
     use crate::made::{swung, ur5};
-    use crate::sprung::Spring;
-    use crate::transmission::{self, Transmission};
+    use crate::transmission;
+    use armident_model::Spring;
+    use armident_model::Transmission;
     use armident_motion::Signals;
 
     /// What stays of these changes, as joints.
@@ -313,7 +314,7 @@ mod tests {
         let (before, mut after) = (swung(&chain, 0.1, |_, _| 0.0), swung(&chain, 0.1, |_, _| 0.0));
         let rigid = RigidArm::from_chain(&chain);
         let softer =
-            transmission.difference(&At::new(&chain, &rigid, &after, &point), JOINT).unwrap();
+            transmission.difference(&Posed::new(&chain, &rigid, &after, &point), JOINT).unwrap();
         for (effort, more) in after.effort.iter_mut().zip(softer) {
             effort.iter_mut().zip(more).for_each(|(e, m)| *e += m);
         }

@@ -125,11 +125,11 @@ fn shifted_columns(metric: &Whitened<'_>, joint: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::at::OperatingPoint;
     use crate::evidence::Evidence;
     use crate::made::{swung, ur5};
     use crate::material::{LEAST, band_noise};
     use crate::search::answer;
+    use armident_model::OperatingPoint;
 
     /// Of white noise a wrong column explains one part in as many as there are independent samples; of as much that
     /// lasts for half a second, several times more.

@@ -1,14 +1,12 @@
 //! What changed between two sets of recordings of one arm, and what a model that knows more than its links leaves out.
 
 use armident_effects::{EVERYDAY, EffectOnJoint, tilted};
-use armident_ident::ArmModel;
+use armident_model::{ArmModel, DiagnosedModel, SHARP};
 use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
 use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose_beside, diagnose_from, model_of};
-use crate::model::DiagnosedModel;
 use crate::placebo::Placebo;
-use crate::turning::AT_ONCE;
 use armident_motion::Signals;
 
 /// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
@@ -131,7 +129,7 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     learned.rigid_cutoff_hz = earlier.rigid_cutoff_hz;
     learned.output_cutoff_hz.clone_from(&earlier.output_cutoff_hz);
     for (joint, turn) in earlier.turns().into_iter().enumerate() {
-        if learned.turns()[joint] == AT_ONCE {
+        if learned.turns()[joint] == SHARP {
             learned.fading_speed[joint] = turn.speed();
             learned.turning_travel[joint] = turn.travel();
         }

@@ -4,12 +4,12 @@
 //! posterior of both is Gaussian. Constants are linear in the links, `x = T π`, so theirs is too.
 
 use armident_dynamics::RigidArm;
-use armident_ident::{ArmModel, MinimalSet};
+use armident_ident::MinimalSet;
 use armident_kinematics::InertialParameters;
+use armident_model::{ArmModel, DiagnosedModel};
 use armident_numeric::dot;
 use serde::Serialize;
 
-use crate::model::DiagnosedModel;
 use crate::search::Answer;
 use crate::whitened::Whitened;
 

@@ -3,9 +3,9 @@
 use armident_effects::{ExternalContact, Place};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::at::At;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
+use crate::sprung::Posed;
 
 /// Shortest and longest window \[s\], and the grid of its ends.
 const SHORTEST_S: f64 = 0.32;
@@ -26,7 +26,7 @@ pub(crate) struct ContactColumns {
 }
 
 impl ContactColumns {
-    pub(crate) fn new(evidence: &Evidence<'_>, at: &[At<'_>]) -> Self {
+    pub(crate) fn new(evidence: &Evidence<'_>, at: &[Posed<'_>]) -> Self {
         let samples: Vec<Vec<Vec<Vec<f64>>>> = at
             .iter()
             .map(|at| at.recorded_arm_columns(&ExternalContact, 0, evidence.chain))

@@ -7,14 +7,14 @@ use armident_effects::EVERYDAY;
 use armident_numeric::dot;
 use rayon::prelude::*;
 
-use crate::at::OperatingPoint;
-use crate::bending::is_bend;
 use crate::certain::CHANCE;
 use crate::material::{answer_without, held, unnamed_rest};
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, admissible_part, answer};
 use crate::whitened::{Whitened, WrongBody};
+use armident_model::OperatingPoint;
+use armident_model::is_bend;
 
 /// Stretches that each recording is cut into.
 const BLOCKS_PER_RECORDING: usize = 3;
@@ -342,7 +342,8 @@ fn with_everyday(problem: &Problem, set: &[usize]) -> Vec<usize> {
     // a description without a name has terms of its own
     let described = |group: &Group| {
         set.iter().any(|g| {
-            groups[*g].site == group.site && matches!(groups[*g].meaning, Meaning::Flexible(_))
+            groups[*g].site == group.site
+                && matches!(groups[*g].meaning, Meaning::SmoothDirections(_))
         })
     };
     for (g, group) in groups.iter().enumerate() {

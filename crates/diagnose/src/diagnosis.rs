@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use armident_ident::ArmModel;
 use armident_ident::validate::whiteness;
 use armident_kinematics::DrivingAxisChain;
+use armident_model::{ArmModel, DiagnosedModel, PreparedRecording};
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -20,12 +20,10 @@ use crate::evidence::Evidence;
 use crate::findings::{DoubtfulChange, Finding, claims};
 use crate::learn::{View, choose_outputs, learned, rigid_alone};
 use crate::material::joints_of_inertial_errors;
-use crate::model::DiagnosedModel;
 use crate::next_motion::{NextMotion, Rivals, next_motion};
 use crate::placebo::{Placebo, placebo};
 use crate::problem::Problem;
 use crate::search::Answer;
-use crate::seen::Seen;
 use crate::select::{Selection, select};
 use crate::whitened::WrongBody;
 use armident_motion::{BAND_HZ, Signals};
@@ -380,15 +378,18 @@ impl Diagnosis {
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub fn see<'a>(&self, recordings: &'a [Recording]) -> Result<Vec<Seen<'a>>, RecordingError> {
-        recordings.iter().map(|recording| Seen::of(recording, &self.joints)).collect()
+    pub fn see<'a>(
+        &self,
+        recordings: &'a [Recording],
+    ) -> Result<Vec<PreparedRecording<'a>>, RecordingError> {
+        recordings.iter().map(|recording| PreparedRecording::of(recording, &self.joints)).collect()
     }
 
     /// Errors on recordings, all samples together; without recordings nothing.
     ///
     /// # Errors
     /// None but those of a prediction.
-    pub fn errors(&self, recordings: &[Seen<'_>]) -> Result<Errors, RecordingError> {
+    pub fn errors(&self, recordings: &[PreparedRecording<'_>]) -> Result<Errors, RecordingError> {
         let of = |model| self.error_of(model, recordings);
         let (before, (rigid, after)) = rayon::join(
             || of(&self.believed),
@@ -403,7 +404,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// None but those of a prediction.
-    pub fn confirm(&mut self, kept_out: &[Seen<'_>]) -> Result<(), RecordingError> {
+    pub fn confirm(&mut self, kept_out: &[PreparedRecording<'_>]) -> Result<(), RecordingError> {
         let with = self.error_of(&self.model, kept_out)?;
         let judged = |(finding, without): (&Finding, &Option<DiagnosedModel>)| {
             let joint = &finding.evidence.joint;
@@ -468,10 +469,10 @@ impl Diagnosis {
     /// None but those of a prediction.
     pub fn whiteness(
         &self,
-        recordings: &[Seen<'_>],
+        recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut left: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
-        for Seen { signals, .. } in recordings {
+        for PreparedRecording { signals, .. } in recordings {
             let predicted = self.model.on_grid(signals)?;
             for (j, name) in self.joints.iter().enumerate() {
                 let recorded = &signals.effort[j];
@@ -492,13 +493,14 @@ impl Diagnosis {
     fn error_of(
         &self,
         model: &DiagnosedModel,
-        recordings: &[Seen<'_>],
+        recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
         for seen in recordings {
             let predicted = model.predict_seen(seen)?;
             for (name, predicted) in self.joints.iter().zip(&predicted) {
-                if let Some(recorded) = seen.recording.joint(name).and_then(|j| j.effort.as_ref()) {
+                if let Some(recorded) = seen.recording().joint(name).and_then(|j| j.effort.as_ref())
+                {
                     let (sum, samples) = squares.entry(name.clone()).or_default();
                     *sum +=
                         predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).sum::<f64>();

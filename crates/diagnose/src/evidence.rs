@@ -10,11 +10,12 @@ use armident_effects::{
 use armident_kinematics::DrivingAxisChain;
 use rayon::prelude::*;
 
-use crate::at::{At, OperatingPoint};
 use crate::background::{as_large_as, inertial_error_directions};
 use crate::problem::{Group, Meaning, Problem, Site};
 use crate::rows::{Blocks, Rows};
-use crate::sprung::Sprung;
+use crate::sprung::CompliantLink;
+use crate::sprung::Posed;
+use armident_model::OperatingPoint;
 use armident_motion::Signals;
 
 /// Share of the time of the reference in which a joint is no faster than its usual speed,
@@ -85,12 +86,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// Recordings at an operating point with other links.
-    pub(crate) fn at(&self, point: &OperatingPoint) -> Vec<At<'_>> {
+    pub(crate) fn at(&self, point: &OperatingPoint) -> Vec<Posed<'_>> {
         let arm = RigidArm::from_chain(self.chain);
         let none = OperatingPoint::of(self.joints());
         let point_of = |r: usize| if r < self.rows.changed_from { &none } else { point };
         let signals = self.signals.par_iter().enumerate();
-        signals.map(|(r, s)| At::new(self.chain, &arm, s, point_of(r))).collect()
+        signals.map(|(r, s)| Posed::new(self.chain, &arm, s, point_of(r))).collect()
     }
 
     /// Only what changed from this recording on is sought; the recordings before it show the arm as it was,
@@ -150,7 +151,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The same of recordings at an operating point.
-    pub(crate) fn problem_at(&self, at: &[At<'_>]) -> Problem {
+    pub(crate) fn problem_at(&self, at: &[Posed<'_>]) -> Problem {
         self.problem_with(at, |_| true)
     }
 
@@ -160,13 +161,13 @@ impl<'a> Evidence<'a> {
     }
 
     /// The same with the laws of the whole arm and of links alone, of recordings at an operating point.
-    pub(crate) fn problem_of_arm(&self, at: &[At<'_>]) -> Problem {
+    pub(crate) fn problem_of_arm(&self, at: &[Posed<'_>]) -> Problem {
         self.problem_with(at, |_| false)
     }
 
-    fn problem_with(&self, at: &[At<'_>], shapes: impl Fn(&[f64]) -> bool) -> Problem {
+    fn problem_with(&self, at: &[Posed<'_>], shapes: impl Fn(&[f64]) -> bool) -> Problem {
         let n = self.joints();
-        let efforts: Vec<Vec<Vec<f64>>> = at.iter().map(At::effort_or_rigid).collect();
+        let efforts: Vec<Vec<Vec<f64>>> = at.iter().map(|at| at.effort_or_rigid()).collect();
         let effort: Blocks = (0..n)
             .map(|j| {
                 let difference = at.iter().zip(&efforts).map(|(at, effort)| {
@@ -217,7 +218,7 @@ impl<'a> Evidence<'a> {
     /// The terms of a plain identification on every joint, the same before and after a change, and a
     /// deviation of their coefficients that leaves them free: such that a column is as large as what is
     /// to be explained on its joint.
-    fn everyday_columns(&self, at: &[At<'_>], effort: &Blocks) -> (Vec<Blocks>, Vec<f64>) {
+    fn everyday_columns(&self, at: &[Posed<'_>], effort: &Blocks) -> (Vec<Blocks>, Vec<f64>) {
         let (mut columns, mut deviations) = (Vec::new(), Vec::new());
         for j in 0..self.joints() {
             for law in EVERYDAY {
@@ -237,12 +238,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// The `10 n` columns of the standard parameters.
-    fn rigid_columns(&self, at: &[At<'_>]) -> Vec<Blocks> {
+    fn rigid_columns(&self, at: &[Posed<'_>]) -> Vec<Blocks> {
         let n = self.joints();
         let standard = ParameterColumns::standard(n);
-        let yielding: Vec<Vec<(&Sprung, _)>> = at
+        let yielding: Vec<Vec<(&CompliantLink, _)>> = at
             .par_iter()
-            .map(|at| at.sprung().map(|s| (s, s.yields_to_parameters(at))).collect())
+            .map(|at| at.compliant_links().map(|s| (s, s.yields_to_parameters(at))).collect())
             .collect();
         let sprung = yielding.iter().flatten().map(|(sprung, _)| sprung.joint()).min();
         let of_row = |row: usize| -> Vec<(usize, Vec<f64>)> {
@@ -287,7 +288,7 @@ impl<'a> Evidence<'a> {
     pub(crate) fn push_joint_law(
         &self,
         problem: &mut Problem,
-        at: &[At<'_>],
+        at: &[Posed<'_>],
         law: &dyn Effect,
         joint: usize,
         shape: &[f64],
@@ -298,7 +299,7 @@ impl<'a> Evidence<'a> {
 
     fn joint_law_columns(
         &self,
-        at: &[At<'_>],
+        at: &[Posed<'_>],
         law: &dyn Effect,
         joint: usize,
         shape: &[f64],
@@ -333,7 +334,7 @@ impl<'a> Evidence<'a> {
     pub(crate) fn push_pair_law(
         &self,
         problem: &mut Problem,
-        at: &[At<'_>],
+        at: &[Posed<'_>],
         law: &dyn Effect,
         first: usize,
         shape: &[f64],
@@ -369,7 +370,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Encoders, transmissions to first order, gravity and the clock.
-    fn push_arm_laws(&self, problem: &mut Problem, at: &[At<'_>], efforts: &[Vec<Vec<f64>>]) {
+    fn push_arm_laws(&self, problem: &mut Problem, at: &[Posed<'_>], efforts: &[Vec<Vec<f64>>]) {
         for law in LIBRARY {
             let joints = match law.law().scope {
                 Scope::ThroughJoint => self.joints(),

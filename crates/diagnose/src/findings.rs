@@ -16,8 +16,9 @@ use crate::problem::{Group, Meaning, Problem};
 use crate::scatter::Scatter;
 use crate::search::{Answer, answer};
 use crate::select::Selection;
-use crate::transmission::{mean_inertia, of_shape};
+use crate::transmission::mean_inertia;
 use crate::whitened::WrongBody;
+use armident_model::of_shape;
 
 /// A number with its standard error.
 #[derive(Debug, Clone, Serialize)]
@@ -271,7 +272,7 @@ fn finding_of_group(
             least_materiality: size.least,
             joint: evidence.names[size.joint].clone(),
             variables: match &group.meaning {
-                Meaning::Flexible(flexible) => flexible.basis.variables(),
+                Meaning::SmoothDirections(flexible) => flexible.basis.variables(),
                 Meaning::Law(_) => Vec::new(),
             },
             character: None,
@@ -294,14 +295,14 @@ const IN_A_DESCRIPTION: f64 = 0.45;
 
 fn described_anyway(problem: &Problem, answer: &Answer, group: &Group) -> bool {
     let friction = [Place::Viscous, Place::Drag];
-    if matches!(group.meaning, Meaning::Flexible(_))
+    if matches!(group.meaning, Meaning::SmoothDirections(_))
         || !group.places.iter().any(|p| friction.contains(p))
     {
         return false;
     }
     answer.set.iter().map(|g| &problem.groups[*g]).any(|other| {
         other.site == group.site
-            && matches!(&other.meaning, Meaning::Flexible(f) if !f.basis.factors.is_empty())
+            && matches!(&other.meaning, Meaning::SmoothDirections(f) if !f.basis.factors.is_empty())
     })
 }
 

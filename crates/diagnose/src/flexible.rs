@@ -2,13 +2,17 @@
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
 use armident_effects::Place;
+use armident_model::AxisQuantity;
+use armident_model::FactorForm;
+use armident_model::SmoothAxis;
+use armident_model::SmoothBasis;
+use armident_model::SpeedFactor;
 use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
-use crate::at::At;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem, Site};
+use crate::sprung::Posed;
 
 /// Knots along the joint's own position, its own velocity, and along each axis of products.
 const POSITION_KNOTS: usize = 64;
@@ -28,264 +32,78 @@ const MOST_DIRECTIONS: usize = 40;
 /// Descriptions offered to the search for one joint.
 const OFFERED: usize = 2;
 
-/// A recorded quantity of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Position.
-    Position,
-    /// Velocity.
-    Velocity,
-}
-
-/// Knots along a quantity.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Axis {
-    /// Joint.
-    pub joint: String,
-    /// Quantity of the joint.
-    pub quantity: Quantity,
-    /// First and last knot.
-    pub range: [f64; 2],
-    /// Number of knots.
-    pub knots: usize,
-}
-
-/// A function of a joint's velocity that multiplies the hats.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Factor {
-    /// Joint.
-    pub joint: String,
-    /// Form.
-    pub form: Form,
-    /// Speed at which a saturating form turns \[rad/s or m/s\].
-    pub scale: f64,
-}
-
-/// Forms of a [`Factor`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Form {
-    /// `v`
-    Linear,
-    /// `v |v|`
-    SignedSquare,
-    /// `v³`
-    Cube,
-    /// `v / (1 + (v / scale)²)`
-    Saturating,
-    /// `|v|`
-    Size,
-    /// `v²`
-    Square,
-    /// Direction of motion, `sign(v)`, bridged where the joint stops.
-    Direction,
-}
-
-impl Factor {
-    fn value(&self, v: f64, direction: f64) -> f64 {
-        match self.form {
-            Form::Direction => direction,
-            Form::Linear => v,
-            Form::SignedSquare => v * v.abs(),
-            Form::Cube => v * v * v,
-            Form::Saturating => v / (1.0 + (v / self.scale).powi(2)),
-            Form::Size => v.abs(),
-            Form::Square => v * v,
-        }
-    }
-}
-
-/// Products of factors and hats.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Basis {
-    /// Factors.
-    pub factors: Vec<Factor>,
-    /// Axes of hats: none, one, or two.
-    pub axes: Vec<Axis>,
-}
-
 /// A flexible description in the search: its basis, and the coefficients of the hats from those of the
 /// columns, `[column][hat]`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Flexible {
-    pub(crate) basis: Basis,
+pub(crate) struct SmoothDirections {
+    pub(crate) basis: SmoothBasis,
     pub(crate) transform: Vec<Vec<f64>>,
 }
 
-/// A flexible description with its numbers, as a model file holds it.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct FlexibleTerm {
-    /// Joint whose effort it describes.
-    pub joint: String,
-    /// Functions.
-    pub basis: Basis,
-    /// Their coefficients \[N m or N over the unit of the factors\].
-    pub coefficients: Vec<f64>,
+/// Places of the laws that these functions contain on their joint: beside the description these
+/// cannot be told apart.
+fn places(basis: &SmoothBasis, joint: &str) -> Vec<Place> {
+    let mut places = vec![Place::Unnamed];
+    let own = |name: &str| name == joint;
+    if basis.axes.iter().any(|a| own(&a.joint) && a.quantity == AxisQuantity::Velocity) {
+        places.extend([Place::Viscous, Place::Dry, Place::Drag]);
+    }
+    if let ([factor], false) = (&basis.factors[..], basis.axes.is_empty()) {
+        match factor.form {
+            FactorForm::Linear if own(&factor.joint) => places.push(Place::Viscous),
+            FactorForm::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
+            FactorForm::Direction if own(&factor.joint) => places.push(Place::Dry),
+            _ => {}
+        }
+    }
+    places
 }
 
-impl FlexibleTerm {
-    /// Whether there is a coefficient for every function, and knots for every axis.
-    pub(crate) fn is_whole(&self) -> bool {
-        let axes = &self.basis.axes;
-        let spans = |axis: &Axis| {
-            let [first, last] = axis.range;
-            axis.knots >= 2 && first < last && (last - first).is_finite()
-        };
-        let size = axes.iter().try_fold(1_usize, |size, axis| size.checked_mul(axis.knots));
-        axes.len() <= 2 && axes.iter().all(spans) && size == Some(self.coefficients.len())
+/// The same with factors that saturate at speeds between those of the candidates.
+fn turning_beside(basis: &SmoothBasis) -> Vec<SmoothBasis> {
+    const BESIDE: [f64; 4] = [0.86, 0.93, 1.08, 1.17];
+    if basis.factors.iter().all(|f| f.form != FactorForm::Saturating) {
+        return Vec::new();
     }
-
-    /// Over a motion; joints that are not there count as resting at 0.
-    pub(crate) fn effort(&self, at: &At<'_>, index: impl Fn(&str) -> Option<usize>) -> Vec<f64> {
-        let hats = self.basis.hats(at, &index);
-        let value = |there: &[(usize, f64)]| {
-            there.iter().map(|(function, weight)| self.coefficients[*function] * weight).sum()
-        };
-        hats.chunks_exact(self.basis.overlap()).map(value).collect()
-    }
+    BESIDE
+        .map(|by| {
+            let mut basis = basis.clone();
+            for factor in basis.factors.iter_mut().filter(|f| f.form == FactorForm::Saturating) {
+                factor.scale *= by;
+            }
+            basis
+        })
+        .to_vec()
 }
 
-impl Basis {
-    /// Names of the recorded columns it depends on.
-    pub(crate) fn variables(&self) -> Vec<String> {
-        let mut names: Vec<String> = self
-            .axes
-            .iter()
-            .map(|axis| match axis.quantity {
-                Quantity::Position => format!("{}/position", axis.joint),
-                Quantity::Velocity => format!("{}/velocity", axis.joint),
-            })
-            .chain(self.factors.iter().map(|f| format!("{}/velocity", f.joint)))
-            .collect();
-        names.sort();
-        names.dedup();
-        names
-    }
-
-    /// Places of the laws that these functions contain on their joint: beside the description these
-    /// cannot be told apart.
-    fn places(&self, joint: &str) -> Vec<Place> {
-        let mut places = vec![Place::Unnamed];
-        let own = |name: &str| name == joint;
-        if self.axes.iter().any(|a| own(&a.joint) && a.quantity == Quantity::Velocity) {
-            places.extend([Place::Viscous, Place::Dry, Place::Drag]);
-        }
-        if let ([factor], false) = (&self.factors[..], self.axes.is_empty()) {
-            match factor.form {
-                Form::Linear if own(&factor.joint) => places.push(Place::Viscous),
-                Form::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
-                Form::Direction if own(&factor.joint) => places.push(Place::Dry),
-                _ => {}
+/// `P`: squared second differences along every axis, and a weak hold on the coefficients.
+fn penalty(basis: &SmoothBasis) -> Mat<f64> {
+    let size = basis.size();
+    let hold = 1.0 / (LEVEL_OVER_ROUGHNESS * LEVEL_OVER_ROUGHNESS);
+    let mut penalty = Mat::from_fn(size, size, |i, j| if i == j { hold } else { 0.0 });
+    let mut stride = size;
+    for axis in &basis.axes {
+        stride /= axis.knots;
+        for start in 0..size {
+            let place = start / stride % axis.knots;
+            if place + 2 >= axis.knots {
+                continue;
             }
-        }
-        places
-    }
-
-    /// The same with factors that saturate at speeds between those of the candidates.
-    fn turning_beside(&self) -> Vec<Self> {
-        const BESIDE: [f64; 4] = [0.86, 0.93, 1.08, 1.17];
-        if self.factors.iter().all(|f| f.form != Form::Saturating) {
-            return Vec::new();
-        }
-        BESIDE
-            .map(|by| {
-                let mut basis = self.clone();
-                for factor in basis.factors.iter_mut().filter(|f| f.form == Form::Saturating) {
-                    factor.scale *= by;
-                }
-                basis
-            })
-            .to_vec()
-    }
-
-    /// Number of functions.
-    fn size(&self) -> usize {
-        self.axes.iter().map(|a| a.knots).product()
-    }
-
-    /// Product of the factors over a motion; joints that are not there rest.
-    fn factor_values(&self, at: &At<'_>, index: &impl Fn(&str) -> Option<usize>) -> Vec<f64> {
-        let mut product = vec![1.0; at.signals.len()];
-        for factor in &self.factors {
-            let joint = index(&factor.joint);
-            for (t, p) in product.iter_mut().enumerate() {
-                let of = |values: &[Vec<f64>]| joint.map_or(0.0, |j| values[j][t]);
-                *p *= factor.value(of(&at.signals.velocity), of(&at.signals.direction));
-            }
-        }
-        product
-    }
-
-    /// How many functions are not zero at a sample: hats overlap in pairs along each axis.
-    fn overlap(&self) -> usize {
-        1 << self.axes.len()
-    }
-
-    /// The functions that are not zero and their values, [`Self::overlap`] a sample.
-    fn hats(&self, at: &At<'_>, index: &impl Fn(&str) -> Option<usize>) -> Vec<(usize, f64)> {
-        let axes: Vec<Option<&[f64]>> = self
-            .axes
-            .iter()
-            .map(|axis| {
-                index(&axis.joint).map(|j| match axis.quantity {
-                    Quantity::Position => at.position[j].as_slice(),
-                    Quantity::Velocity => at.signals.velocity[j].as_slice(),
-                })
-            })
-            .collect();
-        let factors = self.factor_values(at, index);
-        let mut hats = Vec::with_capacity(factors.len() * self.overlap());
-        for (t, factor) in factors.into_iter().enumerate() {
-            let first = hats.len();
-            hats.push((0, factor));
-            for (axis, values) in self.axes.iter().zip(&axes) {
-                let span = (axis.knots - 1) as f64;
-                let x = (values.map_or(0.0, |v| v[t]) - axis.range[0])
-                    / (axis.range[1] - axis.range[0])
-                    * span;
-                let x = x.clamp(0.0, span);
-                let left = (x.floor() as usize).min(axis.knots - 2);
-                let share = x - left as f64;
-                for k in first..hats.len() {
-                    let (cell, weight) = hats[k];
-                    hats[k] = (cell * axis.knots + left, weight * (1.0 - share));
-                    hats.push((cell * axis.knots + left + 1, weight * share));
+            let difference = [(start, 1.0), (start + stride, -2.0), (start + 2 * stride, 1.0)];
+            for (a, x) in difference {
+                for (b, y) in difference {
+                    penalty[(a, b)] += x * y;
                 }
             }
         }
-        hats
     }
-
-    /// `P`: squared second differences along every axis, and a weak hold on the coefficients.
-    fn penalty(&self) -> Mat<f64> {
-        let size = self.size();
-        let hold = 1.0 / (LEVEL_OVER_ROUGHNESS * LEVEL_OVER_ROUGHNESS);
-        let mut penalty = Mat::from_fn(size, size, |i, j| if i == j { hold } else { 0.0 });
-        let mut stride = size;
-        for axis in &self.axes {
-            stride /= axis.knots;
-            for start in 0..size {
-                let place = start / stride % axis.knots;
-                if place + 2 >= axis.knots {
-                    continue;
-                }
-                let difference = [(start, 1.0), (start + stride, -2.0), (start + 2 * stride, 1.0)];
-                for (a, x) in difference {
-                    for (b, y) in difference {
-                        penalty[(a, b)] += x * y;
-                    }
-                }
-            }
-        }
-        penalty
-    }
+    penalty
 }
 
 /// Adds the two best flexible descriptions of what a joint leaves over; gives their ids.
 pub(crate) fn offer(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     problem: &mut Problem,
     joint: usize,
     residual: &[f64],
@@ -293,7 +111,7 @@ pub(crate) fn offer(
     let size = problem.rows.in_sample_noise(joint, residual) * problem.rows.sample_deviation[joint];
     let beside = beside(evidence, at, joint);
     let samples = residual.len() as f64 * problem.rows.share;
-    let judged = |basis: Basis| -> Option<(f64, Flexible)> {
+    let judged = |basis: SmoothBasis| -> Option<(f64, SmoothDirections)> {
         let (flexible, left) = fitted(evidence, at, joint, basis, size, &beside, residual)?;
         let columns = flexible.transform.len();
         // a description length
@@ -304,7 +122,7 @@ pub(crate) fn offer(
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(OFFERED);
     for best in &mut found {
-        let closer = best.1.basis.turning_beside().into_iter().filter_map(judged);
+        let closer = turning_beside(&best.1.basis).into_iter().filter_map(judged);
         if let Some(closer) = closer.min_by(|a, b| a.0.total_cmp(&b.0))
             && closer.0 < best.0
         {
@@ -320,10 +138,10 @@ pub(crate) fn offer(
 /// Adds a description to a problem; gives its id.
 pub(crate) fn recreate(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     problem: &mut Problem,
     joint: usize,
-    flexible: &Flexible,
+    flexible: &SmoothDirections,
 ) -> usize {
     let rows = rows_of(evidence, at, joint, &flexible.basis);
     let ids = flexible
@@ -336,12 +154,12 @@ pub(crate) fn recreate(
         })
         .collect();
     problem.groups.push(Group {
-        meaning: Meaning::Flexible(flexible.clone()),
+        meaning: Meaning::SmoothDirections(flexible.clone()),
         site: Site { joints: vec![joint], window: None },
         shape: Vec::new(),
         columns: ids,
         searched: 2,
-        places: flexible.basis.places(&evidence.names[joint]),
+        places: places(&flexible.basis, &evidence.names[joint]),
         transform: None,
         hidden: Vec::new(),
         above_band: 1.0,
@@ -351,8 +169,8 @@ pub(crate) fn recreate(
 }
 
 /// What the plain terms of the joint explain anyway: they are fitted beside every description.
-fn beside(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Vec<f64>> {
-    let form = |of: &dyn Fn(&At<'_>) -> Vec<f64>| {
+fn beside(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Vec<f64>> {
+    let form = |of: &dyn Fn(&Posed<'_>) -> Vec<f64>| {
         let pieces: Vec<Vec<f64>> = at.iter().map(of).collect();
         evidence.rows.form_law(&evidence.signals, joint, pieces.iter().map(Vec::as_slice))
     };
@@ -365,60 +183,67 @@ fn beside(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Vec<f64>>
     ]
 }
 
-fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis> {
+fn candidates(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<SmoothBasis> {
     let name = |j: usize| evidence.names[j].clone();
-    let axis = |j: usize, quantity: Quantity, knots: usize| {
+    let axis = |j: usize, quantity: AxisQuantity, knots: usize| {
         let values = at.iter().flat_map(|at| match quantity {
-            Quantity::Position => at.position[j].iter(),
-            Quantity::Velocity => at.signals.velocity[j].iter(),
+            AxisQuantity::Position => at.position[j].iter(),
+            AxisQuantity::Velocity => at.signals.velocity[j].iter(),
         });
         let (low, high) = values.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
         let margin = MARGIN * (high - low).max(f64::MIN_POSITIVE);
-        Axis { joint: name(j), quantity, range: [low - margin, high + margin], knots }
+        SmoothAxis { joint: name(j), quantity, range: [low - margin, high + margin], knots }
     };
-    let turning = |j: usize, form: Form, turn: f64| Factor {
+    let turning = |j: usize, form: FactorForm, turn: f64| SpeedFactor {
         joint: name(j),
         form,
         scale: turn * evidence.scale[j].speed_rms,
     };
-    let factor = |j: usize, form: Form| turning(j, form, 1.0);
+    let factor = |j: usize, form: FactorForm| turning(j, form, 1.0);
     let moves = |j: usize| {
-        let axis = axis(j, Quantity::Position, 2);
+        let axis = axis(j, AxisQuantity::Position, 2);
         axis.range[1] - axis.range[0] > 1e-4
     };
     let others: Vec<usize> = (0..evidence.joints()).filter(|o| *o != joint && moves(*o)).collect();
     let mut bases = vec![
-        Basis { factors: Vec::new(), axes: vec![axis(joint, Quantity::Position, POSITION_KNOTS)] },
-        Basis { factors: Vec::new(), axes: vec![axis(joint, Quantity::Velocity, VELOCITY_KNOTS)] },
+        SmoothBasis {
+            factors: Vec::new(),
+            axes: vec![axis(joint, AxisQuantity::Position, POSITION_KNOTS)],
+        },
+        SmoothBasis {
+            factors: Vec::new(),
+            axes: vec![axis(joint, AxisQuantity::Velocity, VELOCITY_KNOTS)],
+        },
     ];
     // the teeth of a gear or the poles of a motor are felt in its friction too
-    for form in [Form::Linear, Form::Direction] {
-        bases.push(Basis {
+    for form in [FactorForm::Linear, FactorForm::Direction] {
+        bases.push(SmoothBasis {
             factors: vec![factor(joint, form)],
-            axes: vec![axis(joint, Quantity::Position, POSITION_KNOTS)],
+            axes: vec![axis(joint, AxisQuantity::Position, POSITION_KNOTS)],
         });
     }
-    let plain = [Form::Linear, Form::Direction, Form::SignedSquare, Form::Cube];
-    let saturating = TURNS.map(|turn| turning(joint, Form::Saturating, turn));
+    let plain =
+        [FactorForm::Linear, FactorForm::Direction, FactorForm::SignedSquare, FactorForm::Cube];
+    let saturating = TURNS.map(|turn| turning(joint, FactorForm::Saturating, turn));
     for own in plain.map(|form| factor(joint, form)).into_iter().chain(saturating) {
         for along in std::iter::once(joint).chain(others.iter().copied()) {
-            bases.push(Basis {
+            bases.push(SmoothBasis {
                 factors: vec![own.clone()],
-                axes: vec![axis(along, Quantity::Position, FACTOR_KNOTS)],
+                axes: vec![axis(along, AxisQuantity::Position, FACTOR_KNOTS)],
             });
         }
     }
     for &other in &others {
-        bases.push(Basis {
+        bases.push(SmoothBasis {
             factors: Vec::new(),
             axes: vec![
-                axis(joint, Quantity::Position, PLANE_KNOTS),
-                axis(other, Quantity::Position, PLANE_KNOTS),
+                axis(joint, AxisQuantity::Position, PLANE_KNOTS),
+                axis(other, AxisQuantity::Position, PLANE_KNOTS),
             ],
         });
-        for own in [Form::Linear, Form::SignedSquare, Form::Cube] {
-            for theirs in [Form::Size, Form::Square, Form::Linear] {
-                bases.push(Basis {
+        for own in [FactorForm::Linear, FactorForm::SignedSquare, FactorForm::Cube] {
+            for theirs in [FactorForm::Size, FactorForm::Square, FactorForm::Linear] {
+                bases.push(SmoothBasis {
                     factors: vec![factor(joint, own), factor(other, theirs)],
                     axes: Vec::new(),
                 });
@@ -429,7 +254,12 @@ fn candidates(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize) -> Vec<Basis
 }
 
 /// Weighted rows of all functions of a basis.
-fn rows_of(evidence: &Evidence<'_>, at: &[At<'_>], joint: usize, basis: &Basis) -> Vec<Vec<f64>> {
+fn rows_of(
+    evidence: &Evidence<'_>,
+    at: &[Posed<'_>],
+    joint: usize,
+    basis: &SmoothBasis,
+) -> Vec<Vec<f64>> {
     let index = |name: &str| evidence.names.iter().position(|n| n == name);
     let mut rows = vec![Vec::with_capacity(evidence.rows.len()); basis.size()];
     for at in at {
@@ -456,13 +286,13 @@ fn combined(rows: &[Vec<f64>], transform: &[f64]) -> Vec<f64> {
 /// they and the plain terms leave of a residual.
 fn fitted(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     joint: usize,
-    basis: Basis,
+    basis: SmoothBasis,
     effort: f64,
     beside: &[Vec<f64>],
     residual: &[f64],
-) -> Option<(Flexible, f64)> {
+) -> Option<(SmoothDirections, f64)> {
     let rows = rows_of(evidence, at, joint, &basis);
     let others: Vec<&[f64]> = beside.iter().map(Vec::as_slice).chain([residual]).collect();
     let all: Vec<&[f64]> = others.iter().copied().chain(rows.iter().map(Vec::as_slice)).collect();
@@ -478,15 +308,15 @@ fn fitted(
     });
     let products = to_directions.transpose() * (&products * &to_directions);
     let left = sum_of_squares_left(&products, beside.len())?;
-    Some((Flexible { basis, transform }, left))
+    Some((SmoothDirections { basis, transform }, left))
 }
 
 /// Coefficients of the functions along these directions, largest first; `products` are those of the functions
 /// from `first` on.
 fn known_directions(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
-    basis: &Basis,
+    at: &[Posed<'_>],
+    basis: &SmoothBasis,
     effort: f64,
     products: &Mat<f64>,
     first: usize,
@@ -495,7 +325,7 @@ fn known_directions(
     let factors: Vec<f64> = at.iter().flat_map(|at| basis.factor_values(at, &index)).collect();
     let factor = (dot(&factors, &factors) / factors.len().max(1) as f64).sqrt();
     let deviation = ROUGHNESS * effort / factor.max(f64::MIN_POSITIVE);
-    let (values, vectors) = symmetric_eigen(&basis.penalty()).ok()?;
+    let (values, vectors) = symmetric_eigen(&penalty(basis)).ok()?;
     let size = basis.size();
     // coefficients = deviation P^(-1/2) z with z of deviation 1
     let smooth =
@@ -519,7 +349,7 @@ fn known_directions(
 /// column paid for with an independent sample. Not more than 1.
 pub(crate) fn least_left(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     joint: usize,
     residual: &[f64],
 ) -> f64 {

@@ -2,7 +2,6 @@
 
 use armident_effects::Place;
 
-use crate::at::At;
 use crate::contact::ContactColumns;
 use crate::evidence::Evidence;
 use crate::material::{LEAST, band_noise, excess, unnamed_rest};
@@ -11,6 +10,7 @@ use crate::refine::refine;
 use crate::ripple::RippleColumns;
 use crate::scales::{Best, Memory, keep_better, laws_at, search_at};
 use crate::search::{Answer, all_admissible, answer};
+use crate::sprung::Posed;
 use crate::whitened::{Whitened, WrongBody};
 use crate::{flexible, transmission};
 
@@ -26,7 +26,7 @@ const SHARE_OF_WORST: f64 = 0.8;
 /// uncertain inertias was a wrong law in disguise.
 pub(crate) fn with_hidden_motion(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     (ripple, contact): (&RippleColumns, &ContactColumns),
     problem: &mut Problem,
     mut starts: Vec<Vec<usize>>,
@@ -169,7 +169,7 @@ fn contest(problem: &Problem, scale: f64, found: &mut Best, library: Answer) {
         .set
         .iter()
         .copied()
-        .filter(|g| matches!(problem.groups[*g].meaning, Meaning::Flexible(_)))
+        .filter(|g| matches!(problem.groups[*g].meaning, Meaning::SmoothDirections(_)))
         .collect();
     if unnamed.is_empty() {
         return;

@@ -2,21 +2,21 @@
 
 use std::cell::OnceCell;
 
+use crate::sprung::Posed;
 use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
-use armident_ident::ArmModel;
+use armident_model::{
+    ArmModel, DiagnosedModel, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
+    changed, of_shape,
+};
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
-use crate::at::{At, OperatingPoint, changed};
 use crate::evidence::Evidence;
-use crate::flexible::FlexibleTerm;
-use crate::model::DiagnosedModel;
 use crate::problem::{Group, Meaning};
 use crate::real_links::{Settled, settled};
 use crate::search::{Answer, answer};
 use crate::select::moves;
-use crate::transmission::{Transmission, TransmissionTerm, mean_inertia, of_shape};
-use crate::turning::AT_ONCE;
+use crate::transmission::mean_inertia;
 use crate::whitened::Whitened;
 use armident_motion::low_pass;
 
@@ -36,7 +36,7 @@ pub(crate) struct View<'a, 'e> {
     /// of each joint's effort channel
     pub(crate) gain: Vec<f64>,
     /// the recordings there, formed when first asked for
-    at: OnceCell<Vec<At<'a>>>,
+    at: OnceCell<Vec<Posed<'a>>>,
 }
 
 impl<'a, 'e> View<'a, 'e> {
@@ -51,7 +51,7 @@ impl<'a, 'e> View<'a, 'e> {
     }
 
     /// The recordings where the columns were formed.
-    pub(crate) fn at(&self) -> &[At<'a>] {
+    pub(crate) fn at(&self) -> &[Posed<'a>] {
         self.at.get_or_init(|| self.evidence.at(self.point))
     }
 }
@@ -83,10 +83,10 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
         if group.transform.is_some() {
             continue;
         }
-        if let Meaning::Flexible(flexible) = &group.meaning {
+        if let Meaning::SmoothDirections(flexible) = &group.meaning {
             let hats = flexible.transform.first().map_or(0, Vec::len);
             let scale = gain[group.site.joints[0]];
-            found.learned.flexible.push(FlexibleTerm {
+            found.learned.flexible.push(SmoothTerm {
                 joint: evidence.names[group.site.joints[0]].clone(),
                 basis: flexible.basis.clone(),
                 coefficients: (0..hats)
@@ -157,7 +157,7 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
     };
     let turns = evidence.names.iter().zip(point.turns);
     let turns: Vec<Turn> =
-        turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { AT_ONCE }).collect();
+        turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { SHARP }).collect();
     found.learned.fading_speed = turns.iter().map(|turn| turn.speed()).collect();
     found.learned.turning_travel = turns.iter().map(|turn| turn.travel()).collect();
     found.learned.gain.clone_from(gain);
@@ -291,7 +291,7 @@ mod tests {
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         let point = OperatingPoint::of(real.joints.len());
         let moved = recorded.clone();
-        let at = At::new(&real, &RigidArm::from_chain(&real), &moved, &point);
+        let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
         let law = effect("load_dependent_friction").unwrap();
         let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
         recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);

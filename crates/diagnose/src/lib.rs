@@ -11,7 +11,7 @@
 //! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
 //!
 //! ```
-//! use armident_ident::ArmModel;
+//! use armident_model::ArmModel;
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 //! use armident_recording::read_csv;
 //!
@@ -33,8 +33,8 @@
 //! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
 //! effort in these motions one is named; contacts push on the tip.
 
+mod ablation;
 mod alternatives;
-mod at;
 mod atlas;
 mod background;
 mod bands;
@@ -53,12 +53,10 @@ mod findings;
 mod flexible;
 mod hidden;
 mod learn;
-mod learned;
 #[cfg(test)]
 mod made;
 mod material;
 mod misfit;
-mod model;
 mod next_motion;
 mod placebo;
 mod problem;
@@ -69,29 +67,22 @@ mod rows;
 mod scales;
 mod scatter;
 mod search;
-mod seen;
 mod select;
 mod shape_scatter;
 mod sprung;
 mod transmission;
 mod turning;
 mod whitened;
-mod without;
 
 pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
-pub use bending::is_bend;
+
 pub use books::{Books, DriveGain, Heard};
 pub use change::{Known, diagnose_change};
 pub use constants::{ConstantEstimate, ConstantEstimates};
 pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
 pub use findings::{Alternative, DoubtfulChange, Finding, FindingEvidence, Value};
-pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
-pub use learned::{Learned, LearnedError};
-pub use model::DiagnosedModel;
 pub use next_motion::NextMotion;
 pub use placebo::Placebo;
-pub use seen::Seen;
-pub use transmission::{Transmission, TransmissionTerm};
 
 /// Name of a finding for structure that no law of the library explains.
 pub const UNMODELLED: &str = "unmodelled";

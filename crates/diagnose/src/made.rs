@@ -5,9 +5,10 @@ use armident_effects::effect;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_recording::{JointChannels, Recording};
 
-use crate::at::{At, OperatingPoint};
 use crate::evidence::Evidence;
 use crate::problem::Problem;
+use crate::sprung::Posed;
+use armident_model::{OperatingPoint, PosedRecording};
 use armident_motion::{BAND_HZ, Signals};
 
 pub(crate) fn ur5() -> DrivingAxisChain {
@@ -58,7 +59,7 @@ pub(crate) fn swung_for(
     };
     let moved = Signals::below(&recording(None), &names, BAND_HZ).unwrap();
     let point = OperatingPoint::of(names.len());
-    let mut efforts = At::new(arm, &RigidArm::from_chain(arm), &moved, &point).rigid;
+    let mut efforts = PosedRecording::new(arm, &RigidArm::from_chain(arm), &moved, &point).rigid;
     for t in 0..time.len() {
         let velocity: Vec<f64> = moved.velocity.iter().map(|v| v[t]).collect();
         for (j, effort) in efforts.iter_mut().enumerate() {
@@ -89,7 +90,7 @@ pub(crate) fn rubbing(chain: &DrivingAxisChain, viscous: f64) -> Evidence<'_> {
 /// Stribeck friction on that joint, falling at this speed \[rad/s\].
 pub(crate) fn stribeck(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     problem: &mut Problem,
     speed: f64,
 ) -> usize {

@@ -5,12 +5,12 @@
 use armident_effects::effect;
 use rayon::prelude::*;
 
-use crate::at::OperatingPoint;
 use crate::chance::Chance;
 use crate::problem::{Group, Meaning, Problem};
 use crate::rows::Blocks;
 use crate::search::{Answer, admissible_part};
 use crate::whitened::Whitened;
+use armident_model::OperatingPoint;
 
 /// Least root mean square effort, in standard deviations of one recorded sample, that must come back
 /// when an effect is removed and all others are fitted again: a sixth more error of prediction, what is worth a name.
@@ -175,7 +175,7 @@ pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Ve
     let groups = &problem.groups;
     let contained = match groups[group].meaning {
         Meaning::Law(slug) => effect(slug).map_or(&[][..], |law| law.law().contains),
-        Meaning::Flexible(_) => &[],
+        Meaning::SmoothDirections(_) => &[],
     };
     let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != group).collect();
     let free = |g: &usize, rest: &[usize]| rest.iter().all(|r| !groups[*r].excludes(&groups[*g]));

@@ -3,11 +3,11 @@
 use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
 
-use crate::at::At;
 use crate::evidence::Evidence;
 use crate::flexible;
 use crate::problem::Problem;
 use crate::search::Answer;
+use crate::sprung::Posed;
 use crate::whitened::Whitened;
 
 /// A joint that leaves over more than this many times its noise has an imperfect model, which then
@@ -63,7 +63,11 @@ pub(crate) fn stuck_weights(problem: &Problem) -> Vec<f64> {
 /// joint by itself, in units of its noise: less is not in the reach of any answer. Clearly more than 1 where
 /// efforts were smoothed before they were recorded, so that the noise above the band says nothing about the
 /// band, and where the joint moves by what is not in its own recording.
-pub(crate) fn first_misfits(evidence: &Evidence<'_>, at: &[At<'_>], problem: &Problem) -> Vec<f64> {
+pub(crate) fn first_misfits(
+    evidence: &Evidence<'_>,
+    at: &[Posed<'_>],
+    problem: &Problem,
+) -> Vec<f64> {
     let misfit = |(j, left): (usize, Option<(Vec<f64>, f64)>)| {
         let Some((residual, free)) = left else { return 1.0 };
         let left = problem.rows.in_band_noise(j, &residual) / free.sqrt();

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use armident_kinematics::DrivingAxisChain;
 use armident_recording::{JointChannels, Recording, RecordingError};
 
-use crate::model::DiagnosedModel;
+use armident_model::DiagnosedModel;
 
 /// Length of a motion \[s\] and its rate \[Hz\].
 const LENGTH_S: f64 = 20.0;

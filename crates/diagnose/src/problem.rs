@@ -28,7 +28,7 @@ pub(crate) enum Meaning {
     /// A law of the library.
     Law(&'static str),
     /// A flexible description on these variables.
-    Flexible(crate::flexible::Flexible),
+    SmoothDirections(crate::flexible::SmoothDirections),
 }
 
 /// A law at a site with a shape: the columns that it adds.
@@ -57,7 +57,7 @@ impl Group {
     pub(crate) fn slug(&self) -> &'static str {
         match &self.meaning {
             Meaning::Law(slug) => slug,
-            Meaning::Flexible(_) => crate::UNMODELLED,
+            Meaning::SmoothDirections(_) => crate::UNMODELLED,
         }
     }
 

@@ -8,10 +8,10 @@ use armident_ident::{ConsistencyProblem, MinimalSet};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_numeric::{Mat, information_root};
 
-use crate::at::changed;
 use crate::problem::Group;
 use crate::search::{Answer, all_admissible};
 use crate::whitened::{Fit, Whitened};
+use armident_model::changed;
 
 /// Relative error of a link that is named as wrong where all others are believed: nothing is known of it...
 const NAMED: f64 = 3.2;
@@ -158,9 +158,9 @@ fn beside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::at::OperatingPoint;
     use crate::made::{evidence, ur5};
     use crate::search::answer;
+    use armident_model::OperatingPoint;
 
     /// What is settled of an arm whose link 5 has this many times its mass and first moment, when that link is named.
     fn settled_with(factor: f64) -> (RigidArm, Settled) {

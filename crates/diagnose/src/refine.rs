@@ -4,7 +4,6 @@ use std::collections::{HashMap, HashSet};
 
 use armident_effects::{Scope, effect};
 
-use crate::at::At;
 use crate::contact::ContactColumns;
 use crate::crossval::with_everyday_terms_of;
 use crate::evidence::Evidence;
@@ -12,8 +11,10 @@ use crate::flexible;
 use crate::problem::{Group, Meaning, Problem};
 use crate::scales::Memory;
 use crate::search::{Answer, all_admissible, answer};
-use crate::transmission::{self, Load};
+use crate::sprung::Posed;
+use crate::transmission;
 use crate::whitened::{Integral, Whitened, WrongBody};
+use armident_model::Load;
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
@@ -24,7 +25,7 @@ const POLISHED: f64 = 0.125;
 /// The group of a new problem that stands for the same.
 pub(crate) fn recreate(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     contact: &ContactColumns,
     problem: &mut Problem,
     group: &Group,
@@ -42,7 +43,7 @@ pub(crate) fn recreate(
 /// The same of what acts at all times.
 pub(crate) fn recreate_lasting(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     problem: &mut Problem,
     group: &Group,
 ) -> Option<usize> {
@@ -52,7 +53,7 @@ pub(crate) fn recreate_lasting(
             problem.groups[id].searched = group.searched;
             Some(id)
         }
-        Meaning::Flexible(flexible) => {
+        Meaning::SmoothDirections(flexible) => {
             let joint = group.site.joints[0];
             Some(flexible::recreate(evidence, at, problem, joint, flexible))
         }
@@ -69,7 +70,7 @@ fn known<'g>(mut groups: impl Iterator<Item = &'g Group>, group: &Group) -> Opti
 /// A law of joints with the shape of a group, added to a problem.
 pub(crate) fn formed(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     problem: &mut Problem,
     slug: &'static str,
     group: &Group,
@@ -90,7 +91,7 @@ pub(crate) fn formed(
 /// sign: what is too small to be named would otherwise be made up for by the constants.
 pub(crate) fn refine(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     contact: &ContactColumns,
     problem: &mut Problem,
     (scale, wide): (f64, &[WrongBody]),
@@ -159,7 +160,7 @@ pub(crate) fn refine(
 /// An answer, and what to try in its place.
 struct Trials<'a, 'e> {
     evidence: &'a Evidence<'e>,
-    at: &'a [At<'e>],
+    at: &'a [Posed<'e>],
     contact: &'a ContactColumns,
     small: Problem,
     integral: Integral,
@@ -306,9 +307,9 @@ pub(crate) fn fractional_ripples(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::at::OperatingPoint;
     use crate::made::{STRIBECK, rubbing, stribeck, ur5};
     use crate::scales::ChosenBy;
+    use armident_model::OperatingPoint;
 
     /// Viscous friction that nobody names does not change the speed that friction falls in.
     #[test]

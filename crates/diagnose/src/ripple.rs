@@ -4,9 +4,9 @@ use armident_effects::{Effect, JointMotion, TorqueRipple};
 use armident_kinematics::JointKind;
 use armident_numeric::dot;
 
-use crate::at::At;
 use crate::evidence::Evidence;
 use crate::problem::Problem;
+use crate::sprung::Posed;
 
 /// Orders tried on a rotational joint: whole numbers of cycles a turn.
 const HIGHEST_ORDER: usize = 130;
@@ -28,7 +28,7 @@ pub(crate) struct RippleColumns {
 }
 
 impl RippleColumns {
-    pub(crate) fn new(evidence: &Evidence<'_>, at: &[At<'_>]) -> Self {
+    pub(crate) fn new(evidence: &Evidence<'_>, at: &[Posed<'_>]) -> Self {
         let joints = (0..evidence.joints())
             .map(|j| {
                 let orders: Vec<f64> = match at[0].arm.joints[j].kind {
@@ -83,7 +83,7 @@ impl RippleColumns {
     pub(crate) fn offer(
         &self,
         evidence: &Evidence<'_>,
-        at: &[At<'_>],
+        at: &[Posed<'_>],
         problem: &mut Problem,
         residual: &[Vec<f64>],
     ) -> Vec<usize> {

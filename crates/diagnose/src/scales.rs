@@ -4,14 +4,15 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use crate::at::{At, OperatingPoint};
 use crate::contact::ContactColumns;
 use crate::evidence::Evidence;
 use crate::material::prune;
 use crate::problem::{Group, Problem};
 use crate::ripple::RippleColumns;
 use crate::search::{Answer, answer, search};
+use crate::sprung::Posed;
 use crate::whitened::WrongBody;
+use armident_model::OperatingPoint;
 
 /// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
@@ -74,7 +75,7 @@ pub(crate) struct Best {
 /// Searches with every scale of inertial errors; the scans that one brings are offered to all.
 pub(crate) fn best_of_scales(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     ripple: &RippleColumns,
     contact: &ContactColumns,
     problem: &mut Problem,
@@ -153,7 +154,7 @@ pub(crate) fn keep_better(best: &mut Option<Best>, found: Option<Best>) {
 pub(crate) fn laws_at(
     scale: f64,
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     ripple: &RippleColumns,
     contact: &ContactColumns,
     problem: &mut Problem,

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::at::At;
 use crate::crossval::stretches;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Problem};
 use crate::search::Answer;
 use crate::shape_scatter::{ShapeScatter, shape_scatter};
+use crate::sprung::Posed;
 use crate::whitened::Whitened;
 
 /// Stretches of a recording that are left out one after the other for a standard error.
@@ -83,7 +83,7 @@ impl Scatter {
     pub(crate) fn with_shapes(
         mut self,
         evidence: &Evidence<'_>,
-        at: &[At<'_>],
+        at: &[Posed<'_>],
         metric: &Whitened<'_>,
         of: &Answer,
     ) -> Self {

@@ -3,7 +3,6 @@
 use armident_numeric::dot;
 
 use crate::alternatives::{everyday_first, load_first};
-use crate::at::OperatingPoint;
 use crate::certain::{Doubt, certain};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, imperfection, with_changes, with_everyday_terms};
@@ -17,9 +16,10 @@ use crate::refine::{fractional_ripples, recreate, refine};
 use crate::ripple::RippleColumns;
 use crate::scales::{Best, ChosenBy, Memory, best_of_scales};
 use crate::search::{Answer, answer};
-use crate::sprung::{Spring, Step, springs, stride};
+use crate::sprung::{Step, springs, stride};
 use crate::turning::with_turns;
 use crate::whitened::{PRICE_OF_CHOICE, Whitened, WrongBody};
+use armident_model::{OperatingPoint, Spring};
 
 /// Logarithm of the ratio of two misfits that are the same.
 const SAME_MISFIT: f64 = 0.3;

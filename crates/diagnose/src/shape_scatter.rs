@@ -6,13 +6,13 @@ use std::ops::Range;
 
 use armident_numeric::{Cholesky, dot};
 
-use crate::at::At;
 use crate::crossval::stretches;
 use crate::evidence::Evidence;
 use crate::problem::{Group, Meaning, Problem};
 use crate::refine::{continuous, formed};
 use crate::scatter::LEFT_OUT_PER_RECORDING;
 use crate::search::Answer;
+use crate::sprung::Posed;
 use crate::whitened::{Fit, Whitened};
 
 /// Steps towards a standard deviation; near enough to the curvature once the first one was that.
@@ -39,7 +39,7 @@ pub(crate) struct ShapeScatter {
 /// more.
 pub(crate) fn shape_scatter(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     metric: &Whitened<'_>,
     of: &Answer,
     group: usize,
@@ -123,7 +123,7 @@ impl Along {
 /// Trials of the shape of one group of an answer, all coefficients fitted again.
 struct Trials<'a, 'e> {
     evidence: &'a Evidence<'e>,
-    at: &'a [At<'e>],
+    at: &'a [Posed<'e>],
     metric: &'a Whitened<'a>,
     of: &'a Answer,
     slug: &'static str,
@@ -273,9 +273,9 @@ mod tests {
     use armident_effects::effect;
 
     use super::*;
-    use crate::at::OperatingPoint;
     use crate::made::{RUBBING_JOINT as JOINT, STRIBECK, rubbing, stribeck, ur5};
     use crate::search::answer;
+    use armident_model::OperatingPoint;
 
     /// With the speed as one more coefficient, of the derivative of the efforts by it, the linear answer has the
     /// covariance that trials of the speed give.

@@ -8,31 +8,27 @@
 //! A spring that rings tells what its link weighs better than the efforts by themselves, and a wrong weight tells
 //! another spring: both are found together only where the one is seen to change with the other.
 
-use std::ops::Range;
+use armident_kinematics::DrivingAxisChain;
+use armident_model::PosedRecording;
+use armident_model::Spring;
+use armident_motion::Signals;
+use std::ops::{Deref, Range};
+use std::sync::OnceLock;
 
 use armident_dynamics::{ArmMotion, ParameterColumns, RigidArm};
 use armident_kinematics::InertialParameters;
 use armident_recording::RecordingError;
 
-use crate::at::{At, OperatingPoint};
 use crate::problem::Group;
 use crate::search::Answer;
-use crate::transmission::{Load, Transmission, mean_inertia, of_shape};
+use crate::transmission::mean_inertia;
 use crate::whitened::Whitened;
+use armident_model::{Load, OperatingPoint, of_shape};
 
 const TEN: usize = InertialParameters::COUNT;
 
-/// A spring that an answer has found, as the columns of links are formed beside it.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Spring {
-    pub(crate) joint: usize,
-    pub(crate) transmission: Transmission,
-    /// fitted size of the difference to a rigid transmission; 1 where the law holds
-    pub(crate) share: f64,
-}
-
 /// The motion of the link behind a spring in one recording, and what others near it do to the efforts.
-pub(crate) struct Sprung {
+pub(crate) struct CompliantLink {
     spring: Spring,
     /// position, velocity, acceleration
     link: [Vec<f64>; 3],
@@ -44,15 +40,54 @@ pub(crate) struct Sprung {
     counted: Vec<Vec<f64>>,
 }
 
-impl Sprung {
-    pub(crate) fn of(at: &At<'_>, spring: &Spring) -> Result<Self, RecordingError> {
+/// A posed recording with the compliant links of its operating point.
+pub(crate) struct Posed<'a> {
+    recording: PosedRecording<'a>,
+    /// formed when first asked for
+    compliant: Vec<(Spring, OnceLock<Option<CompliantLink>>)>,
+}
+
+impl<'a> Deref for Posed<'a> {
+    type Target = PosedRecording<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.recording
+    }
+}
+
+impl<'a> Posed<'a> {
+    pub(crate) fn new(
+        chain: &DrivingAxisChain,
+        arm: &RigidArm,
+        signals: &'a Signals,
+        point: &OperatingPoint,
+    ) -> Self {
+        let compliant = point.springs.iter().map(|s| (s.clone(), OnceLock::new())).collect();
+        Self { recording: PosedRecording::new(chain, arm, signals, point), compliant }
+    }
+
+    /// The links behind springs of the operating point.
+    pub(crate) fn compliant_links(&self) -> impl Iterator<Item = &CompliantLink> {
+        self.compliant.iter().filter_map(|(spring, made)| {
+            made.get_or_init(|| CompliantLink::of(self, spring).ok()).as_ref()
+        })
+    }
+
+    /// Whether the operating point has a spring on a joint that is about right.
+    pub(crate) fn has_right_spring(&self, joint: usize) -> bool {
+        self.compliant_links().any(|link| link.joint() == joint && link.is_about_right())
+    }
+}
+
+impl CompliantLink {
+    pub(crate) fn of(at: &Posed<'_>, spring: &Spring) -> Result<Self, RecordingError> {
         /// Steps of the differences \[rad or m, with seconds\].
         const STEPS: [f64; 3] = [1e-4, 1e-4, 1e-2];
         let joint = spring.joint;
         let link = spring.transmission.hidden_link(at, joint)?;
-        let load = at.load(joint).moved(at, joint, &link[0], &link[1]);
         let arm = at.of_other_links().0;
         let motion = at.motion();
+        let load = at.load(joint).moved(&motion, arm, joint, &link[0], &link[1]);
         let efforts = |link: &[Vec<f64>; 3]| {
             motion.with_joint(arm, joint, link.each_ref().map(Vec::as_slice)).efforts(arm)
         };
@@ -99,7 +134,7 @@ impl Sprung {
 
     /// How far some efforts on the joint twist the spring at the first sample, given for a motion of one sample: as the
     /// twist there is found.
-    fn twists(&self, at: &At<'_>, efforts: impl Fn(&ArmMotion<'_>) -> Vec<f64>) -> Vec<f64> {
+    fn twists(&self, at: &Posed<'_>, efforts: impl Fn(&ArmMotion<'_>) -> Vec<f64>) -> Vec<f64> {
         const STEP: f64 = 1e-4;
         let (signals, joint) = (at.signals, self.joint());
         let stiffness = self.spring.transmission.stiffness;
@@ -137,7 +172,7 @@ impl Sprung {
     }
 
     /// How the link yields to each standard parameter from those of its own link on: `[parameter]`.
-    pub(crate) fn yields_to_parameters(&self, at: &At<'_>) -> Vec<[Vec<f64>; 3]> {
+    pub(crate) fn yields_to_parameters(&self, at: &Posed<'_>) -> Vec<[Vec<f64>; 3]> {
         let dof = at.arm.dof();
         let wanted: Vec<usize> = (TEN * self.joint()..TEN * dof).collect();
         let (motion, standard) = (at.motion(), ParameterColumns::standard(dof));
@@ -155,7 +190,7 @@ impl Sprung {
     /// [`Self::yields_to_parameters`].
     pub(crate) fn columns_on(
         &self,
-        at: &At<'_>,
+        at: &Posed<'_>,
         joint: usize,
         wanted: Range<usize>,
         yielding: &[[Vec<f64>; 3]],
@@ -184,7 +219,7 @@ impl Sprung {
 
 /// What the columns of the links are more than with a rigid transmission, for what the links of the operating point are
 /// beside the believed ones.
-fn of_other_links(sprung: &Sprung, at: &At<'_>) -> Vec<Vec<f64>> {
+fn of_other_links(sprung: &CompliantLink, at: &Posed<'_>) -> Vec<Vec<f64>> {
     let others = at.of_other_links().0;
     let motion = at.motion();
     let difference = |motion: &ArmMotion<'_>| -> Vec<Vec<f64>> {
@@ -205,7 +240,7 @@ fn of_other_links(sprung: &Sprung, at: &At<'_>) -> Vec<Vec<f64>> {
 }
 
 /// The springs that an answer has found, beside which its links are fitted.
-pub(crate) fn springs(metric: &Whitened<'_>, found: &Answer, at: &[At<'_>]) -> Vec<Spring> {
+pub(crate) fn springs(metric: &Whitened<'_>, found: &Answer, at: &[Posed<'_>]) -> Vec<Spring> {
     let groups = found.set.iter().map(|g| &metric.problem.groups[*g]);
     let rings = |group: &&Group| group.slug() == "joint_elasticity" && group.moves_its_link();
     groups
@@ -266,11 +301,12 @@ pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::at::changed;
     use crate::evidence::Evidence;
     use crate::made::{swung, swung_for, ur5};
     use crate::select::select;
     use armident_dynamics::RigidArm;
+    use armident_model::Transmission;
+    use armident_model::changed;
 
     /// Where what is fitted follows what it was fitted beside by a share, two steps tell where it no longer moves; where by
     /// nearly all of it, the step is no longer than three.
@@ -312,10 +348,10 @@ mod tests {
         let at_links = |links: &[f64]| {
             let (links, springs) = (Some(links.to_vec()), vec![spring.clone()]);
             let point = OperatingPoint { links, springs, ..OperatingPoint::of(dof) };
-            At::new(&chain, &arm, &signals, &point)
+            Posed::new(&chain, &arm, &signals, &point)
         };
         let at = at_links(&links);
-        let sprung = at.sprung().next().unwrap();
+        let sprung = at.compliant_links().next().unwrap();
         let yielding = sprung.yields_to_parameters(&at);
         let size = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut counted = vec![vec![0.0; signals.len()]; dof];
@@ -363,7 +399,7 @@ mod tests {
         let mut recorded = swung_for(2000, &real, 0.1, |_, _| 0.0);
         let point = OperatingPoint::of(real.joints.len());
         let moved = recorded.clone();
-        let at = At::new(&real, &RigidArm::from_chain(&real), &moved, &point);
+        let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
         let inertia = mean_inertia(std::slice::from_ref(&at), JOINT);
         let rate = std::f64::consts::TAU * 2.3;
         let (stiffness, damping) = (inertia * rate * rate, 0.06 * inertia * rate);

@@ -4,9 +4,9 @@
 //! Names are found with friction that turns at once. How it turns is tried afterwards, by stretches that were not fitted: it
 //! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
 
-use armident_effects::{LIBRARY, MotionScale, Place, Scope, Turn, direction};
+use armident_effects::{LIBRARY, MotionScale, Place, Scope, Turn};
+use armident_model::SHARP;
 
-use crate::at::{At, OperatingPoint};
 use crate::contact::ContactColumns;
 use crate::crossval::{confirm, errors_left_out, in_standard_errors, with_everyday_terms_of};
 use crate::evidence::Evidence;
@@ -15,6 +15,8 @@ use crate::problem::{Group, Problem};
 use crate::refine::recreate;
 use crate::search::answer;
 use crate::select::Selection;
+use crate::sprung::Posed;
+use armident_model::OperatingPoint;
 
 /// Speeds below which the direction fades that are tried, as shares of the root mean square speed; travels are
 /// [`Turn::TRAVEL_SHARES`].
@@ -23,16 +25,6 @@ const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
 /// friction is known to hold them, and to be sharp where it breaks away.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 const LEAST_GAIN_WITH_RESTS: f64 = 2.0;
-
-/// The direction of motion, fading to zero below a speed.
-pub(crate) fn faded(sharp: &[f64], velocity: &[f64], speed: f64) -> Vec<f64> {
-    let fades =
-        |(sharp, v): (&f64, &f64)| if v.abs() < speed { direction(*v, speed) } else { *sharp };
-    sharp.iter().zip(velocity).map(fades).collect()
-}
-
-/// Friction that turns at once.
-pub(crate) const AT_ONCE: Turn = Turn::Speed(0.0);
 
 /// The selection with friction that does not turn at once where that explains more; none where it does nowhere.
 pub(crate) fn with_turns(evidence: &Evidence<'_>, of: &Selection) -> Option<Selection> {
@@ -70,7 +62,7 @@ fn turns_shown(evidence: &Evidence<'_>, of: &Selection) -> Option<Vec<Turn>> {
     let errors =
         |problem: &Problem, set: &[usize]| errors_left_out(problem, set, of.scale, &of.wide);
     let sharp = errors(&small, &set);
-    let mut best = vec![(0.0, AT_ONCE); evidence.joints()];
+    let mut best = vec![(0.0, SHARP); evidence.joints()];
     for share in
         SPEED_SHARES.map(Turn::Speed).into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel))
     {
@@ -125,7 +117,7 @@ fn law_of(group: &Group) -> Option<&'static dyn armident_effects::Effect> {
 /// The group with friction as it is at these recordings, added to a problem.
 fn turned(
     evidence: &Evidence<'_>,
-    at: &[At<'_>],
+    at: &[Posed<'_>],
     problem: &mut Problem,
     group: usize,
 ) -> Option<usize> {
@@ -164,14 +156,14 @@ mod tests {
             _ => 0.0,
         });
         let sharp = with_coulomb_friction(&evidence);
-        let faded = with_turns(&evidence, &sharp).unwrap();
-        let turns = &faded.point.turns;
+        let regularised_sign = with_turns(&evidence, &sharp).unwrap();
+        let turns = &regularised_sign.point.turns;
         let Turn::Speed(speed) = turns[0] else { panic!("{turns:?}") };
         assert!((0.02..0.05).contains(&speed) && turns[1].speed() < 0.02, "{turns:?}");
         let level =
             |of: &Selection| of.answer.fit.of_group(&of.problem.groups[of.answer.set[0]])[0];
-        assert!((level(&faded) - 4.0).abs() < 0.02, "{}", level(&faded));
-        assert!((level(&sharp) - 4.0).abs() > (level(&faded) - 4.0).abs());
+        assert!((level(&regularised_sign) - 4.0).abs() < 0.02, "{}", level(&regularised_sign));
+        assert!((level(&sharp) - 4.0).abs() > (level(&regularised_sign) - 4.0).abs());
     }
 
     /// Of two joints with Coulomb friction, one builds it up over 4 mrad, the other at once.
@@ -197,14 +189,5 @@ mod tests {
         let turns = &turned.point.turns;
         assert!((0.5..2.0).contains(&(turns[0].travel() / TRAVEL_RAD)), "{turns:?}");
         assert!(turns[1].travel() < 1e-3, "{turns:?}");
-    }
-
-    #[test]
-    fn fading_twice_is_fading_once() {
-        let velocity = [-1.0, -0.0625, 0.0, 0.03125, 0.3];
-        let sharp = [-1.0, -1.0, 0.0, 1.0, 1.0];
-        let once = faded(&sharp, &velocity, 0.125);
-        assert_eq!(once, [-1.0, -0.5, 0.0, 0.25, 1.0]);
-        assert_eq!(faded(&once, &velocity, 0.125), once);
     }
 }

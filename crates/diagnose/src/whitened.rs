@@ -478,7 +478,7 @@ impl Problem {
     /// Columns whose coefficients have a prior of deviation 1: directions of a description that a stretch of the
     /// recordings does not visit stay at nothing there.
     fn held_columns(&self) -> impl Iterator<Item = usize> {
-        let described = |group: &&Group| matches!(group.meaning, Meaning::Flexible(_));
+        let described = |group: &&Group| matches!(group.meaning, Meaning::SmoothDirections(_));
         self.groups.iter().filter(described).flat_map(|group| group.columns.iter().copied())
     }
 
@@ -491,7 +491,7 @@ impl Problem {
     pub(crate) fn price_of_onset(&self, group: &Group) -> f64 {
         let onset = match group.meaning {
             Meaning::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
-            Meaning::Flexible(_) => Onset::Seldom,
+            Meaning::SmoothDirections(_) => Onset::Seldom,
         };
         let of_last_link =
             group.site.joints.last() == self.background.links.checked_sub(1).as_ref();
@@ -506,9 +506,10 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flexible::{Basis, Flexible};
+    use crate::flexible::SmoothDirections;
     use crate::problem::{Background, Site};
     use crate::rows::Rows;
+    use armident_model::SmoothBasis;
     use armident_motion::BAND_HZ;
     use armident_motion::Signals;
     use armident_recording::{JointChannels, Recording};
@@ -609,8 +610,9 @@ mod tests {
             let fit = metric.fit(metric.columns_of(&[0])).unwrap();
             fit.coefficients.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
         };
-        let basis = Basis { factors: Vec::new(), axes: Vec::new() };
-        let described = largest(Meaning::Flexible(Flexible { basis, transform: Vec::new() }));
+        let basis = SmoothBasis { factors: Vec::new(), axes: Vec::new() };
+        let described =
+            largest(Meaning::SmoothDirections(SmoothDirections { basis, transform: Vec::new() }));
         assert!(described < 3.0, "{described}");
         let of_law = largest(Meaning::Law("viscous_friction"));
         assert!(of_law > 10.0, "{of_law}");

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, BendFound, Chosen, Coupling,
+    BatchEstimate, BatchFit, BatchProblem, BatchSettings, BendFound, Chosen, Coupling,
     CouplingFound, DriveGain, DriveGains, KnownLoad, LAWS, MinimalSet, Recorded, Sought, Term,
     without_loads,
 };
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_page::Correlation;
 use armident_recording::{Quantity, Recording};
@@ -279,7 +280,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         },
         None => ArmModel {
             effects: problem.effects(&estimate.values, &joints),
-            ..model.with_constants(&set, &problem.constants(&estimate.values))
+            ..set.applied_to(model, &problem.constants(&estimate.values))
         },
     };
     found.cutoff_hz = cutoff_hz;

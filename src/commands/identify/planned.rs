@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
-use armident_ident::{ArmModel, JointFit, MinimalSet};
+use armident_ident::{JointFit, MinimalSet};
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_recording::Recording;
 use armident_report::{
@@ -86,7 +87,7 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
     let urdf_errors = effort_errors(&arm, &motions, &joints);
     let mut found = match &consistent {
         Some(consistent) => model.with_links(&consistent.links),
-        None => model.with_constants(&set, &values),
+        None => set.applied_to(model, &values),
     };
     found.cutoff_hz = cutoff_hz;
     found.effort_noise = (estimate.effort_noise.iter().all(|s| s.is_finite()))

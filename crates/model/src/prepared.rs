@@ -4,13 +4,14 @@ use armident_motion::{BAND_HZ, EvenGrid, Signals};
 use armident_recording::{Recording, RecordingError};
 
 /// A recording as models of one arm see it.
-pub struct Seen<'a> {
+pub struct PreparedRecording<'a> {
     pub(crate) recording: &'a Recording,
     pub(crate) grid: EvenGrid,
-    pub(crate) signals: Signals,
+    /// It on its grid.
+    pub signals: Signals,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> PreparedRecording<'a> {
     /// By models with these joints, base to tip.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! One recording at an operating point: what moves there, what it takes, what each joint carries.
+//! One recording at an operating point: what moves there, which efforts that takes, what each joint carries.
 
 use std::sync::OnceLock;
 
@@ -7,45 +7,21 @@ use armident_effects::{ArmMotion, Effect, JointMotion, Place, Turn, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
 
-use crate::sprung::{Spring, Sprung};
-use crate::transmission::Load;
-use crate::turning::{AT_ONCE, faded};
+use crate::link_load::Load;
+use crate::operating_point::OperatingPoint;
+use crate::reversal::{SHARP, regularised_sign};
 use armident_motion::{Signals, Stop};
 
-/// Laws that turn the configuration itself: where they are assumed to be.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct OperatingPoint {
-    /// rotation vector of the base about x and y of the world \[rad\]
-    pub(crate) tilt: [f64; 2],
-    /// recorded minus true position \[rad or m\]
-    pub(crate) offset: Vec<f64>,
-    /// lag of the efforts \[s\]
-    pub(crate) delay_s: f64,
-    /// changes of the links' standard parameters, for links that move by themselves behind their motors: how
-    /// they ring depends on what they really weigh
-    pub(crate) links: Option<Vec<f64>>,
-    /// beside which the columns of links are formed
-    pub(crate) springs: Vec<Spring>,
-    /// how dry friction turns
-    pub(crate) turns: Vec<Turn>,
-    /// of the effort channels: what the arm does beside the believed one is recorded with it as well
-    pub(crate) gain: Vec<f64>,
-}
-
-impl OperatingPoint {
-    pub(crate) fn of(joints: usize) -> Self {
-        let (offset, gain) = (vec![0.0; joints], vec![1.0; joints]);
-        let (springs, turns) = (Vec::new(), vec![AT_ONCE; joints]);
-        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, turns, gain }
-    }
-}
-
 /// One recording at an operating point.
-pub(crate) struct At<'a> {
-    pub(crate) signals: &'a Signals,
-    pub(crate) arm: RigidArm,
-    pub(crate) position: Vec<Vec<f64>>,
-    pub(crate) rigid: Vec<Vec<f64>>,
+pub struct PosedRecording<'a> {
+    /// The recording on its grid.
+    pub signals: &'a Signals,
+    /// The believed arm at the tilt of the operating point.
+    pub arm: RigidArm,
+    /// True positions: low-passed, less the encoder offsets \[rad or m\].
+    pub position: Vec<Vec<f64>>,
+    /// Efforts of the believed rigid body \[N m or N\].
+    pub rigid: Vec<Vec<f64>>,
     /// of joints that rest somewhere: with their held acceleration
     answered: Vec<Option<Vec<f64>>>,
     /// rigid effort and what is known of the rest, where there is some
@@ -53,7 +29,7 @@ pub(crate) struct At<'a> {
     /// directions of joints whose friction does not turn at once
     turned: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
-    pub(crate) delay_s: f64,
+    pub delay_s: f64,
     /// of the effort channels
     gain: Vec<f64>,
     angles: ArmAngles,
@@ -64,12 +40,11 @@ pub(crate) struct At<'a> {
     loads: Vec<OnceLock<Load>>,
     /// of joints that rest somewhere: with their held acceleration and the other links
     carried: Vec<OnceLock<Option<Vec<f64>>>>,
-    /// formed when first asked for
-    sprung: Vec<(Spring, OnceLock<Option<Sprung>>)>,
 }
 
-impl<'a> At<'a> {
-    pub(crate) fn new(
+impl<'a> PosedRecording<'a> {
+    /// The recording of an arm at an operating point.
+    pub fn new(
         chain: &DrivingAxisChain,
         arm: &RigidArm,
         signals: &'a Signals,
@@ -94,12 +69,12 @@ impl<'a> At<'a> {
         let delay_s = point.delay_s;
         let (answered, with_known) = (Vec::new(), Vec::new());
         let turned = |(j, turn): (usize, &Turn)| {
-            (*turn != AT_ONCE).then(|| {
+            (*turn != SHARP).then(|| {
                 let (sharp, velocity) = (&signals.direction[j], &signals.velocity[j]);
                 let Turn::Speed(speed) = turn else {
                     return turn.directions(&position[j], velocity);
                 };
-                let mut direction = faded(sharp, velocity, *speed);
+                let mut direction = regularised_sign(sharp, velocity, *speed);
                 // where a joint rests, its friction is what holds it: no function of a speed
                 for rest in signals.rests_of(j) {
                     direction[rest.clone()].copy_from_slice(&sharp[rest]);
@@ -122,7 +97,6 @@ impl<'a> At<'a> {
             others,
             loads,
             carried,
-            sprung: point.springs.iter().map(|s| (s.clone(), OnceLock::new())).collect(),
         };
         at.rigid = at.motion().efforts(&at.arm);
         at.answered = (0..signals.stops.len()).map(|j| at.of_own(j, true)).collect();
@@ -135,20 +109,20 @@ impl<'a> At<'a> {
     }
 
     /// The motion of the arm as recorded.
-    pub(crate) fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
+    pub fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
         let (v, a) = (&self.signals.velocity, &self.signals.acceleration);
         armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
     }
 
     /// The efforts as they were, without their lag; of a joint without a record, whose rows weigh nothing, those
     /// of the rigid arm.
-    pub(crate) fn effort_or_rigid(&self) -> Vec<Vec<f64>> {
+    pub fn effort_or_rigid(&self) -> Vec<Vec<f64>> {
         let recorded = self.signals.effort_before(self.delay_s).into_iter().zip(&self.rigid);
         recorded.map(|(e, rigid)| if e.is_empty() { rigid.clone() } else { e }).collect()
     }
 
     /// Efforts on a joint as its channel records them.
-    pub(crate) fn recorded(&self, j: usize, mut efforts: Vec<f64>) -> Vec<f64> {
+    pub fn recorded(&self, j: usize, mut efforts: Vec<f64>) -> Vec<f64> {
         if self.gain[j] != 1.0 {
             efforts.iter_mut().for_each(|x| *x *= self.gain[j]);
         }
@@ -156,13 +130,13 @@ impl<'a> At<'a> {
     }
 
     /// The same of all joints.
-    pub(crate) fn all_recorded(&self, efforts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    pub fn all_recorded(&self, efforts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         efforts.into_iter().enumerate().map(|(j, e)| self.recorded(j, e)).collect()
     }
 
     /// Rigid effort on a joint that stops somewhere, with accelerations that jump there or are [held](Signals::accelerations_on);
     /// none on others.
-    pub(crate) fn of_own(&self, j: usize, held: bool) -> Option<Vec<f64>> {
+    pub fn of_own(&self, j: usize, held: bool) -> Option<Vec<f64>> {
         self.of_own_on(&self.arm, j, held)
     }
 
@@ -177,36 +151,28 @@ impl<'a> At<'a> {
     }
 
     /// The rigid effort that the drive of a joint answers.
-    pub(crate) fn answered(&self, j: usize) -> &[f64] {
+    pub fn answered(&self, j: usize) -> &[f64] {
         self.answered[j].as_ref().unwrap_or(&self.rigid[j])
     }
 
     /// The arm that the answer makes of it where that matters for more than its own efforts, and these.
-    pub(crate) fn of_other_links(&self) -> (&RigidArm, &[Vec<f64>]) {
+    pub fn of_other_links(&self) -> (&RigidArm, &[Vec<f64>]) {
         match &self.others {
             Some((arm, efforts)) => (arm, efforts.get_or_init(|| self.motion().efforts(arm))),
             None => (&self.arm, &self.rigid),
         }
     }
 
-    /// The links behind springs of the operating point.
-    pub(crate) fn sprung(&self) -> impl Iterator<Item = &Sprung> {
-        self.sprung.iter().filter_map(|(spring, made)| {
-            made.get_or_init(|| Sprung::of(self, spring).ok()).as_ref()
+    /// What a joint has to move.
+    pub fn load(&self, j: usize) -> &Load {
+        self.loads[j].get_or_init(|| {
+            let (position, velocity) = (&self.position[j], &self.signals.velocity[j]);
+            Load::of(&self.motion(), self.of_other_links().0, j, position, velocity)
         })
     }
 
-    /// Whether the operating point has a spring on a joint that is about right.
-    pub(crate) fn has_right_spring(&self, joint: usize) -> bool {
-        self.sprung().any(|sprung| sprung.joint() == joint && sprung.is_about_right())
-    }
-
-    /// What a joint has to move.
-    pub(crate) fn load(&self, j: usize) -> &Load {
-        self.loads[j].get_or_init(|| Load::of(self, j))
-    }
-
-    pub(crate) fn joint(&self, j: usize) -> JointMotion<'_> {
+    /// The motion of a joint as laws take it.
+    pub fn joint(&self, j: usize) -> JointMotion<'_> {
         JointMotion {
             kind: self.arm.joints[j].kind,
             time_s: &self.signals.time_s,
@@ -220,7 +186,7 @@ impl<'a> At<'a> {
 
     /// What a law sees of a joint: a gain of the channel sees all that is known of its effort, others the load of the
     /// rigid body with the links that the answer gives it.
-    pub(crate) fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
+    pub fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
         let seen = match law.law().places.contains(&Place::Gain) {
             true => self.with_known[j].as_deref(),
             false => self.carried(j),
@@ -239,7 +205,8 @@ impl<'a> At<'a> {
         Some(own.as_ref().unwrap_or(&efforts[j]))
     }
 
-    pub(crate) fn arm_motion<'b>(
+    /// The motion of the arm as laws of the whole arm take it.
+    pub fn arm_motion<'b>(
         &'b self,
         chain: &DrivingAxisChain,
         effort: &'b [Vec<f64>],
@@ -257,7 +224,7 @@ impl<'a> At<'a> {
     }
 
     /// Columns of a law on the whole arm as the channels record them: `[column][joint][sample]`.
-    pub(crate) fn recorded_arm_columns(
+    pub fn recorded_arm_columns(
         &self,
         law: &dyn Effect,
         j: usize,
@@ -281,7 +248,7 @@ fn clear_rounding(columns: &mut [Vec<Vec<f64>>]) {
 }
 
 /// Standard parameters of a link changed by `10` numbers.
-pub(crate) fn changed(link: &InertialParameters, change: &[f64]) -> InertialParameters {
+pub fn changed(link: &InertialParameters, change: &[f64]) -> InertialParameters {
     let mut numbers = link.to_array();
     for (x, d) in numbers.iter_mut().zip(change) {
         *x += d;

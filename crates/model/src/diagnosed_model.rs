@@ -1,16 +1,15 @@
 //! What was learned, in a form that predicts.
 
+use crate::{ArmModel, OperatingPoint, PosedRecording, PreparedRecording, Transmission};
 use armident_dynamics::RigidArm;
-use armident_effects::{EffectOnJoint, Scope, Turn, effect, joined_where_inadmissible, tilted};
-use armident_ident::ArmModel;
+use armident_effects::{
+    Effect, EffectOnJoint, Scope, SublinearViscousFriction, Turn, effect,
+    joined_where_inadmissible, tilted,
+};
 use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
 
-use crate::at::{At, OperatingPoint};
-use crate::bending::is_bend;
 use crate::learned::Learned;
-use crate::seen::Seen;
-use crate::transmission::Transmission;
 use armident_motion::{Signals, continued, filter_between, later, low_pass};
 
 /// A model with what a diagnosis learned.
@@ -67,7 +66,8 @@ impl DiagnosedModel {
         bends.map(|on| (on.joint.as_str(), on.parameters[0]))
     }
 
-    pub(crate) fn point(&self) -> OperatingPoint {
+    /// Where the model puts what turns the configuration itself.
+    pub fn point(&self) -> OperatingPoint {
         OperatingPoint {
             tilt: self.learned.tilt_rad,
             offset: self.learned.encoder_offset.clone(),
@@ -86,15 +86,18 @@ impl DiagnosedModel {
     /// A motion without the positions of the joints, or mostly gaps.
     pub fn predict(&self, motion: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
         let names: Vec<String> = self.arm.chain.joints.iter().map(|j| j.name.clone()).collect();
-        self.predict_seen(&Seen::of(motion, &names)?)
+        self.predict_seen(&PreparedRecording::of(motion, &names)?)
     }
 
     /// The same of a motion that other models predict as well: most of the work is to see it.
     ///
     /// # Errors
     /// None but those of a filter.
-    pub fn predict_seen(&self, motion: &Seen<'_>) -> Result<Vec<Vec<f64>>, RecordingError> {
-        let Seen { grid, signals, .. } = motion;
+    pub fn predict_seen(
+        &self,
+        motion: &PreparedRecording<'_>,
+    ) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let PreparedRecording { grid, signals, .. } = motion;
         let smoothed = |(effort, cutoff_hz): (&Vec<f64>, &Option<f64>)| match cutoff_hz {
             Some(hz) => Ok(grid.at_stamps(&low_pass(*hz, signals.rate_hz)?.filter(effort))),
             None => Ok(grid.at_stamps(effort)),
@@ -103,9 +106,9 @@ impl DiagnosedModel {
     }
 
     /// The prediction on the grid, before the low-pass of the output.
-    pub(crate) fn on_grid(&self, signals: &Signals) -> Result<Vec<Vec<f64>>, RecordingError> {
+    pub fn on_grid(&self, signals: &Signals) -> Result<Vec<Vec<f64>>, RecordingError> {
         let chain = &self.arm.chain;
-        let at = At::new(chain, &RigidArm::from_chain(chain), signals, &self.point());
+        let at = PosedRecording::new(chain, &RigidArm::from_chain(chain), signals, &self.point());
         let rigid_filter = low_pass(self.learned.rigid_cutoff_hz, signals.rate_hz)?;
         let mut effort: Vec<Vec<f64>> = (at.rigid.iter().enumerate())
             .map(|(j, rigid)| {
@@ -239,4 +242,9 @@ fn add(to: &mut [f64], part: &[f64]) {
     for (to, part) in to.iter_mut().zip(part) {
         *to += part;
     }
+}
+
+/// Whether a law is the bend of a joint's friction.
+pub fn is_bend(slug: &str) -> bool {
+    slug == SublinearViscousFriction.law().slug
 }

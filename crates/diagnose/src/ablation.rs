@@ -1,16 +1,16 @@
-//! The model without one of its findings: what the finding explains is the difference.
+//! Ablation: the model without one of its findings; the difference is what the finding explains.
 
 use armident_effects::EffectOnJoint;
 
 use crate::findings::Finding;
-use crate::model::DiagnosedModel;
+use armident_model::DiagnosedModel;
 
-impl DiagnosedModel {
-    /// The same model without what a finding of its diagnosis stands for, all else as it is; `before` is
+impl Finding {
+    /// A diagnosed model without what the finding stands for, all else as it is; `before` is
     /// the model that was diagnosed. Contacts are in no model: nothing goes.
     #[must_use]
-    pub fn without(&self, finding: &Finding, before: &Self) -> Self {
-        let mut model = self.clone();
+    pub fn ablated_from(&self, model: &DiagnosedModel, before: &DiagnosedModel) -> DiagnosedModel {
+        let (finding, mut model) = (self, model.clone());
         let is_on = |joint: &str| finding.joints.first().is_some_and(|j| j == joint);
         let index = model.arm.chain.joints.iter().position(|j| is_on(&j.name));
         let slug = finding.effect.as_str();
@@ -38,7 +38,7 @@ impl DiagnosedModel {
             ("gravity_direction", _) => learned.tilt_rad = earlier.tilt_rad,
             ("time_delay", _) => learned.delay_s = earlier.delay_s,
             (crate::UNMODELLED, _) => {
-                let same = |f: &crate::FlexibleTerm| {
+                let same = |f: &armident_model::SmoothTerm| {
                     is_on(&f.joint) && f.basis.variables() == finding.evidence.variables
                 };
                 if let Some(k) = learned.flexible.iter().rposition(same) {

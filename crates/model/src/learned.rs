@@ -3,14 +3,13 @@
 use armident_effects::{EffectOnJoint, Scope, Turn, UnknownEffect};
 use serde::{Deserialize, Serialize};
 
-use crate::flexible::FlexibleTerm;
-use crate::transmission::TransmissionTerm;
+use crate::{SmoothTerm, TransmissionTerm};
 
 /// Cut-off for the rigid part of a prediction \[Hz\], unless training recordings ask for a lower one:
 /// above, differentiated encoders are mostly noise.
 const RIGID_HZ: f64 = 14.0;
 
-/// What a diagnosis adds to an [`ArmModel`](armident_ident::ArmModel), whose links are the corrected ones and whose effects are
+/// What a diagnosis adds to an [`ArmModel`](crate::ArmModel), whose links are the corrected ones and whose effects are
 /// those on single joints.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Learned {
@@ -27,7 +26,7 @@ pub struct Learned {
     /// Springy and loose transmissions.
     pub transmissions: Vec<TransmissionTerm>,
     /// Structure without a name.
-    pub flexible: Vec<FlexibleTerm>,
+    pub flexible: Vec<SmoothTerm>,
     /// Low-pass on the rigid part of a prediction \[Hz\].
     pub rigid_cutoff_hz: f64,
     /// Low-pass on the whole prediction of each joint \[Hz\]: where differentiated encoders or the
@@ -60,7 +59,7 @@ pub enum LearnedError {
 
 impl Learned {
     /// Of an arm with so many joints: nothing.
-    pub(crate) fn nothing(joints: usize) -> Self {
+    pub fn nothing(joints: usize) -> Self {
         Self {
             couplings: Vec::new(),
             tilt_rad: [0.0; 2],

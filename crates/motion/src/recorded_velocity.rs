@@ -1,7 +1,8 @@
 //! Recorded velocities in the place of differentiated positions.
 
-use armident_motion::Motion;
 use armident_recording::{Quantity, Recording};
+
+use crate::Motion;
 
 /// A motion whose velocity is the recorded one through the motion's low-pass, and whose acceleration is
 /// the derivative of that.

@@ -10,16 +10,13 @@ use armident_kinematics::{
     AxisPair, DrivingAxisChain, DrivingAxisFrame, DrivingAxisJoint, InertialParameters, JointKind,
     JointLimits,
 };
-use armident_motion::Motion;
+use armident_motion::{Motion, with_recorded_velocity};
 use armident_recording::Recording;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::coupling::pair_columns;
-use crate::minimal_set::MinimalSet;
-use crate::rows::effect_columns;
-use crate::unreported::Shown;
-use crate::velocity::with_recorded_velocity;
+use crate::dead_zone::Shown;
+use crate::effect_columns::{effect_columns, pair_columns};
 
 /// Schema of `model.json`.
 pub const MODEL_SCHEMA: &str = "armident.model/1";
@@ -94,26 +91,6 @@ impl ArmModel {
             prior_links: None,
             provenance,
         }
-    }
-
-    /// The same arm with minimal constants of these values.
-    ///
-    /// Standard parameters outside the minimal set keep the values they have, which changes no
-    /// effort; the links need not be physically consistent one by one.
-    #[must_use]
-    pub fn with_constants(mut self, set: &MinimalSet, values: &[f64]) -> Self {
-        let arm = RigidArm::from_chain(&self.chain);
-        self.prior_links.get_or_insert_with(|| arm.links.clone());
-        let mut bodies = arm.constants();
-        let difference: Vec<f64> =
-            values.iter().zip(set.values(&bodies)).map(|(new, old)| new - old).collect();
-        for (constant, change) in set.constants.iter().zip(difference) {
-            constant.add_to(change, &mut bodies);
-        }
-        for (joint, link) in self.chain.joints.iter_mut().zip(arm.with_constants(&bodies).links) {
-            joint.link = link;
-        }
-        self
     }
 
     /// The same arm with other links, one per joint, in the frames of the joints.
