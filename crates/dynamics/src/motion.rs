@@ -146,7 +146,7 @@ mod tests {
     use armident_kinematics::{DrivingAxisFrame, InertialParameters, JointKind};
 
     #[test]
-    fn efforts_are_those_of_the_inverse_dynamics() {
+    fn batch_efforts_equal_inverse_dynamics() {
         let joint = |kind, beta_rad: f64| {
             let frame = DrivingAxisFrame { b_m: 0.3, d_m: 0.1, beta_rad, theta_rad: 0.2 };
             JointGeometry::new(kind, frame)

@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn any_partition_of_the_rows_gives_the_same_answer() {
+    fn qr_is_invariant_to_row_partition() {
         let (a, y) = columns(3000);
         let mut whole = AccumulatedQr::new(3);
         whole.push_columns(&a, &y);
@@ -244,7 +244,7 @@ mod tests {
     /// With the first two columns in front, what is below them in the third is the residual of the
     /// third on the first two.
     #[test]
-    fn reordered_columns_are_projected() {
+    fn reordered_columns_give_projected_triangle() {
         let (a, y) = columns(700);
         let mut qr = AccumulatedQr::new(3);
         qr.push_columns(&a, &y);
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn the_residual_from_the_triangle_is_the_residual_of_the_rows() {
+    fn triangle_residual_equals_row_residual() {
         let (a, y) = columns(700);
         let mut qr = AccumulatedQr::new(3);
         qr.push_columns(&a, &y);

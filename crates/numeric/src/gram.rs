@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cholesky_solves_and_knows_the_determinant() {
+    fn cholesky_solves_and_gives_log_determinant() {
         let columns = [[1.0, 2.0, 0.5, -1.0], [0.3, -1.0, 2.0, 0.7], [1.1, 0.2, -0.4, 3.0]];
         let views: Vec<&[f64]> = columns.iter().map(|c| &c[..]).collect();
         let gram = gram_of_columns(&views);

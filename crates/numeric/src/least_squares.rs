@@ -282,7 +282,7 @@ mod tests {
 
     /// `x + 2 y = 5` with weight 1e16 beside `x ≈ 1, y ≈ 1`: (1.4, 1.8), the nearest point of the line.
     #[test]
-    fn heavy_rows_are_met_and_the_rest_stays_near() {
+    fn heavy_rows_hold_with_small_correction() {
         let a = Mat::from_fn(1, 2, |_, j| 1e8 * (1.0 + j as f64));
         let damped = DampedLeastSquares::new(a);
         let x = damped.solve(&[5e8], &[1.0, 1.0]).unwrap();
@@ -293,7 +293,7 @@ mod tests {
 
     /// Both ways to the same answer, for rows of very different weight.
     #[test]
-    fn light_systems_are_solved_as_heavy_ones_are() {
+    fn light_and_heavy_systems_agree() {
         let entry = |i: usize, j: usize| (1.0 + (3 * i * j + 7 * i + 5 * j) as f64).sin();
         for weight in [1e-3, 1.0, 1e4] {
             let a = Mat::from_fn(4, 9, |i, j| weight * entry(i, j) * 10.0_f64.powi(i as i32));
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_root_of_the_information_has_it_for_its_product() {
+    fn information_root_squares_to_information() {
         let covariance = Mat::from_fn(3, 3, |i, j| match (i, j) {
             (0, 0) => 4e-6,
             (1, 1) => 9.0,

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn of_all_sets_of_bounds_the_best_is_found() {
+    fn finds_best_active_set() {
         let bound = [true, true, false, true, true];
         for case in 0..20 {
             let seed = 0.7 * f64::from(case);
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn all_unknowns_may_end_at_their_bounds() {
+    fn all_parameters_may_be_at_bound() {
         let qr = rows([-1.0; 5], 0.2);
         let found = qr.solve_non_negative(&[true; 5], 1e-12).unwrap();
         assert_eq!(found.answer.solution, vec![0.0; 5]);

@@ -133,7 +133,7 @@ mod tests {
 
     /// Structured low-rank matrices, where nalgebra's dynamic SVD fails: every entry 1, integers.
     #[test]
-    fn rank_of_structured_matrices() {
+    fn rank_is_exact_for_structured_matrices() {
         for rows in 2..20 {
             for columns in 2..20 {
                 let ones = Mat::from_fn(rows, columns, |_, _| 1.0);
@@ -145,14 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn a_round_off_column_is_zero_and_not_scaled_up() {
+    fn round_off_column_counts_as_zero() {
         let a = Mat::from_fn(6, 2, |i, j| if j == 0 { 1.0 } else { 1e-13 * (i as f64).sin() });
         let decision = rank_of_columns(&a, 1e-9).unwrap();
         assert_eq!((decision.rank, decision.zero_columns), (1, 1));
     }
 
     #[test]
-    fn elimination_follows_the_order_and_gives_the_combination() {
+    fn elimination_follows_order_and_returns_combinations() {
         // third column = 2 first - 5 second
         let a = Mat::from_fn(8, 3, |i, j| {
             let (x, y) = ((i as f64).sin(), (2.0 * i as f64).cos());
