@@ -1,4 +1,4 @@
-//! From a URDF or a model file and the chain options to the arm.
+//! Loads the arm from a URDF or model file and the chain options.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ pub(crate) fn load(
     Ok(ArmModel::from_chain(DrivingAxisChain::from_chain(&serial)))
 }
 
-/// What to say about a chain beside its warnings.
+/// Notes on a chain, in addition to its warnings.
 pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
     model.chain.ignored_note().into_iter().collect()
 }
@@ -47,15 +47,15 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
     ];
     if let Some((option, _)) = chosen.iter().find(|(_, given)| *given) {
         return Err(Failure::new(
-            format!("{option} cannot change a model file: its chain is fixed"),
+            format!("{option} cannot be used with a model file"),
             path.display(),
-            Some("give the URDF instead, or leave the option out"),
+            Some("pass the URDF instead, or omit the option"),
         ));
     }
     ArmModel::load(path).map_err(|error| Failure::model(path, &error))
 }
 
-/// The arm with all that its file holds: of a model that a diagnosis wrote, what it learned too.
+/// The arm with everything in its file, including the findings of a diagnosed model.
 pub(crate) struct Robot {
     /// Links, and effects on joints.
     pub(crate) arm: ArmModel,
@@ -143,13 +143,13 @@ pub(crate) fn load_links(
     let robot = load_whole(path, chain, recorded)?;
     let (simulated, mut beside) = robot.as_simulated();
     let tilted = robot.learned.as_ref().is_some_and(|l| l.tilt_rad.iter().any(|x| *x != 0.0));
-    beside.extend(tilted.then(|| "the tilt of its base".to_owned()));
+    beside.extend(tilted.then(|| "base tilt".to_owned()));
     let mut slugs: Vec<String> = simulated.effects.into_iter().map(|e| e.effect).collect();
     slugs.sort();
     slugs.dedup();
     slugs.extend(beside);
     let note = (!slugs.is_empty()).then(|| {
-        format!("of {} only the links are used, not its {}", path.display(), slugs.join(", "))
+        format!("using only the links of {}; ignoring {}", path.display(), slugs.join(", "))
     });
     Ok((robot.arm, note))
 }
@@ -176,7 +176,7 @@ fn learned(path: &Path, model: &ArmModel) -> Result<Option<Learned>, Failure> {
         Failure::new(
             error,
             path.display(),
-            Some("write the model again with `armident diagnose --save-model`"),
+            Some("create the model again with `armident diagnose --save-model`"),
         )
     })
 }

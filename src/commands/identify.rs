@@ -36,7 +36,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
                 "a folder with a plan cannot be combined with other recordings",
                 args.recordings[0].display(),
                 Some(
-                    "identify one planned folder at a time, or name its CSV files for a batch fit",
+                    "identify one planned folder at a time, or pass its CSV files for a batch fit",
                 ),
             ));
         }
