@@ -1,4 +1,4 @@
-//! Arguments of every command.
+//! Command-line arguments.
 
 mod arm;
 mod around;

@@ -15,9 +15,9 @@ use crate::excerpt::Excerpt;
 
 /// Outcome of a command whose result was written.
 pub(crate) enum Outcome {
-    /// Exit code 0, whatever the verdict.
+    /// Exit code 0, for any verdict.
     Done,
-    /// Exit code 3: `--fail-on` asked for it.
+    /// Exit code 3: the condition of `--fail-on` is met.
     FailedOnRequest,
 }
 

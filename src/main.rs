@@ -35,7 +35,7 @@ fn main() -> ExitCode {
 
 /// Removes partial files on Ctrl-C.
 fn stop_cleanly() {
-    // without a handler the program ends at once, and a `.part` file may stay
+    // without a handler a `.part` file may remain
     let _ = ctrlc::set_handler(|| {
         armident_recording::remove_partial_files();
         std::process::exit(INTERRUPTED);

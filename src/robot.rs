@@ -59,21 +59,21 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
 pub(crate) struct Robot {
     /// Links, and effects on joints.
     pub(crate) arm: ArmModel,
-    /// What a diagnosis learned beyond; none for a URDF and for a model that `identify` wrote.
+    /// Findings of a diagnosed model; `None` for a URDF and for an identified model.
     pub(crate) learned: Option<Learned>,
 }
 
 /// Predicted efforts.
 pub(crate) struct Predicted {
-    /// Of every joint at every stamp of the recording \[N m or N\].
+    /// Effort of every joint at every time stamp of the recording \[N m or N\].
     pub(crate) efforts: Vec<Vec<f64>>,
-    /// What the motion had to say.
+    /// Notes on the motion.
     pub(crate) notes: Vec<String>,
 }
 
-/// What says which efforts a motion takes.
+/// A model that predicts the efforts of a motion.
 pub(crate) trait Predicts {
-    /// The efforts of a recorded motion. `cutoff_hz` is the low-pass of the positions; what a diagnosis wrote has
+    /// Efforts of a recorded motion. `cutoff_hz` is the low-pass of the positions; a diagnosed model has
     /// its own.
     fn efforts(&self, recording: &Recording, cutoff_hz: Option<f64>) -> Result<Predicted, Failure>;
 }
@@ -104,7 +104,7 @@ impl Predicts for Robot {
 }
 
 impl Robot {
-    /// Efforts of recordings whose motions are formed already, on the grids of these.
+    /// Efforts of recordings on the grids of their given motions.
     pub(crate) fn on_grids(
         &self,
         motions: &[Motion],
@@ -125,7 +125,7 @@ impl Robot {
         Some(DiagnosedModel { arm: self.arm.clone(), learned })
     }
 
-    /// The arm with all that a diagnosis learned as effects on it, and what of it a simulated arm cannot hold.
+    /// The arm with all findings as effects, and a list of those that a simulated arm does not support.
     pub(crate) fn as_simulated(&self) -> (ArmModel, Vec<String>) {
         match self.diagnosed() {
             Some(diagnosed) => diagnosed.as_simulated(),
@@ -134,7 +134,7 @@ impl Robot {
     }
 }
 
-/// Loads the arm for what starts from its links alone, and says what else its file holds.
+/// Loads the links of the arm, with a note on the other content of its file.
 pub(crate) fn load_links(
     path: &Path,
     chain: &ChainArgs,
@@ -154,7 +154,7 @@ pub(crate) fn load_links(
     Ok((robot.arm, note))
 }
 
-/// Loads the arm with all that its file holds.
+/// Loads the arm with the whole content of its file.
 pub(crate) fn load_whole(
     path: &Path,
     chain: &ChainArgs,
@@ -165,7 +165,7 @@ pub(crate) fn load_whole(
     Ok(Robot { arm, learned })
 }
 
-/// What a diagnosis learned, if the file is a model that holds it.
+/// The findings of a diagnosed model; `None` for other files.
 fn learned(path: &Path, model: &ArmModel) -> Result<Option<Learned>, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         return Ok(None);

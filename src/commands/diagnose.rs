@@ -160,7 +160,7 @@ fn used<'a>(
     std::iter::once(&args.robot).chain(recordings).chain(&args.reading.mapping)
 }
 
-/// A recording cannot be fitted and kept out of the fit.
+/// Rejects a recording that is in both the training and the hold-out set.
 fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
     match holdout.iter().find(|file| train.iter().any(|t| output::same_file(t, file))) {
         Some(file) => Err(Failure::new(
