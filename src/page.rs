@@ -37,9 +37,9 @@ impl PageArgs {
     pub(crate) fn check(&self) -> Result<(), Failure> {
         match &self.report {
             Some(path) if output::is_stdout(path) => Err(Failure::new(
-                "the page cannot go to stdout, where the result goes",
+                "the page cannot be written to stdout",
                 "--report",
-                Some("name a file, for example --report report.html"),
+                Some("pass a file, for example --report report.html"),
             )),
             _ => Ok(()),
         }
@@ -66,16 +66,12 @@ pub(crate) fn write_result<T: Serialize>(
     };
     if let Some(path) = &pages.report {
         let document = serde_json::to_string(&drawn).map_err(|error| {
-            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
         })?;
         let page = armident_page::html(&document).map_err(|e| failure(path, &e))?;
         output::write_file(path, page.as_bytes())?;
         let megabytes = page.len() as f64 / 1e6;
-        output::say_all(
-            args,
-            "note",
-            &[format!("page of {megabytes:.1} MB written to {}", path.display())],
-        );
+        output::say_all(args, "note", &[format!("wrote {} ({megabytes:.1} MB)", path.display())]);
     }
     Ok(outcome)
 }
@@ -86,7 +82,7 @@ pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
         PageError::NotJson { line, .. } => format!("{}, line {line}", path.display()),
         _ => path.display().to_string(),
     };
-    Failure::new(error, place, Some("give a file written by --json of any command"))
+    Failure::new(error, place, Some("pass a file written by --json of any command"))
 }
 
 /// The command line, and the files that were read for it.

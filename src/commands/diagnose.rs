@@ -104,7 +104,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     drop(progress);
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
-            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
         })?;
         output::write_file(path, text.as_bytes())?;
     }
@@ -159,15 +159,13 @@ fn used<'a>(
     std::iter::once(&args.robot).chain(recordings).chain(&args.reading.mapping)
 }
 
-/// A recording cannot be fitted and kept out of the fit.
+/// Rejects a recording that is in both the training and the hold-out set.
 fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
     match holdout.iter().find(|file| train.iter().any(|t| output::same_file(t, file))) {
         Some(file) => Err(Failure::new(
-            "a recording is given for the fit and for the hold-out",
+            "the same recording is used for training and hold-out",
             file.display(),
-            Some(
-                "keep a recording of another motion out of the fit: on its own data every model is good",
-            ),
+            Some("pass a recording of a different motion to --holdout"),
         )),
         None => Ok(()),
     }

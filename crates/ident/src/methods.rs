@@ -93,7 +93,7 @@ pub enum MethodError {
     Numeric(#[from] NumericError),
     /// The arm found first cannot be simulated, so there are no instruments.
     #[error(
-        "no instruments: neither the arm found by least squares nor the described one can be simulated: {0}"
+        "cannot simulate instruments: neither the least-squares model nor the URDF can be simulated: {0}"
     )]
     NoInstruments(Box<SimulationError>),
 }

@@ -10,16 +10,16 @@ pub enum DiagnoseError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// No recording is long enough.
-    #[error("no recording is long enough")]
+    #[error("recordings too short to diagnose")]
     TooShort,
     /// No joint moves.
     #[error("no joint moves")]
     NoMotion,
     /// The effort of a joint that moves is one number.
-    #[error("the effort of {0} is the same number throughout although the joint moves")]
+    #[error("the effort column of {0} is constant while the joint moves")]
     ConstantEffort(String),
     /// The problem could not be solved.
-    #[error("the efforts cannot be compared with the model")]
+    #[error("no joint has both measured and predicted effort")]
     Unsolvable,
 }
 
