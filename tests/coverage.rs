@@ -7,8 +7,8 @@ use armident_ident::estimators::Huber;
 #[path = "../examples/coverage_batch.rs"]
 mod study;
 
-/// Intervals of eight recordings have about nominal coverage. Those of one recording are
-/// correlated: the share of a recording has a standard deviation of some 4 %, that of eight of 1.4 %, so the
+/// Intervals of eight recordings hold the truth about as often as they say. Those of one recording go
+/// together: the share of a recording has a standard deviation of some 4 %, that of eight of 1.4 %, so the
 /// bounds are more than three of it away from 95 %.
 #[test]
 fn intervals_have_nominal_coverage() {

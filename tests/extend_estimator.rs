@@ -2,10 +2,11 @@
 
 use armident_ident::estimators::{ALL, Estimator, EstimatorError, TrainingData};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, EstimateNote, IdentifyError,
-    IdentifyRequest, identify,
+    BatchEstimate, BatchProblem, BatchSettings, EstimateNote, IdentifyError, IdentifyRequest,
+    identify,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_model::ArmModel;
 use armident_recording::{Recording, read_csv};
 
 use crate::shared::project;

@@ -8,7 +8,7 @@ mod report;
 
 use std::path::PathBuf;
 
-use armident_ident::ArmModel;
+use armident_model::ArmModel;
 use armident_page::{Correlation, Drawing, Role};
 use armident_recording::Recording;
 use armident_report::IdentifyReport;
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
                 "a folder with a plan cannot be combined with other recordings",
                 args.recordings[0].display(),
                 Some(
-                    "identify one planned folder at a time, or name its CSV files for a batch fit",
+                    "identify one planned folder at a time, or pass its CSV files for a batch fit",
                 ),
             ));
         }
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
 struct Identified {
     report: IdentifyReport,
     model: ArmModel,
-    /// training and hold-out
+    /// training and hold-out recordings
     read: [Vec<Recording>; 2],
     correlation: Option<Correlation>,
 }

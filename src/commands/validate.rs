@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_ident::ArmModel;
 use armident_ident::validation::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_page::Role;
 use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
@@ -27,9 +27,9 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let recorded = recordings::read_all(&files, &args.reading, &args.output)?;
     if args.predictions.is_some() && recorded.len() != 1 {
         return Err(Failure::new(
-            format!("--predictions needs one recording, found {}", recorded.len()),
+            format!("--predictions requires one recording, found {}", recorded.len()),
             "--predictions",
-            Some("name one recording, or use `armident predict` for each"),
+            Some("pass one recording, or run `armident predict` for each"),
         ));
     }
     let names = recordings::joints_with_position(&recorded);
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Holdout)];
-    let models: [(&str, &dyn Predicts); 2] = [("URDF only", &before), ("model", &robot)];
+    let models: [(&str, &dyn Predicts); 2] = [("URDF alone", &before), ("model", &robot)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());
     let warnings = &report.warnings;

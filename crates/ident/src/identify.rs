@@ -5,8 +5,9 @@
 //! ```
 //!
 //! ```
-//! use armident_ident::{ArmModel, IdentifyRequest, identify};
+//! use armident_ident::{IdentifyRequest, identify};
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+//! use armident_model::ArmModel;
 //! use armident_recording::read_csv;
 //!
 //! let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -38,15 +39,14 @@ mod motions;
 mod planned;
 mod request;
 
+use armident_model::{ArmModel, DeadZone};
 use armident_motion::{Motion, common_cutoff_hz};
 use armident_recording::Recording;
 
 use crate::calibration::{DriveGains, dead_zone_shares};
 use crate::consistency::Consistent;
-use crate::dead_zone::DeadZone;
 use crate::estimators::Estimator;
 use crate::minimal_set::MinimalSet;
-use crate::model::ArmModel;
 use crate::regression::{BatchEstimate, BatchProblem, JointFit, JointRows, Term, without_loads};
 use crate::structure::Structure;
 use currents::{Converted, efforts_of_currents};
@@ -244,7 +244,7 @@ impl<'a> Prepared<'a> {
             },
             None => ArmModel {
                 effects: problem.effects(&estimate.values, &names),
-                ..problem.set().in_model(model.clone(), &problem.constants(&estimate.values))
+                ..problem.set().applied_to(model.clone(), &problem.constants(&estimate.values))
             },
         };
         found.cutoff_hz = self.cutoff_hz;

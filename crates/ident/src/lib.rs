@@ -14,24 +14,20 @@
 //! | the physically consistent links nearest to an estimate | [`ConsistencyProblem`] |
 //! | whether the columns of recordings are what their headers say | [`checks::check`] |
 //! | how good a model is on a hold-out | [`validation`] |
-//! | the arm with its effects, to predict and to save | [`ArmModel`] |
+//! | the arm with its effects, to predict and to save | [`armident_model::ArmModel`] |
 //!
-//! Rooms from low to high, each using only those before it: `inference` (statistics that know no robot), the model
-//! (`model`, `law_columns`, `dead_zone`, `recorded_velocity`, `used_samples`), `minimal_set`, `consistency`, `experiment`,
+//! Rooms from low to high, each using only those before it: `inference` (statistics that know no robot), `used_samples`,
+//! `minimal_set`, `consistency`, `experiment`,
 //! `regression`, `estimators`, `structure`, `calibration`, `checks`, `validation`, `identify`.
 
 mod calibration;
 pub mod checks;
 mod consistency;
-mod dead_zone;
 pub mod estimators;
 pub mod experiment;
 mod identify;
 mod inference;
-mod law_columns;
 mod minimal_set;
-mod model;
-mod recorded_velocity;
 mod regression;
 mod structure;
 mod used_samples;
@@ -39,7 +35,6 @@ pub mod validation;
 
 pub use calibration::{DriveGain, DriveGains, dead_zone_shares};
 pub use consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
-pub use dead_zone::DeadZone;
 pub use identify::{
     Identification, IdentifyError, IdentifyErrors, IdentifyRequest, JointFriction,
     PlannedIdentification, PlannedRequest, Prepared, Stage, identify, identify_planned,
@@ -47,8 +42,6 @@ pub use identify::{
 pub use inference::quantiles::student_t_975;
 pub use inference::whiteness::whiteness;
 pub use minimal_set::{Constant, DroppedConstant, MinimalSet, Quantity, Theorem2, algorithm1};
-pub use model::{ArmModel, MODEL_SCHEMA, ModelError};
-pub use recorded_velocity::with_recorded_velocity;
 pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,

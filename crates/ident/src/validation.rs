@@ -5,13 +5,13 @@
 
 use std::ops::Range;
 
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_recording::{JointChannels, Recording};
 use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
 use rayon::prelude::*;
 
 use crate::inference::whiteness::whiteness;
-use crate::model::ArmModel;
 use crate::used_samples::EDGE_PERIODS;
 
 /// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an

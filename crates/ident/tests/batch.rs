@@ -7,10 +7,11 @@ mod bench;
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{EVERYDAY, Turn};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, DeadZone, Quantity, StructureSearch,
-    Term, dead_zone_shares, used_samples,
+    BatchEstimate, BatchProblem, BatchSettings, Quantity, StructureSearch, Term, dead_zone_shares,
+    used_samples,
 };
 use armident_kinematics::InertialParameters;
+use armident_model::{ArmModel, DeadZone};
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};
 use rand::{RngExt, SeedableRng};
@@ -163,7 +164,7 @@ fn prediction_goes_through_dead_zone() {
     let model = ArmModel {
         effects: problem.effects(&truth, &names),
         shown: Some(dead_zones),
-        ..bench.set.in_model(bench.model.clone(), &problem.constants(&truth))
+        ..bench.set.applied_to(bench.model.clone(), &problem.constants(&truth))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
     let predicted = read.predict(&motion).unwrap();
@@ -428,7 +429,7 @@ fn distinguishes_presliding_from_coulomb_friction() {
     let model = ArmModel {
         effects: problem.effects(&found.values, &names),
         turns: Some(turns),
-        ..bench.set.in_model(bench.model.clone(), &problem.constants(&found.values))
+        ..bench.set.applied_to(bench.model.clone(), &problem.constants(&found.values))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
     let read_turn = read.turns.as_ref().unwrap()[TRAVELS];

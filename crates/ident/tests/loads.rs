@@ -7,10 +7,10 @@ mod bench;
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::estimators::{Estimator, TrainingData, Wls};
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Coupling, KnownLoad, StructureSearch,
-    without_loads,
+    BatchEstimate, BatchProblem, BatchSettings, Coupling, KnownLoad, StructureSearch, without_loads,
 };
 use armident_kinematics::InertialParameters;
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
@@ -251,7 +251,7 @@ fn detects_coupled_transmission_only_where_present() {
         let values = &estimate.values;
         let model = ArmModel {
             effects: problem.effects(values, &names),
-            ..bench.set.in_model(bench.model.clone(), &problem.constants(values))
+            ..bench.set.applied_to(bench.model.clone(), &problem.constants(values))
         };
         let again = ArmModel::parse(&model.to_json().unwrap(), "text").unwrap();
         let predicted = again.predict(&motion).unwrap();

@@ -117,14 +117,14 @@ pub(super) fn failure(error: IdentifyError, read: [&[Recording]; 2]) -> Failure 
             &error,
             source_name,
             Some(
-                "provide recordings with the same channels, or convert currents to efforts with --mapping FILE",
+                "use recordings with the same channels, or convert currents to efforts with --mapping FILE",
             ),
         ),
         IdentifyError::GainsNotDetermined { ref sources, .. } => Failure::new(
             &error,
             sources.join(", "),
             Some(
-                "convert the currents with known drive gains (--mapping FILE), add a recording with a known \
+                "convert currents with known drive gains (--mapping FILE), add a recording with a known \
                  payload (--payload), or exclude joints with --base and --tip",
             ),
         ),

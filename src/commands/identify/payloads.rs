@@ -1,8 +1,9 @@
-//! The payloads of the command line, in their recordings.
+//! Known payloads of the command line, matched to their recordings.
 
 use std::path::PathBuf;
 
-use armident_ident::{ArmModel, KnownLoad};
+use armident_ident::KnownLoad;
+use armident_model::ArmModel;
 use armident_recording::Recording;
 
 use crate::args::IdentifyArgs;
@@ -23,30 +24,30 @@ pub(super) fn loads(
         let Some((_, recording)) = exact.or(by_name) else {
             let known: Vec<String> = pairs().map(|(file, _)| file.display().to_string()).collect();
             return Err(Failure::new(
-                "the payload is in a recording that is not read",
+                "the payload's recording is not among the inputs",
                 place,
-                Some(format!("name one of {}", known.join(", "))),
+                Some(format!("use one of {}", known.join(", "))),
             ));
         };
         let fault = if given.mass_kg <= 0.0 {
             Some((
-                format!("the payload mass must be above zero, found {} kg", given.mass_kg),
-                "give mass=KG, weighed; omit --payload for a recording without a payload",
+                format!("the payload mass must be positive, found {} kg", given.mass_kg),
+                "pass the weighed mass as mass=KG; omit --payload for a recording without a payload",
             ))
         } else if given.com_error_m < 0.0 {
             Some((
                 format!("com_error must not be negative, found {} m", given.com_error_m),
-                "give the standard deviation of each coordinate of com [m]",
+                "pass the standard deviation of each coordinate of com [m]",
             ))
         } else if given.com_error_m > 0.0 && given.com_m.is_none() {
             Some((
-                "com_error is given without com".to_owned(),
-                "give com=X:Y:Z too, or neither: the centre of mass is then estimated",
+                "com_error requires com".to_owned(),
+                "pass com=X:Y:Z too, or omit both to estimate the centre of mass",
             ))
         } else if loads.iter().any(|load| load.is_on(&recording.source)) {
             Some((
-                "the recording has a payload already".to_owned(),
-                "give one --payload per recording, with the mass and centre of all of it",
+                "the recording already has a payload".to_owned(),
+                "pass one --payload per recording, with the total mass and its centre",
             ))
         } else {
             None

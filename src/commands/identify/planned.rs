@@ -32,12 +32,12 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
     if names != plan.joints {
         return Err(Failure::new(
             format!(
-                "the plan is for the joints {}, the chain has {}",
+                "plan and chain have different joints: {}; {}",
                 plan.joints.join(", "),
                 names.join(", ")
             ),
             plan_path.display(),
-            Some("give the robot and chain options the plan was made with"),
+            Some("use the robot and chain options of the plan"),
         ));
     }
     let files: Vec<PathBuf> =
@@ -63,12 +63,12 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
 }
 
 fn read_plan(path: &Path) -> Result<Plan, Failure> {
-    let hint = Some("write the plan again with `armident plan`");
+    let hint = Some("create the plan again with `armident plan`");
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::new(format!("cannot read: {error}"), path.display(), hint))?;
     let plan: Plan = serde_json::from_str(&text).map_err(|error| {
         Failure::new(
-            format!("the plan is not valid: {error}"),
+            format!("invalid plan: {error}"),
             format!("{}, line {}", path.display(), error.line()),
             hint,
         )
@@ -77,7 +77,7 @@ fn read_plan(path: &Path) -> Result<Plan, Failure> {
         return Ok(plan);
     }
     Err(Failure::new(
-        format!("the plan has schema `{}`, expected `{PLAN_SCHEMA}`", plan.schema),
+        format!("expected schema `{PLAN_SCHEMA}`, found `{}`", plan.schema),
         path.display(),
         hint,
     ))

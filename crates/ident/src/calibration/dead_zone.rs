@@ -9,10 +9,10 @@
 //! References: own.
 
 use armident_effects::{Effect, TorqueOffset};
+use armident_model::DeadZone;
 use armident_motion::stuck_effort_shares;
 use armident_recording::Recording;
 
-use crate::dead_zone::DeadZone;
 use crate::regression::{BatchProblem, JointFit, JointRows, LAWS, Term};
 
 /// Share of samples with one repeated value while the joint moves, beyond which a channel has a dead zone. Efforts that

@@ -1,6 +1,7 @@
 //! From numbers to verdicts and sentences.
 
 use armident_kinematics::{DrivingAxisJoint, JointKind};
+use armident_model::ArmModel;
 use armident_motion::{
     CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, Motion, QualityReport, RESTING_RANGE,
 };
@@ -10,7 +11,6 @@ use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::delay::Delay;
 use super::excitation::{ConstantCheck, activity};
 use super::verdict::{Check, SURE, Topic, Verdict};
-use crate::model::ArmModel;
 
 /// `2 ln` of the likelihood ratio above which a delay is wrong: a thousand to one, with a prior of
 /// one delay in a hundred recordings.

@@ -25,6 +25,7 @@ mod verdict;
 
 use std::collections::BTreeMap;
 
+use armident_model::ArmModel;
 pub use armident_motion::QualityReport;
 use armident_motion::{Motion, RESTING_RANGE, quality};
 use armident_numeric::NumericError;
@@ -37,7 +38,6 @@ pub use verdict::{Check, Topic, Verdict};
 
 use crate::calibration::dead_zone_shares;
 use crate::minimal_set::MinimalSet;
-use crate::model::ArmModel;
 use crate::regression::BatchProblem;
 
 /// Times the efforts are shifted by the remaining delay.

@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::fmt;
 
+use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_numeric::NumericError;
 
-use crate::model::ArmModel;
 use crate::regression::{BatchEstimate, BatchProblem, BatchSettings, JointRows};
 
 /// A way to solve the batch problem.

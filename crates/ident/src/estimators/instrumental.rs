@@ -8,6 +8,7 @@
 //! identification, IEEE T-CST 22 (2014), and A revised Durbin-Wu-Hausman test for industrial robot identification,
 //! Control Eng. Practice 48 (2016).
 
+use armident_model::ArmModel;
 use armident_motion::{DerivativeSource, Motion, MotionSettings};
 use armident_numeric::AccumulatedQr;
 use armident_simulation::{SimulatedArm, SimulationError, TrackingGains, Trajectory, track};
@@ -15,7 +16,6 @@ use armident_simulation::{SimulatedArm, SimulationError, TrackingGains, Trajecto
 use super::estimator::{Estimator, EstimatorError, TrainingData};
 use crate::inference::jackknife::{FEWEST_BLOCKS, standard_error};
 use crate::inference::quantiles::student_t_tail;
-use crate::model::ArmModel;
 use crate::regression::{
     BatchEstimate, BatchProblem, BatchSettings, Endogeneity, EstimateNote, JointRows,
 };
@@ -56,7 +56,7 @@ impl Estimator for Instrumental {
                 // links found by least squares need not be ones of a body; the description's will do for
                 // instruments, which only have to move alike
                 let found =
-                    problem.set().in_model(model.clone(), &problem.constants(&weighted.values));
+                    problem.set().applied_to(model.clone(), &problem.constants(&weighted.values));
                 simulated(problem, &found, &weighted.values, motion)
                     .or_else(|_| simulated(problem, model, &weighted.values, motion))
             })
@@ -120,7 +120,7 @@ fn no_instruments(error: SimulationError) -> EstimatorError {
         message: format!(
             "cannot simulate instruments: neither the least-squares model nor the URDF can be simulated: {error}"
         ),
-        hint: "use --method wls, or --prior urdf: links without mass cannot be simulated"
+        hint: "use --method wls, or --prior urdf: a link without mass cannot be simulated"
             .to_owned(),
         source: Some(Box::new(error)),
     }

@@ -15,7 +15,7 @@ pub enum IdentifyError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// A recording lacks efforts.
-    #[error("there is no effort column for {}", joints.join(", "))]
+    #[error("no effort column for {}", joints.join(", "))]
     NoEffort {
         /// Source of the recording.
         source_name: String,
@@ -23,7 +23,7 @@ pub enum IdentifyError {
         joints: Vec<String>,
     },
     /// A joint has efforts in some recordings and currents in others.
-    #[error("joint `{joint}` has an effort here and only a current elsewhere")]
+    #[error("joint `{joint}` has an effort here but only a current in another recording")]
     MixedChannels {
         /// Source of the recording that has efforts.
         source_name: String,
@@ -32,7 +32,7 @@ pub enum IdentifyError {
     },
     /// The recordings do not determine the gains of drives whose current is recorded.
     #[error(
-        "the drive gains of {} are not identifiable from their currents (95 % interval over a factor of ten)",
+        "drive gains of {} are not identifiable from the currents (95 % interval over a factor of ten)",
         joints.iter().map(|joint| format!("`{joint}`")).collect::<Vec<_>>().join(", ")
     )]
     GainsNotDetermined {

@@ -5,13 +5,12 @@
 //!
 //! References: own.
 
-use armident_motion::Motion;
+use armident_model::ArmModel;
+use armident_motion::{Motion, with_recorded_velocity};
 use armident_numeric::NumericError;
 use armident_recording::Recording;
 
 use crate::estimators::{Estimator, EstimatorError, TrainingData};
-use crate::model::ArmModel;
-use crate::recorded_velocity::with_recorded_velocity;
 use crate::regression::{BatchEstimate, BatchProblem, BatchSettings, JointFit, JointRows};
 
 /// Recorded velocities are used when they lower the joints' errors by more than this share (geometric

@@ -2,6 +2,7 @@
 
 use armident_dynamics::RigidArm;
 use armident_effects::{EVERYDAY, Law};
+use armident_model::ArmModel;
 use armident_motion::{Motion, common_cutoff_hz};
 use armident_recording::Recording;
 
@@ -10,7 +11,6 @@ use super::motions::motions_with_effort;
 use crate::consistency::Consistent;
 use crate::experiment::{Algorithm2Estimate, Plan, algorithm2};
 use crate::minimal_set::MinimalSet;
-use crate::model::ArmModel;
 use crate::regression::JointFit;
 
 /// Recordings of planned experiments.
@@ -89,7 +89,7 @@ pub fn identify_planned(
         if request.project { Some(estimate.nearest_consistent(&arm, &set)?) } else { None };
     let mut found = match &consistent {
         Some(consistent) => model.clone().with_links(&consistent.links),
-        None => set.in_model(model.clone(), &values),
+        None => set.applied_to(model.clone(), &values),
     };
     found.cutoff_hz = cutoff_hz;
     found.effort_noise = (estimate.effort_noise.iter().all(|s| s.is_finite()))

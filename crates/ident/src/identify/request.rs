@@ -1,9 +1,9 @@
 //! What is to be identified, and how.
 
+use armident_model::ArmModel;
 use armident_recording::Recording;
 
 use crate::estimators::{Estimator, Huber};
-use crate::model::ArmModel;
 use crate::regression::{BatchSettings, KnownLoad};
 use crate::structure::StructureSearch;
 

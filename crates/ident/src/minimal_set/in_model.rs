@@ -1,9 +1,9 @@
 //! Values of the minimal constants put into the links of a model.
 
 use armident_dynamics::RigidArm;
+use armident_model::ArmModel;
 
 use super::algorithm_m::MinimalSet;
-use crate::model::ArmModel;
 
 impl MinimalSet {
     /// The model with links whose minimal constants have these values, in the order of the set.
@@ -11,7 +11,7 @@ impl MinimalSet {
     /// Standard parameters outside the minimal set keep the values they have, which changes no
     /// effort; the links need not be physically consistent one by one.
     #[must_use]
-    pub fn in_model(&self, model: ArmModel, values: &[f64]) -> ArmModel {
+    pub fn applied_to(&self, model: ArmModel, values: &[f64]) -> ArmModel {
         let arm = RigidArm::from_chain(&model.chain);
         let mut bodies = arm.constants();
         let difference: Vec<f64> =

@@ -9,13 +9,13 @@
 use armident_dynamics::ArmMotion;
 use armident_effects::{EVERYDAY, Effect, Place, Turn};
 use armident_kinematics::InertialParameters;
+use armident_model::{effect_columns, pair_columns};
 use armident_motion::Motion;
 use rayon::prelude::*;
 
 use super::known_load::effort_of_body;
 use super::problem::BatchProblem;
 use super::unknown::{Coupling, LAWS, SHARED, Term};
-use crate::law_columns::{effect_columns, pair_columns};
 
 /// A column, and the term it belongs to.
 pub(crate) type TermColumn = (usize, Vec<f64>);

@@ -11,12 +11,12 @@
 //! choice is own.
 
 use armident_effects::{Place, Turn};
+use armident_model::DEFAULT_SPEED_RESOLUTION;
 use armident_motion::Motion;
 use armident_numeric::NumericError;
 
 use super::fold_errors::{fold_errors, has_folds};
 use crate::inference::paired_gain::significant_gain;
-use crate::law_columns::DEFAULT_SPEED_RESOLUTION;
 use crate::regression::{BatchProblem, BatchSettings, JointRows, LAWS, Term};
 
 /// Reversals slower than the usual one must lower the errors of left-out folds by this many standard errors,
