@@ -11,7 +11,7 @@ use armident_model::{ArmModel, DiagnosedModel};
 use armident_recording::Recording;
 use armident_report::unit_told;
 
-use crate::estimators::{STRETCHES, in_errors};
+use crate::estimators::{BLOCKS, in_errors};
 use crate::sets::{Data, KeptOut, SETS, part};
 
 /// Share of a recording that is fitted where there is only one; it is cut in two.
@@ -26,7 +26,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         "RMS effort error (unfiltered, all samples) on hold-out motion: the last {:.0} % of a single recording; \
          the two halves of the rest are the training recordings. *Plain* is plain least squares as above, \
          *identified* the model saved by `identify` with default options, on the same training recordings with \
-         the same low-pass. In brackets: mean logarithm of the ratio over {STRETCHES} blocks of the hold-out, \
+         the same low-pass. In brackets: mean logarithm of the ratio over {BLOCKS} blocks of the hold-out, \
          in standard errors. The hold-out is not used for the findings. Joints whose column fails the input \
          check are excluded.\n",
         100.0 * (1.0 - TRAINING_SHARE)
@@ -203,7 +203,7 @@ impl Judged {
                 identified.rmse,
                 diagnosed.rmse,
                 diagnosed.rmse / plain.rmse,
-                in_errors(&diagnosed.stretches, &plain.stretches),
+                in_errors(&diagnosed.block_rms, &plain.block_rms),
             );
         }
     }
@@ -242,7 +242,7 @@ fn heard(
 /// Of one joint on the hold-out.
 struct JointError {
     rmse: f64,
-    stretches: Vec<f64>,
+    block_rms: Vec<f64>,
 }
 
 /// Errors of predicted efforts, `[recording][joint][sample]`.
@@ -260,8 +260,8 @@ fn errors(
         }
         squares.retain(|s| !s.is_nan());
         let rms = |s: &[f64]| (s.iter().sum::<f64>() / s.len() as f64).sqrt();
-        let stretches = squares.chunks(squares.len().div_ceil(STRETCHES)).map(rms).collect();
-        Ok(JointError { rmse: rms(&squares), stretches })
+        let block_rms = squares.chunks(squares.len().div_ceil(BLOCKS)).map(rms).collect();
+        Ok(JointError { rmse: rms(&squares), block_rms })
     };
     joints.iter().enumerate().map(of_joint).collect()
 }

@@ -12,8 +12,8 @@ use armident_motion::Motion;
 
 use crate::sets::{Data, KeptOut, SETS, Set};
 
-/// Stretches that a hold-out is cut into, for the scatter of the difference of two errors.
-pub(crate) const STRETCHES: usize = 8;
+/// Blocks that a hold-out is divided into, for the standard error of the difference of two errors.
+pub(crate) const BLOCKS: usize = 8;
 /// The estimator of `identify` unless another is given.
 const DEFAULT: &str = "irls";
 /// Share of a recording that is fitted where there is only one.
@@ -77,10 +77,10 @@ fn table(
     let plain = BatchProblem::new(&arm, &minimal);
     let rows = plain.accumulate(&all);
     let judged = plain.accumulate(&holdout_motions.iter().collect::<Vec<_>>());
-    let mut default_stretches = None;
+    let mut default_blocks = None;
     let training = TrainingData { model, motions: &all, rows: &rows };
     let found = Ols.fit(&plain, &training, &BatchSettings::PLAIN)?;
-    let plain_stretches = stretches(&plain, &holdout_motions, &found.values);
+    let plain_blocks = block_errors(&plain, &holdout_motions, &found.values);
     let mut columns = vec![(plain.fit(&judged, &found.values), plain.fit(&rows, &found.values))];
     let request = IdentifyRequest {
         holdout: &holdout,
@@ -123,8 +123,8 @@ fn table(
                     ));
                 }
                 if estimator.name() == DEFAULT {
-                    default_stretches =
-                        Some(stretches(&found.problem, &found.holdout_motions, found.values()));
+                    default_blocks =
+                        Some(block_errors(&found.problem, &found.holdout_motions, found.values()));
                 }
                 columns.push((judged, found.errors.train.clone()));
             }
@@ -153,7 +153,7 @@ fn table(
         }
         let place = 1 + ALL.iter().position(|estimator| estimator.name() == DEFAULT).unwrap_or(0);
         if let (Some(found), Some(plain), Some(of_default)) =
-            (error(place), error(0), &default_stretches)
+            (error(place), error(0), &default_blocks)
             && found > plain
         {
             notes.push(format!(
@@ -161,8 +161,8 @@ fn table(
                  blocks of the hold-out (logarithms of the errors)",
                 set.folder,
                 100.0 * (found / plain - 1.0),
-                in_errors(&of_default[j], &plain_stretches[j]),
-                plain_stretches[j].len(),
+                in_errors(&of_default[j], &plain_blocks[j]),
+                plain_blocks[j].len(),
             ));
         }
         for (k, gains) in gains.iter_mut().enumerate() {
@@ -174,10 +174,10 @@ fn table(
     Ok(())
 }
 
-/// Per joint, the errors on stretches of motions.
-fn stretches(problem: &BatchProblem, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
+/// Per joint, the errors on blocks of motions.
+fn block_errors(problem: &BatchProblem, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
     let mut errors = vec![Vec::new(); problem.arm().dof()];
-    let each = STRETCHES.div_ceil(motions.len());
+    let each = BLOCKS.div_ceil(motions.len());
     for motion in motions {
         let used = used_samples(motion);
         let at = |k: usize| used.start + k * used.len() / each;

@@ -3,34 +3,6 @@
 //! ```text
 //! recordings -> motions -> structure -> estimate -> consistent links -> model
 //! ```
-//!
-//! ```
-//! use armident_ident::{IdentifyRequest, identify};
-//! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-//! use armident_model::ArmModel;
-//! use armident_recording::read_csv;
-//!
-//! let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-//! let robot = load_urdf(&project.join("urdf/ur5.urdf"))?;
-//! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
-//! let given = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-//! let train = [read_csv(project.join("examples/ur5/train.csv"))?];
-//! let holdout = [read_csv(project.join("examples/ur5/holdout.csv"))?];
-//!
-//! let request = IdentifyRequest { holdout: &holdout, ..IdentifyRequest::new(&given, &train) };
-//! let found = identify(&request)?;
-//!
-//! // the model predicts the hold-out to a tenth of the error of the URDF
-//! let error = found.errors.holdout.as_ref().ok_or("no hold-out")?;
-//! for (model, urdf) in error.iter().zip(&found.errors.given) {
-//!     assert!(model.rmse < 0.1 * urdf.rmse);
-//! }
-//! // every parameter has a name, a value and a standard error
-//! let names = found.model.chain.joint_names();
-//! let label = found.problem.label(&found.problem.terms[0], &names);
-//! println!("{label}: {:.4} ± {:?}", found.estimate.values[0], found.estimate.standard_error(0));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod currents;
 mod error;
@@ -58,6 +30,34 @@ pub use planned::{JointFriction, PlannedIdentification, PlannedRequest, identify
 pub use request::{IdentifyRequest, Stage};
 
 /// Identifies an arm: motions, structure, estimate, projection, model, and its errors.
+///
+/// ```
+/// use armident_ident::{IdentifyRequest, identify};
+/// use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+/// use armident_model::ArmModel;
+/// use armident_recording::read_csv;
+///
+/// let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+/// let robot = load_urdf(&project.join("urdf/ur5.urdf"))?;
+/// let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
+/// let given = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+/// let train = [read_csv(project.join("examples/ur5/train.csv"))?];
+/// let holdout = [read_csv(project.join("examples/ur5/holdout.csv"))?];
+///
+/// let request = IdentifyRequest { holdout: &holdout, ..IdentifyRequest::new(&given, &train) };
+/// let found = identify(&request)?;
+///
+/// // the model predicts the hold-out to a tenth of the error of the URDF
+/// let error = found.errors.holdout.as_ref().ok_or("no hold-out")?;
+/// for (model, urdf) in error.iter().zip(&found.errors.given) {
+///     assert!(model.rmse < 0.1 * urdf.rmse);
+/// }
+/// // every parameter has a name, a value and a standard error
+/// let names = found.model.chain.joint_names();
+/// let label = found.problem.label(&found.problem.terms[0], &names);
+/// println!("{label}: {:.4} ± {:?}", found.estimate.values[0], found.estimate.standard_error(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`IdentifyError`].

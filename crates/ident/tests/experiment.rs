@@ -63,7 +63,7 @@ fn recordings(arm: &RigidArm, plan: &Plan, noise: f64, seed: u64) -> Vec<Motion>
 }
 
 #[test]
-fn equations_55_to_61_are_rows_of_the_general_regressor() {
+fn equations_55_to_61_are_rows_of_regressor() {
     for name in ["stanford", "scara", "gantry", "puma560", "cylindrical"] {
         for gravity in [DOWN, [3.0, -2.0, 5.0], [0.0; 3]] {
             let arm = RigidArm::from_chain(&chain(name, gravity));
@@ -108,7 +108,7 @@ fn equations_55_to_61_are_rows_of_the_general_regressor() {
 }
 
 #[test]
-fn exact_efforts_give_every_constant_of_every_arm() {
+fn exact_efforts_determine_all_constants_of_bundled_arms() {
     for name in [
         "stanford",
         "puma560",
@@ -144,7 +144,7 @@ fn exact_efforts_give_every_constant_of_every_arm() {
 /// A small fixed sample of the study in docs/studies: 40 seeds, pooled over 33 constants. The exact
 /// band of the pooled share is [0.92, 0.98]; 1320 intervals of which some 33 are independent.
 #[test]
-fn intervals_of_the_stanford_arm_cover_the_truth() {
+fn stanford_intervals_have_nominal_coverage() {
     let chain = chain("stanford", DOWN);
     let arm = RigidArm::from_chain(&chain);
     let set = MinimalSet::of(&arm).unwrap();
@@ -210,7 +210,7 @@ proptest::proptest! {
     /// Random arms of 1 to 7 joints, special geometry and zero gravity among them: exact efforts give
     /// every constant, to 1e-9 of the arm's largest one times the steps' condition numbers.
     #[test]
-    fn exact_efforts_give_every_constant_of_random_arms(Case { arm, .. } in cases()) {
+    fn exact_efforts_determine_all_constants_of_random_arms(Case { arm, .. } in cases()) {
         let chain = chain_of(&arm);
         let set = MinimalSet::of(&arm).unwrap();
         let settings = PlanSettings { rate_hz: 50.0, ..PlanSettings::default() };
