@@ -34,7 +34,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
          effort that it shows in the training motion.\n"
     );
     println!("| set | joint | plain | {} |", ALL.map(Estimator::name).join(" | "));
-    println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
+    println!("| --- | --- |{}", " ---: |".repeat(1 + ALL.len()));
     let mut gains = vec![Vec::new(); ALL.len()];
     let mut notes = Vec::new();
     for set in &SETS {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::assignment::cheapest_assignment;
 use super::likelihood::{JointModel, Relation};
 use super::rows::ChannelRows;
-use super::verdict::{SURELY_RIGHT, Verdict};
+use super::verdict::{PROBABLY_RIGHT, Verdict};
 use crate::regression::{BatchProblem, Term, UNKNOWN, spread_of_numbers};
 
 /// Gains looked at: a factor of ten thousand to either side of a joint's effort, which takes in gears,
@@ -114,7 +114,7 @@ pub(super) struct Channels {
 /// Looks at every column against every joint.
 ///
 /// The error of the URDF is common to all joints: each joint's column is judged with the priors that the columns of the
-/// others make likely, as far as these are surely right themselves. Only columns that are `alive` are compared with each other; the others stay where their header
+/// others make likely, as far as these are right themselves. Only columns that are `alive` are compared with each other; the others stay where their header
 /// puts them.
 pub(super) fn channels(
     problem: &BatchProblem,
@@ -226,7 +226,7 @@ impl ChannelEvidence {
         let [as_said, flipped, other, other_flipped, without_gravity] = self.probability;
         // on a joint without gravity both are the same
         if without_gravity <= NO_GRAVITY_VISIBLE
-            && flipped + other + other_flipped < 1.0 - SURELY_RIGHT
+            && flipped + other + other_flipped < 1.0 - PROBABLY_RIGHT
         {
             return Verdict::Ok;
         }

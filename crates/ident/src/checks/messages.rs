@@ -60,11 +60,11 @@ fn decimals(x: f64, most: i32) -> usize {
     (most - 1 - x.abs().max(1e-300).log10().floor() as i32).clamp(0, 9) as usize
 }
 
-/// A gain with three digits and the ends of its interval with as many decimals, or two digits if that is more.
+/// A gain with three digits and the ends of its interval with as many decimals, but two or three digits.
 fn gain_and_interval(gain: f64, interval: [f64; 2]) -> (String, String) {
     let places = decimals(gain, 3);
     let [low, high] = interval.map(|end| {
-        let places = places.max(decimals(end, 2));
+        let places = places.max(decimals(end, 2)).min(decimals(end, 3));
         format!("{end:.places$}")
     });
     (format!("gain {gain:.places$}"), format!("95 % interval {low} to {high}"))
@@ -130,8 +130,8 @@ pub(super) fn rate(reports: &[QualityReport], motions: &[Motion]) -> Vec<Check> 
             let message = format!(
                 "{} Hz, {} times the motion bandwidth of {} Hz",
                 short(rate_hz),
-                short((10.0 * ratio).round() / 10.0),
-                short(edge_hz)
+                digits(ratio, 3),
+                digits(edge_hz, 3)
             );
             let advice = format!(
                 "record at {:.0} Hz or more, or move more slowly",
@@ -226,14 +226,14 @@ fn is_absent(found: &ChannelEvidence) -> bool {
     low.abs().min(high.abs()) < 2.0 * (-LARGEST_LOG_GAIN).exp()
 }
 
-/// Efforts none of which is the joint's, some surely without the rigid-body effort: they are from another motion.
+/// Efforts none of which is the joint's, some without the rigid-body effort: they are from another motion.
 /// `is_effort`: joints whose efforts are recorded, not currents.
 pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
-    let surely_missing = |c: &ChannelEvidence| c.as_said() == Verdict::Wrong && is_absent(c);
+    let is_missing = |c: &ChannelEvidence| c.as_said() == Verdict::Wrong && is_absent(c);
     let pairs = channels.evidence.iter().zip(is_effort);
     let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
     let none_fits = all.len() > 1 && all.iter().all(|c| c.as_said() != Verdict::Ok);
-    (none_fits && all.into_iter().any(surely_missing)).then(|| Check {
+    (none_fits && all.into_iter().any(is_missing)).then(|| Check {
         advice: Some("check that efforts and positions come from one run and one clock".to_owned()),
         ..robot_wide(
             Topic::Order,
@@ -276,7 +276,7 @@ pub(super) fn channel(
         return base(Verdict::Wrong, message, Some(advice));
     }
     if has_dead_zone {
-        let message = format!("inconclusive: the column has a dead zone; {gain}");
+        let message = format!("the column has a dead zone; {gain}");
         return base(Verdict::CannotTell, message, None);
     }
     let [_, flipped, other, other_flipped, without_gravity] = found.probability;
@@ -322,7 +322,7 @@ pub(super) fn channel(
     let verdict = if absent { Verdict::CannotTell } else { verdict };
     if matches!(verdict, Verdict::CannotTell) {
         let message = format!(
-            "inconclusive: the rigid-body effort (standard deviation {} {newton}) is small compared with friction \
+            "the rigid-body effort (standard deviation {} {newton}) is small compared with friction \
              and residual ({} {newton}); {gain}",
             short(found.urdf_sd),
             short(found.residual_rms)
@@ -474,7 +474,7 @@ pub(super) fn noise(
 }
 
 fn scientific(x: f64) -> String {
-    if (1e-3..1e4).contains(&x.abs()) || x == 0.0 { short(x) } else { format!("{x:.2e}") }
+    if (1e-3..1e4).contains(&x.abs()) || x == 0.0 { digits(x, 2) } else { format!("{x:.1e}") }
 }
 
 /// Whether the motion of one joint is enough for its parameters.

@@ -19,13 +19,13 @@ pub enum Verdict {
 /// A fault less likely than this is none, one more likely than its complement is one.
 pub(super) const SURE: f64 = 1e-3;
 /// Probability of what a header says above which a column is right.
-pub(super) const SURELY_RIGHT: f64 = 0.99;
+pub(super) const PROBABLY_RIGHT: f64 = 0.99;
 
 impl Verdict {
     /// On something that is right with this probability.
     pub(super) fn of_probability(p: f64) -> Self {
         match p {
-            p if p >= SURELY_RIGHT => Self::Ok,
+            p if p >= PROBABLY_RIGHT => Self::Ok,
             p if p >= 0.5 => Self::CannotTell,
             p if p > SURE => Self::Doubtful,
             _ => Self::Wrong,

@@ -47,7 +47,7 @@ pub enum IdentifyError {
     /// The projection to consistent links.
     #[error(transparent)]
     Consistency(#[from] ConsistencyError),
-    /// Planned experiments that do not go with their plan.
+    /// Planned experiments that do not match their plan.
     #[error(transparent)]
     Planned(#[from] Algorithm2Error),
     /// A number is not finite.

@@ -1,7 +1,7 @@
 //! Standard errors of a batch fit from blocks of time.
 //!
 //! Method: delete-a-block jackknife ([`jackknife`](crate::inference::jackknife)) at the noise levels of the estimate, with
-//! unknowns at their bounds held there. What the prior knows is not in the blocks: it joins with its own covariance,
+//! parameters at their bounds held there. What the prior knows is not in the blocks: it joins with its own covariance,
 //! `A⁻¹ P A⁻¹`.
 //!
 //! References: H. R. Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17

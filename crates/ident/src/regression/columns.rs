@@ -1,4 +1,4 @@
-//! Columns of the unknowns over a motion: what each adds to the effort of a joint per unit.
+//! Columns of the parameters over a motion: what each adds to the effort of a joint per unit.
 //!
 //! Method: all columns and the effort pass through the same zero-phase low-pass; columns that follow the sign of a speed
 //! jump between two samples, so they are formed from all samples before they are filtered and thinned.

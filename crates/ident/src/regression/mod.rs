@@ -1,4 +1,4 @@
-//! The batch problem: unknowns, columns, rows, priors, and weighted least squares with its standard errors.
+//! The batch problem: parameters, columns, rows, priors, and weighted least squares with its standard errors.
 
 mod block_errors;
 mod columns;

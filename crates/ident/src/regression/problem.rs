@@ -1,4 +1,4 @@
-//! The batch problem: the unknowns of an arm, and the joints in whose effort each appears.
+//! The batch problem: the parameters of an arm, and the joints in whose effort each appears.
 //!
 //! ```text
 //! τ_j = Σ Y_jk x_k + Σ φ_jl(motion) p_l + noise_j
@@ -28,14 +28,14 @@ const DEPENDENT: f64 = 1e-8;
 /// Names of the ten parameters of a body.
 const NUMBERS: [&str; 10] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
 
-/// The unknowns of an arm and where they appear.
+/// The parameters of an arm and where they appear.
 #[derive(Debug, Clone)]
 pub struct BatchProblem {
     arm: Arc<RigidArm>,
     set: Arc<MinimalSet>,
-    /// Unknowns estimated.
+    /// Parameters estimated.
     pub terms: Vec<Term>,
-    /// Unknowns merged into others by the arm's structure (rotor inertia of joint 1 and `U1_33`).
+    /// Parameters merged into others by the arm's structure (rotor inertia of joint 1 and `U1_33`).
     pub merged: Vec<MergedTerm>,
     pub(crate) by_joint: Vec<Vec<usize>>,
     /// Loads with unknowns.

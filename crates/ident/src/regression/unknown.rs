@@ -1,6 +1,6 @@
-//! The unknowns of a batch fit as plain data: which there are, and how they are numbered.
+//! The parameters of a batch fit as plain data: which there are, and how they are numbered.
 //!
-//! Every other file of the fit names unknowns by these types; they depend on the effect library alone.
+//! Every other file of the fit names parameters by these types; they depend on the effect library alone.
 
 use armident_effects::{EVERYDAY, Effect, JointCoupling, Parameter, SublinearViscousFriction};
 
