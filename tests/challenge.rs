@@ -58,7 +58,7 @@ fn the_scoreboard_as_text() {
         .collect();
     for expected in [
         "clean cases",
-        "pairs: recall 1 of 1 (100.0 %)",
+        "recall 1 of 1 (100.0 %)",
         "false alarms -",
         "located 1 of 1 (100.0 %)",
         "0.8 to 1.0 1.00 1 of 1 (100.0 %)",

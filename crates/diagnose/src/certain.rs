@@ -1,6 +1,6 @@
 //! What of a change is certain, with what its reference leaves open.
 
-use armident_effects::EVERYDAY;
+use armident_effects::BASELINE;
 use armident_numeric::Cholesky;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -103,7 +103,7 @@ impl LeftOpen {
         let mut open = Self::default();
         for &g in &of.set {
             let group = &metric.problem.groups[g];
-            let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
+            let everyday = BASELINE.iter().any(|law| law.law().slug == group.slug());
             if everyday
                 || group.site.window.is_some()
                 || matches!(group.meaning, Meaning::Flexible(_))

@@ -1,6 +1,6 @@
 //! What changed between two sets of recordings of one arm, and what a model that knows more than its links leaves out.
 
-use armident_effects::{EVERYDAY, EffectOnJoint, tilted};
+use armident_effects::{BASELINE, EffectOnJoint, tilted};
 use armident_ident::ArmModel;
 use armident_recording::{Recording, RecordingError};
 use nalgebra::Vector3;
@@ -108,7 +108,7 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     for change in all.arm.effects {
         // the everyday terms of a joint, seen again with the recordings after
         let same = |e: &&mut EffectOnJoint| {
-            EVERYDAY.iter().any(|law| law.law().slug == e.effect)
+            BASELINE.iter().any(|law| law.law().slug == e.effect)
                 && e.effect == change.effect
                 && e.joint == change.joint
         };

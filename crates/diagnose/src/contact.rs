@@ -1,6 +1,6 @@
 //! Windows of time in which a constant force on the tip explains what is left over.
 
-use armident_effects::{ExternalContact, Place};
+use armident_effects::{ExternalContact, Role};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::at::At;
@@ -122,7 +122,7 @@ impl ContactColumns {
             shape: window.to_vec(),
             columns,
             searched: 2,
-            places: vec![Place::Contact],
+            places: vec![Role::Contact],
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,

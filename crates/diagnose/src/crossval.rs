@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use armident_effects::EVERYDAY;
+use armident_effects::BASELINE;
 use armident_numeric::dot;
 use rayon::prelude::*;
 
@@ -349,7 +349,7 @@ fn with_everyday(problem: &Problem, set: &[usize]) -> Vec<usize> {
         if described(group) {
             continue;
         }
-        let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
+        let everyday = BASELINE.iter().any(|law| law.law().slug == group.slug());
         if everyday && all.iter().all(|o| *o != g && !groups[*o].excludes(group)) {
             all.push(g);
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix};
 use armident_effects::{
-    EVERYDAY, Effect, EffectOnJoint, LIBRARY, MotionScale, Place, Scope, effect,
+    BASELINE, Effect, EffectOnJoint, Library, MotionScale, Role, Scope, effect,
 };
 use armident_kinematics::DrivingAxisChain;
 use rayon::prelude::*;
@@ -189,10 +189,11 @@ impl<'a> Evidence<'a> {
             known.extend(self.known.iter().filter(|effect| effect.joint == *name).cloned());
         }
         let of_scope = |scope: Scope, sites: usize| -> Vec<(&dyn Effect, usize, Vec<f64>)> {
-            let laws = move || LIBRARY.iter().filter(move |law| law.law().scope == scope);
+            let named = || Library::standard().named();
+            let laws = move || named().filter(move |law| law.law().scope == scope);
             let at_site = |j: usize| {
                 laws().flat_map(move |law| {
-                    law.shapes(&self.scale[j]).into_iter().map(move |shape| (*law, j, shape))
+                    law.shapes(&self.scale[j]).into_iter().map(move |shape| (law, j, shape))
                 })
             };
             (0..sites).flat_map(at_site).filter(|(_, _, shape)| shapes(shape)).collect()
@@ -220,7 +221,7 @@ impl<'a> Evidence<'a> {
     fn everyday_columns(&self, at: &[At<'_>], effort: &Blocks) -> (Vec<Blocks>, Vec<f64>) {
         let (mut columns, mut deviations) = (Vec::new(), Vec::new());
         for j in 0..self.joints() {
-            for law in EVERYDAY {
+            for law in BASELINE {
                 let pieces: Vec<Vec<f64>> = at
                     .iter()
                     .filter_map(|at| {
@@ -370,10 +371,10 @@ impl<'a> Evidence<'a> {
 
     /// Encoders, transmissions to first order, gravity and the clock.
     fn push_arm_laws(&self, problem: &mut Problem, at: &[At<'_>], efforts: &[Vec<Vec<f64>>]) {
-        for law in LIBRARY {
+        for law in Library::standard().named() {
             let joints = match law.law().scope {
                 Scope::ThroughJoint => self.joints(),
-                Scope::Arm if law.law().places != [Place::Contact] => 1,
+                Scope::Arm if law.law().roles != [Role::Contact] => 1,
                 _ => continue,
             };
             for j in 0..joints {
@@ -381,8 +382,8 @@ impl<'a> Evidence<'a> {
                     .iter()
                     .zip(efforts)
                     .map(|(at, effort)| {
-                        if law.law().places != [Place::Time] {
-                            return at.recorded_arm_columns(*law, j, self.chain);
+                        if law.law().roles != [Role::Time] {
+                            return at.recorded_arm_columns(law, j, self.chain);
                         }
                         // the clock shifts all that is recorded, not the rigid body alone
                         let all = at.signals.with_taken(effort.clone());
@@ -413,7 +414,7 @@ impl<'a> Evidence<'a> {
                         .collect();
                     ids.push(self.share_or_push(problem, self.joint_blocks(j, &columns)));
                 }
-                push_law(problem, *law, site, &[], ids, searched);
+                push_law(problem, law, site, &[], ids, searched);
             }
         }
     }
@@ -434,7 +435,7 @@ pub(crate) fn push_law(
         shape: shape.to_vec(),
         columns,
         searched,
-        places: law.law().places.to_vec(),
+        places: law.law().roles.to_vec(),
         transform: None,
         hidden: Vec::new(),
         above_band: 1.0,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Place, effect};
+use armident_effects::{Role, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -293,7 +293,7 @@ fn in_link_frame(evidence: &Evidence<'_>, link: usize, change: &[f64]) -> [f64; 
 const IN_A_DESCRIPTION: f64 = 0.45;
 
 fn described_anyway(problem: &Problem, answer: &Answer, group: &Group) -> bool {
-    let friction = [Place::Viscous, Place::Drag];
+    let friction = [Role::Viscous, Role::Drag];
     if matches!(group.meaning, Meaning::Flexible(_))
         || !group.places.iter().any(|p| friction.contains(p))
     {

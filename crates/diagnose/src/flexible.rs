@@ -1,7 +1,7 @@
 //! A description of structure that no law of the library explains: hat functions of one or two
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
-use armident_effects::Place;
+use armident_effects::Role;
 use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -165,17 +165,17 @@ impl Basis {
 
     /// Places of the laws that these functions contain on their joint: beside the description these
     /// cannot be told apart.
-    fn places(&self, joint: &str) -> Vec<Place> {
-        let mut places = vec![Place::Unnamed];
+    fn places(&self, joint: &str) -> Vec<Role> {
+        let mut places = vec![Role::Unnamed];
         let own = |name: &str| name == joint;
         if self.axes.iter().any(|a| own(&a.joint) && a.quantity == Quantity::Velocity) {
-            places.extend([Place::Viscous, Place::Dry, Place::Drag]);
+            places.extend([Role::Viscous, Role::Dry, Role::Drag]);
         }
         if let ([factor], false) = (&self.factors[..], self.axes.is_empty()) {
             match factor.form {
-                Form::Linear if own(&factor.joint) => places.push(Place::Viscous),
-                Form::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
-                Form::Direction if own(&factor.joint) => places.push(Place::Dry),
+                Form::Linear if own(&factor.joint) => places.push(Role::Viscous),
+                Form::SignedSquare if own(&factor.joint) => places.push(Role::Drag),
+                Form::Direction if own(&factor.joint) => places.push(Role::Dry),
                 _ => {}
             }
         }

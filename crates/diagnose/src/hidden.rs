@@ -1,6 +1,6 @@
 //! What is dear to try: links that move by themselves behind their motors, and descriptions without a name.
 
-use armident_effects::Place;
+use armident_effects::Role;
 
 use crate::at::At;
 use crate::contact::ContactColumns;
@@ -150,7 +150,7 @@ fn suspects(problem: &Problem, found: &Best, residual: &[Vec<f64>]) -> Vec<usize
         .set
         .iter()
         .map(|g| &problem.groups[*g])
-        .filter(|g| g.places == [Place::Inertia] || (links_changed && g.is_of_link()))
+        .filter(|g| g.places == [Role::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.site.joints[0])
         .collect();
     // the motion of a hidden link is felt by its neighbours nearly as much

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
+use armident_effects::{BASELINE, EffectOnJoint, Role, Scope, Turn, effect};
 use armident_ident::ArmModel;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
@@ -139,7 +139,7 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
     // what the reference and the recordings after it together say of everyday terms
     let links = problem.background.links;
     for (k, x) in change[10 * links..].iter().enumerate() {
-        let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
+        let (joint, law) = (k / BASELINE.len(), BASELINE[k % BASELINE.len()]);
         found.arm.effects.push(EffectOnJoint::new(
             law.law().slug,
             &evidence.names[joint],
@@ -152,7 +152,7 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
     let has_dry_friction = |name: &String| {
         found.arm.effects.iter().any(|on| {
             let law = effect(&on.effect).map(|law| law.law());
-            on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
+            on.joint == *name && law.is_some_and(|law| law.roles.contains(&Role::Dry))
         })
     };
     let turns = evidence.names.iter().zip(point.turns);

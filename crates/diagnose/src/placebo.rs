@@ -3,7 +3,7 @@
 //! A placebo is a law of the library on a joint, its columns shifted in time within each recording: as many
 //! numbers, the same spectrum, and nothing to do with the efforts.
 
-use armident_effects::{LIBRARY, Place, Scope};
+use armident_effects::{Library, Role, Scope};
 use serde::Serialize;
 
 use crate::crossval::usefulness;
@@ -32,8 +32,8 @@ pub struct Placebo {
 
 pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms: usize) -> Placebo {
     let at = evidence.at(&selection.point);
-    let laws: Vec<_> = LIBRARY
-        .iter()
+    let laws: Vec<_> = Library::standard()
+        .named()
         .filter(|law| law.law().scope == Scope::Joint && law.law().slug != "torque_offset")
         .collect();
     let chance = chance_beside(&selection.metric(), &selection.answer);
@@ -73,7 +73,7 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
             shape: shape.clone(),
             columns,
             searched: shape.len(),
-            places: vec![Place::Unnamed],
+            places: vec![Role::Unnamed],
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use armident_effects::{EffectOnJoint, Place, Scope, effect};
+use armident_effects::{EffectOnJoint, Role, Scope, effect};
 use armident_numeric::{dot, products_of_columns};
 use rayon::prelude::*;
 
@@ -41,7 +41,7 @@ pub(crate) struct Group {
     pub(crate) columns: Vec<usize>,
     /// constants that were searched
     pub(crate) searched: usize,
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<Role>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
     /// directions of these that the motions do not show, each as large as one is likely to be
@@ -81,7 +81,7 @@ impl Group {
 
     /// Whether it is a load on a link or an error of one, at all times.
     pub(crate) fn is_of_link(&self) -> bool {
-        self.site.window.is_none() && self.places.contains(&Place::Link)
+        self.site.window.is_none() && self.places.contains(&Role::Link)
     }
 
     /// Whether the two exclude each other.

@@ -9,7 +9,7 @@
 //! the motion of the link.
 
 use armident_dynamics::gravity_effort;
-use armident_effects::{Effect, Place, RotorInertia};
+use armident_effects::{Effect, Role, RotorInertia};
 use armident_numeric::dot;
 use armident_recording::{RecordingError, differentiate};
 use rayon::prelude::*;
@@ -482,7 +482,7 @@ fn push_group(
         shape: shape.to_vec(),
         columns: vec![column, inertia],
         searched: shape.len(),
-        places: vec![Place::Inertia],
+        places: vec![Role::Inertia],
         transform: None,
         hidden: Vec::new(),
         above_band,

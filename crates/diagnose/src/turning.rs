@@ -4,7 +4,7 @@
 //! Names are found with friction that turns at once. How it turns is tried afterwards, by stretches that were not fitted: it
 //! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
 
-use armident_effects::{LIBRARY, MotionScale, Place, Scope, Turn, direction};
+use armident_effects::{MotionScale, Role, Scope, Turn, direction, effect};
 
 use crate::at::{At, OperatingPoint};
 use crate::contact::ContactColumns;
@@ -114,12 +114,12 @@ fn least_gain(evidence: &Evidence<'_>, joint: usize) -> f64 {
 
 /// Whether a group is dry friction of one joint.
 fn is_dry(group: &Group) -> bool {
-    group.places.contains(&Place::Dry) && group.site.joints.len() == 1 && law_of(group).is_some()
+    group.places.contains(&Role::Dry) && group.site.joints.len() == 1 && law_of(group).is_some()
 }
 
 fn law_of(group: &Group) -> Option<&'static dyn armident_effects::Effect> {
-    let law = LIBRARY.iter().find(|law| law.law().slug == group.slug())?;
-    (law.law().scope == Scope::Joint).then_some(*law)
+    let law = effect(group.slug())?;
+    (law.law().scope == Scope::Joint).then_some(law)
 }
 
 /// The group with friction as it is at these recordings, added to a problem.

@@ -63,8 +63,8 @@ fn clean_pose(pose: Isometry3<f64>) -> Isometry3<f64> {
 pub(crate) fn inertia_about_com(link: &Moved<'_>, notes: &mut Vec<String>) -> [f64; 6] {
     if !link.inertia.is_physical() {
         notes.push(format!(
-            "link `{}` has an inertia no body can have; simulators may refuse it (identify without \
-             --raw-estimate gives real links)",
+            "link `{}` is not physically consistent and may be rejected by simulators; omit \
+             --raw-estimate to project it",
             link.link
         ));
     }
@@ -72,7 +72,7 @@ pub(crate) fn inertia_about_com(link: &Moved<'_>, notes: &mut Vec<String>) -> [f
     [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
 }
 
-/// What a file cannot say beside effects.
+/// What a file cannot hold beside effects.
 pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
     let chain = &model.chain;
     let mut notes = Vec::new();
@@ -84,12 +84,12 @@ pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
             .filter(|l| *l != joint.child_link)
             .collect();
         if !lumped.is_empty() {
-            notes.push(format!("link `{}` holds {}", joint.child_link, lumped.join(", ")));
+            notes.push(format!("{} merged into `{}`", lumped.join(", "), joint.child_link));
         }
     }
     if !chain.locked.is_empty() {
         let list: Vec<String> = chain.locked.iter().map(|(j, q)| format!("{j} at {q}")).collect();
-        notes.push(format!("locked joints are gone: {}", list.join(", ")));
+        notes.push(format!("locked joints removed: {}", list.join(", ")));
     }
     notes
 }
