@@ -41,6 +41,8 @@ mod demo;
 mod diagnose;
 /// models as URDF and MJCF, and what these formats cannot hold
 mod export;
+/// a law added from outside the crates
+mod extend;
 /// MCAP beside CSV
 mod formats;
 /// pages of results in a browser

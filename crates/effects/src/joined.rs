@@ -43,8 +43,8 @@ fn with_contained(law: &dyn Effect, parameters: &[f64], contained: &[f64]) -> Ve
 }
 
 /// Whether an effect may carry its name: by its own numbers or, where it is less of what is known, by those of both.
-/// What is known is known to a tenth, so that all of it can go. Of a law with a shape of its own there is no less: a
-/// level that falls while another rises is another law, which needs a name for itself.
+/// A known effect is known to a tenth, so that all of it can disappear. A law with a shape has no decrease: a
+/// level that falls while another rises is another law, which must be admitted itself.
 pub fn admitted_beside(known: &[EffectOnJoint], change: &EffectOnJoint) -> bool {
     const KNOWN_TO: f64 = 0.1;
     let admits = |e: &EffectOnJoint| effect(&e.effect).is_some_and(|law| law.admits(&e.parameters));

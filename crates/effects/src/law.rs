@@ -176,7 +176,7 @@ pub enum Role {
 pub enum Onset {
     /// Bodies are picked up, arms are remounted and homed again, joints wear and warm up.
     Often,
-    /// Often of the last link, whose tool is exchanged; seldom of others, which nobody opens.
+    /// Often of the last link, whose tool is exchanged; seldom of others.
     OftenOfLastLink,
     /// Built in, or a fault of the channel.
     Seldom,

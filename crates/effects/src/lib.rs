@@ -1,4 +1,4 @@
-//! Physics beyond the rigid body, one file an effect.
+//! Physics beyond the rigid body, one file per law.
 //!
 //! ```text
 //! effort_j = rigid_j(q, q̇, q̈) + Σ f(joint motion; parameters)

@@ -38,8 +38,8 @@ mod urdf;
 mod xml;
 
 pub use effects::{Held, Lost};
-pub use mjcf::mjcf;
-pub use urdf::urdf;
+pub use mjcf::{mjcf, mjcf_in};
+pub use urdf::{urdf, urdf_in};
 
 /// A model in another format.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,7 +19,7 @@ const MOST_TRAVEL_RAD: f64 = 1.0;
 const SHARE_OF_LIMITS: [f64; 3] = [0.42, 0.55, 0.6];
 /// Tracking error that a joint's unmodelled effort may cause \[rad or m\].
 const TRACKING_ERROR: f64 = 0.006;
-/// Rest before the motion, and its rise \[s\].
+/// Standstill before the motion, and its rise \[s\].
 const REST_S: f64 = 0.1;
 const RISE_S: f64 = 1.0;
 

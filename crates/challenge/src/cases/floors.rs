@@ -89,7 +89,7 @@ pub(crate) fn floors(
         }
         lower(&mut practical, taken.rmse(names, &careful, &taken.inside));
         lower(&mut urdf_practical, taken.rmse(names, &rigid(given), &taken.inside));
-        // an integration of links each, and rest is not what their floor hangs on
+        // each share is an integration of links, whose floor does not depend on it
         let shares = if arm.has_transmissions() { &RESTING_SHARES[1..2] } else { &RESTING_SHARES };
         for &share in shares {
             let trajectory = Trajectory {

@@ -120,13 +120,13 @@ pub struct TrueEffect {
     /// Sets of findings that are the same torque.
     #[serde(default)]
     pub accept: Vec<Vec<Named>>,
-    /// Findings that may stand beside the right one.
+    /// Findings that are tolerated beside the right one.
     #[serde(default)]
     pub tolerate: Vec<Named>,
     /// RMS of the torque over noise after projections.
     #[serde(default)]
     pub observability: Option<f64>,
-    /// The same with the plain friction of its own joint projected out too.
+    /// The same with the baseline friction of its joint projected out too.
     #[serde(default)]
     pub naming_margin: Option<f64>,
     /// The same without projections.
@@ -160,7 +160,7 @@ pub struct BaselineFriction {
     pub covered_by: Option<String>,
     /// RMS of its torque over noise after projections.
     pub observability: Option<f64>,
-    /// Whether it stands above the noise at all.
+    /// Whether it is above the noise at all.
     pub counted: bool,
 }
 
@@ -223,10 +223,10 @@ pub struct Floors {
     /// True laws on the filtered recorded position, best cut-off.
     #[serde(default)]
     pub attainable_rmse: PerJoint,
-    /// Believed URDF on the true motion.
+    /// Given URDF on the true motion.
     #[serde(default)]
     pub urdf_rmse: PerJoint,
-    /// Believed URDF on the filtered recorded position.
+    /// Given URDF on the filtered recorded position.
     #[serde(default)]
     pub urdf_rmse_practical: PerJoint,
 }

@@ -32,7 +32,7 @@ const LAW: Law = Law {
         },
         LookAlike {
             slug: "payload",
-            separated_by: "other poses of the arm: a load turns with gravity, friction does not",
+            separated_by: "other poses of the arm: the effort of a load follows gravity, friction does not",
         },
     ],
     catalogue: Some(&CATALOGUE),

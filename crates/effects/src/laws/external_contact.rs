@@ -40,7 +40,7 @@ const LAW: Law = Law {
 const CATALOGUE: Catalogue = Catalogue {
     about: "Something pushes on the arm for a while.",
     sizes: &[
-        "No size of its own. How small a contact is seen depends on the model: Mamedov and Mikhel (2020) find on a UR10e that the step of identification decides it",
+        "No typical size. How small a contact is seen depends on the model: Mamedov and Mikhel (2020) find on a UR10e that the step of identification decides it",
     ],
     signature: "Begins and ends at a time; the joints feel it by their levers about the tip.",
     example: Example {

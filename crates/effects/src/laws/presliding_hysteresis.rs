@@ -55,7 +55,7 @@ impl Effect for PreslidingHysteresis {
         SHARES_OF_TRAVEL.iter().map(|share| vec![share * scale.position_deviation]).collect()
     }
 
-    /// The bristle deflection over its saturation: exact while the joint does not turn back between two
+    /// The bristle deflection over its saturation: exact while the joint does not reverse between two
     /// samples.
     fn columns(&self, shape: &[f64], motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
         vec![deflections(motion.position, shape[0])]

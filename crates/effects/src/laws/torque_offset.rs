@@ -24,7 +24,7 @@ const LAW: Law = Law {
         },
         LookAlike {
             slug: "payload",
-            separated_by: "other poses of the arm: a load turns with gravity, an offset does not",
+            separated_by: "other poses of the arm: the effort of a load follows gravity, an offset does not",
         },
     ],
     catalogue: Some(&CATALOGUE),
