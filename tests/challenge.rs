@@ -123,7 +123,7 @@ fn wrong_command_lines() {
      hint: leave one of them out
     ");
     insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @r"
-    error: there is no effect `viscous_friction` to conceal in a case of this kind
+    error: there is no effect `viscous_friction` to hide in a case of this kind
        in: effects of the case
      hint: give a slug of the effect library or `unlisted`; field and change cases have viscous and Coulomb friction anyway, and in a change no other friction law takes their place
     ");
