@@ -8,10 +8,10 @@ use armident_effects::{
     Library, Naming, Parameter, Role, Scan, directions_with,
 };
 use armident_export::{mjcf_in, urdf_in};
-use armident_ident::ArmModel;
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, JointKind, SerialChain, load_urdf, parse_urdf,
 };
+use armident_model::ArmModel;
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 
 use crate::shared::project;
@@ -131,7 +131,7 @@ fn added_law_is_exported_or_lost() {
     let urdf = urdf_in(&library(), &model);
     assert!(urdf.held.is_empty());
     assert_eq!((urdf.lost[0].effect.as_str(), urdf.lost[0].parameters[0]), ("cubic_drag", 2.0));
-    assert_eq!(urdf.lost[0].reason, "not supported by the format");
+    assert_eq!(urdf.lost[0].reason, "not supported");
     assert!(parse_urdf(&urdf.text, "exported").is_ok());
     let mjcf = mjcf_in(&library(), &model);
     assert!(mjcf.lost.is_empty() && mjcf.text.contains("cubicdamping=\"2\""), "{}", mjcf.text);

@@ -10,7 +10,8 @@ use armident_effects::{
     Admissible, Against, Catalogue, Effect, EffectOnJoint, Law, Library, Scope, effect,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording, read_csv};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording, read_csv};
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 use plotters::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The chain in link frames: what both formats are written from.
 
-use armident_ident::ArmModel;
 use armident_kinematics::{InertialParameters, JointKind, JointLimits};
+use armident_model::ArmModel;
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Lengths \[m\] and entries of directions below this are round-off of the frames.
@@ -59,7 +59,7 @@ fn clean_pose(pose: Isometry3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(clean(pose.translation.vector).into(), pose.rotation)
 }
 
-/// Inertia about the centre of mass as `ixx ixy ixz iyy iyz izz`, and what is wrong with it.
+/// Inertia about the centre of mass as `ixx ixy ixz iyy iyz izz`; notes if it is not physically consistent.
 pub(crate) fn inertia_about_com(link: &Moved<'_>, notes: &mut Vec<String>) -> [f64; 6] {
     if !link.inertia.is_physical() {
         notes.push(format!(
@@ -72,7 +72,7 @@ pub(crate) fn inertia_about_com(link: &Moved<'_>, notes: &mut Vec<String>) -> [f
     [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
 }
 
-/// What a file cannot hold beside effects.
+/// What a file cannot say beside effects.
 pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
     let chain = &model.chain;
     let mut notes = Vec::new();
@@ -84,7 +84,7 @@ pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
             .filter(|l| *l != joint.child_link)
             .collect();
         if !lumped.is_empty() {
-            notes.push(format!("{} merged into `{}`", lumped.join(", "), joint.child_link));
+            notes.push(format!("{} merged into link `{}`", lumped.join(", "), joint.child_link));
         }
     }
     if !chain.locked.is_empty() {

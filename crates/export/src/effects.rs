@@ -49,9 +49,9 @@ pub(crate) fn sorted(
                 continue;
             }
             (Some(_), [_]) => "negative value, not accepted by simulators",
-            _ => "not supported by the format",
+            _ => "not supported",
         };
-        // an effect of zero is not lost
+        // what is not there is not lost
         if on_joint.parameters.iter().any(|p| *p != 0.0) {
             lost.push(Lost {
                 effect: on_joint.effect.clone(),

@@ -1,0 +1,272 @@
+//! What all rows of the comparison have in common: weights, noise, and how columns become rows.
+
+use std::ops::Range;
+
+use armident_motion::Signals;
+
+/// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
+const STUCK_WEIGHT: f64 = 0.15;
+/// Share of a row's kernel over stuck samples (or others that are not what they should be) from which on the
+/// row counts as stuck.
+const STUCK_SHARE: f64 = 0.12;
+
+/// A quantity on all joints, in weighted rows; empty where it is zero.
+pub(crate) type Blocks = Vec<Vec<f64>>;
+
+/// Which rows of a recording count as these samples do.
+fn touched(signals: &Signals, samples: &[bool]) -> impl Iterator<Item = bool> {
+    let samples: Vec<f64> = samples.iter().map(|b| f64::from(u8::from(*b))).collect();
+    signals.band.rows(&samples).into_iter().map(|share| share > STUCK_SHARE)
+}
+
+/// The rows of every joint: recordings one after the other.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows {
+    /// `[joint][row]`: one over the noise in the band, less where the joint sticks; 0 without effort
+    weight: Blocks,
+    /// `[joint][row]`: noise in the band \[N m or N\]
+    pub(crate) deviation: Blocks,
+    /// `[joint]`: noise of one recorded sample \[N m or N\]
+    pub(crate) sample_deviation: Vec<f64>,
+    /// first row of each recording, and the number of rows
+    pub(crate) starts: Vec<usize>,
+    /// independent samples per row
+    pub(crate) share: f64,
+    /// rows per second of the first recording
+    pub(crate) rows_hz: f64,
+    /// `[joint][row]`
+    pub(crate) stuck: Vec<Vec<bool>>,
+    /// first recording that is judged: those before it show the arm as it was
+    pub(crate) changed_from: usize,
+    /// first recording in which laws act: that one, or the first of all where they may have acted before
+    pub(crate) laws_from: usize,
+    /// `[joint]`, 1 or more: by what the weights of what is judged are smaller for the imperfection of the model
+    pub(crate) misfit: Vec<f64>,
+    /// the same before a change
+    pub(crate) misfit_before: Vec<f64>,
+    /// `[joint]`: weight of the rows in which it sticks
+    pub(crate) stuck_weight: Vec<f64>,
+}
+
+impl Rows {
+    /// `inertia`: `[recording][joint i][joint j]`, root mean square of the inertia matrix: through it
+    /// the noise of differentiated encoders comes into the efforts.
+    pub(crate) fn new(signals: &[Signals], inertia: &[Vec<Vec<f64>>]) -> Self {
+        let joints = signals[0].position.len();
+        let mut starts = vec![0];
+        for s in signals {
+            starts.push(starts[starts.len() - 1] + s.band.kept.len());
+        }
+        let mut rows = Self {
+            weight: vec![Vec::new(); joints],
+            deviation: vec![Vec::new(); joints],
+            sample_deviation: vec![0.0; joints],
+            stuck: vec![Vec::new(); joints],
+            misfit: vec![1.0; joints],
+            misfit_before: vec![1.0; joints],
+            stuck_weight: vec![STUCK_WEIGHT; joints],
+            share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
+                / signals.len() as f64,
+            rows_hz: signals[0].band.rows_hz,
+            starts,
+            changed_from: 0,
+            laws_from: 0,
+        };
+        for j in 0..joints {
+            let mut squares = 0.0;
+            for (r, s) in signals.iter().enumerate() {
+                let from_effort = s.effort_noise_in_band[j].powi(2);
+                let from_encoders: f64 =
+                    (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise[i]).powi(2)).sum();
+                let deviation = (from_effort + from_encoders).sqrt();
+                squares += s.effort_noise[j].powi(2) / signals.len() as f64;
+                for stuck in touched(s, &s.stuck[j]) {
+                    let weight = if stuck { STUCK_WEIGHT } else { 1.0 };
+                    let known = !s.effort[j].is_empty() && deviation > 0.0;
+                    rows.weight[j].push(if known { weight / deviation } else { 0.0 });
+                    rows.deviation[j].push(deviation);
+                    rows.stuck[j].push(stuck);
+                }
+            }
+            rows.sample_deviation[j] = squares.sqrt();
+        }
+        rows
+    }
+
+    pub(crate) fn joints(&self) -> usize {
+        self.weight.len()
+    }
+
+    /// Takes the weight from the rows of what is judged that a joint spends at samples for which `unfit` holds;
+    /// gives back how many these are.
+    pub(crate) fn leave_out(
+        &mut self,
+        signals: &[Signals],
+        joint: usize,
+        unfit: impl Fn(&Signals) -> Vec<bool>,
+    ) -> usize {
+        let mut left_out = 0;
+        for (r, s) in signals.iter().enumerate().skip(self.changed_from) {
+            let weights = &mut self.weight[joint][self.starts[r]..self.starts[r + 1]];
+            for (weight, unfit) in weights.iter_mut().zip(touched(s, &unfit(s))) {
+                if unfit && *weight > 0.0 {
+                    *weight = 0.0;
+                    left_out += 1;
+                }
+            }
+        }
+        left_out
+    }
+
+    /// Number of rows of one joint.
+    pub(crate) fn len(&self) -> usize {
+        self.starts[self.starts.len() - 1]
+    }
+
+    /// Weighted rows counted as a whole one each: the sample size of the fit.
+    pub(crate) fn effective(&self) -> f64 {
+        (0..self.joints()).map(|j| self.effective_on(j)).sum()
+    }
+
+    /// The same of one joint.
+    pub(crate) fn effective_on(&self, joint: usize) -> f64 {
+        let of_rows = |rows: Range<usize>, misfit: f64| -> f64 {
+            let rows = self.weight[joint][rows.clone()].iter().zip(&self.deviation[joint][rows]);
+            rows.map(|(w, d)| (w * d * misfit).powi(2)).sum()
+        };
+        let judged = self.judged_from();
+        of_rows(0..judged, self.misfit_before[joint])
+            + of_rows(judged..self.len(), self.misfit[joint])
+    }
+
+    /// Weighted rows of joint `joint` from columns at every sample of each recording.
+    pub(crate) fn form<'a>(
+        &self,
+        signals: &[Signals],
+        joint: usize,
+        columns: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Vec<f64> {
+        let mut rows = Vec::with_capacity(self.len());
+        for (s, column) in signals.iter().zip(columns) {
+            rows.extend(s.band.rows(column));
+        }
+        self.weigh(joint, &mut rows);
+        rows
+    }
+
+    fn weigh(&self, joint: usize, rows: &mut [f64]) {
+        for (x, w) in rows.iter_mut().zip(&self.weight[joint]) {
+            *x *= w;
+        }
+    }
+
+    /// The same of a law: nothing before it acts.
+    pub(crate) fn form_law<'a>(
+        &self,
+        signals: &[Signals],
+        joint: usize,
+        columns: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Vec<f64> {
+        let mut rows = self.form(signals, joint, columns);
+        self.fill_before_laws(&mut rows);
+        rows
+    }
+
+    /// Weights rows of a law that are formed already.
+    pub(crate) fn weigh_law(&self, joint: usize, rows: &mut [f64]) {
+        self.weigh(joint, rows);
+        self.fill_before_laws(rows);
+    }
+
+    /// The same with laws that act in all recordings.
+    pub(crate) fn with_laws_throughout(&self) -> Self {
+        Self { laws_from: 0, ..self.clone() }
+    }
+
+    /// Nothing in the rows before laws act.
+    pub(crate) fn fill_before_laws(&self, rows: &mut [f64]) {
+        rows[..self.starts[self.laws_from]].fill(0.0);
+    }
+
+    /// First row of what is judged.
+    pub(crate) fn judged_from(&self) -> usize {
+        self.starts[self.changed_from]
+    }
+
+    pub(crate) fn weight(&self, joint: usize) -> &[f64] {
+        &self.weight[joint]
+    }
+
+    /// How much more than its noise a joint's model leaves over: weights that do not know of it would
+    /// let the imperfection of one joint's model decide about all others.
+    pub(crate) fn set_misfit(&mut self, joint: usize, factor: f64) {
+        let change = self.misfit[joint] / factor;
+        let judged = self.judged_from();
+        self.weight[joint][judged..].iter_mut().for_each(|w| *w *= change);
+        self.misfit[joint] = factor;
+    }
+
+    /// The same of the reference.
+    pub(crate) fn set_misfit_before(&mut self, joint: usize, factor: f64) {
+        let change = self.misfit_before[joint] / factor;
+        let judged = self.judged_from();
+        self.weight[joint][..judged].iter_mut().for_each(|w| *w *= change);
+        self.misfit_before[joint] = factor;
+    }
+
+    /// What the rows in which a joint sticks can at most say, from what they leave over: static friction is
+    /// anything up to the break-away effort, which may be many times the noise.
+    pub(crate) fn stuck_weight_for(&self, joint: usize, left_over: &[f64]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, left) in left_over.iter().enumerate() {
+            let weight = self.weight[joint][k];
+            if self.stuck[joint][k] && weight > 0.0 {
+                sum += (left / (weight * self.deviation[joint][k])).powi(2);
+                count += 1;
+            }
+        }
+        if count == 0 {
+            return STUCK_WEIGHT;
+        }
+        STUCK_WEIGHT.min((f64::from(count) / sum).sqrt())
+    }
+
+    pub(crate) fn set_stuck_weight(&mut self, joint: usize, weight: f64) {
+        let change = weight / self.stuck_weight[joint];
+        for (w, stuck) in self.weight[joint].iter_mut().zip(&self.stuck[joint]) {
+            if *stuck {
+                *w *= change;
+            }
+        }
+        self.stuck_weight[joint] = weight;
+    }
+
+    /// Root mean square of weighted rows of one joint that do not stick, in units of the noise in the
+    /// band, whatever the misfit in the weights.
+    pub(crate) fn in_band_noise(&self, joint: usize, rows: &[f64]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
+            if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
+                sum += (x * self.misfit[joint]).powi(2);
+                count += 1;
+            }
+        }
+        (sum / f64::from(count.max(1))).sqrt()
+    }
+
+    /// Root mean square of weighted rows of one joint, over the rows that do not stick, back in the
+    /// unit of the effort over the noise of one recorded sample.
+    pub(crate) fn in_sample_noise(&self, joint: usize, rows: &[f64]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
+            if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
+                sum += (x / self.weight[joint][k]).powi(2);
+                count += 1;
+            }
+        }
+        if count == 0 || self.sample_deviation[joint] == 0.0 {
+            return 0.0;
+        }
+        (sum / f64::from(count)).sqrt() / self.sample_deviation[joint]
+    }
+}
