@@ -105,7 +105,7 @@ fn page(law: &Law, entry: &Catalogue) -> String {
         let _ = writeln!(
             text,
             "The same effect in a simulated recording:\n\n```console\n$ armident simulate urdf/ur5.urdf \
-             examples/ur5/train.csv -o with.csv --effect {}:{joint}={} -q\nur5: 1 recording of 1200 samples in all, written to with.csv\n\n```\n",
+             examples/ur5/train.csv -o with.csv --effect {}:{joint}={} -q\nwrote with.csv (1 recording, 1200 samples)\n\n```\n",
             law.slug,
             numbers.join(",")
         );
