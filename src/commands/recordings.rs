@@ -14,10 +14,10 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 
-/// File extensions of recordings.
+/// Ends of the names of recordings.
 const ENDS: [&str; 3] = ["csv", "mcap", "parquet"];
 
-/// Encodes a recording in the format of the file extension; unsupported channels become a note.
+/// A recording in the format that the file's name tells, and a note on what it cannot hold.
 pub(crate) fn encoded(
     recording: &Recording,
     path: &Path,
@@ -25,8 +25,7 @@ pub(crate) fn encoded(
 ) -> Result<Vec<u8>, Failure> {
     let Encoded { bytes, lost } = encode(recording, FileFormat::of(path))?;
     if !lost.is_empty() {
-        let note =
-            format!("{}: the format does not support {}, omitted", path.display(), lost.join(", "));
+        let note = format!("{} cannot hold {}", path.display(), lost.join(", "));
         output::say_all(output, "note", &[note]);
     }
     Ok(bytes)
@@ -54,9 +53,9 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             found.sort();
             if found.is_empty() {
                 return Err(Failure::new(
-                    "no recordings in the folder",
+                    "the folder holds no recording",
                     path.display(),
-                    Some("pass recordings as files (.csv, .mcap, .parquet), or a folder of them"),
+                    Some("give recordings as files (.csv, .mcap, .parquet), or a folder of them"),
                 ));
             }
             files.extend(found);
