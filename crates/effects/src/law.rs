@@ -367,9 +367,4 @@ impl Law {
             Scan::Columns | Scan::Residual => None,
         }
     }
-
-    /// Place of a parameter in every parameter vector.
-    pub fn index_of(&self, parameter: &str) -> Option<usize> {
-        self.parameters.iter().position(|p| p.name == parameter)
-    }
 }
