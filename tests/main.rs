@@ -41,6 +41,8 @@ mod demo;
 mod diagnose;
 /// models as URDF and MJCF, and effects that these formats do not support
 mod export;
+/// a law added from outside the crates
+mod extend;
 /// MCAP compared with CSV
 mod formats;
 /// pages of results in a browser

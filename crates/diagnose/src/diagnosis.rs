@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::checks::effort_columns::DriveGain;
-use crate::design::design::Design;
 use crate::design::known_effort::Known;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
 use crate::findings::fitted_model::{choose_outputs, fitted_model, rigid_alone};
 use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};

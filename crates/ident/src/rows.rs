@@ -366,7 +366,7 @@ pub(crate) type TermColumn = (usize, Vec<f64>);
 
 /// Whether a law follows the sign of a speed.
 fn jumps(law: &dyn Effect) -> bool {
-    law.law().places.contains(&Place::Dry)
+    law.law().roles.contains(&Place::Dry)
 }
 
 fn rows_of_joint(

@@ -1,6 +1,6 @@
 //! A model and a change of it in one.
 
-use armident_effects::{EVERYDAY, EffectOnJoint};
+use armident_effects::{BASELINE, EffectOnJoint};
 
 use crate::arm_model::ArmModel;
 use crate::reversal::SHARP;
@@ -15,7 +15,7 @@ impl ArmModel {
         for change in all.effects {
             // baseline terms of a joint, seen again with the recordings after
             let same = |e: &&mut EffectOnJoint| {
-                EVERYDAY.iter().any(|law| law.law().slug == e.effect)
+                BASELINE.iter().any(|law| law.law().slug == e.effect)
                     && e.effect == change.effect
                     && e.joint == change.joint
             };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armident_dynamics::RigidArm;
-use armident_effects::EVERYDAY;
+use armident_effects::BASELINE;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
 use armident_ident::{JointFit, MinimalSet};
 use armident_model::ArmModel;
@@ -206,7 +206,7 @@ fn own_friction(model: &ArmModel, estimate: &Algorithm2Estimate) -> Vec<EffectRo
         else {
             continue;
         };
-        for (effect, (value, standard_error)) in EVERYDAY[..2].iter().zip(friction) {
+        for (effect, (value, standard_error)) in BASELINE[..2].iter().zip(friction) {
             let law = effect.law();
             // several steps may move one joint: the most certain word counts
             if let Some(earlier) =

@@ -7,12 +7,12 @@ use armident_model::{
 };
 
 use crate::design::compliant_link::mean_inertia;
-use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
+use armident_effects::{BASELINE, EffectOnJoint, Role, Scope, Turn, effect};
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
 use crate::design::candidate::{Candidate, CandidateKind};
-use crate::design::design::Design;
+use crate::design::training::Design;
 use crate::regression::consistent_links::{ConsistentEstimate, consistent_estimate};
 use crate::regression::fit_set::fit_set;
 use crate::regression::relinearise::moves;
@@ -119,7 +119,7 @@ pub(crate) fn fitted_model(
     // what the reference and the recordings after it together say of baseline terms
     let links = problem.link_error_prior.links;
     for (k, x) in change[10 * links..].iter().enumerate() {
-        let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
+        let (joint, law) = (k / BASELINE.len(), BASELINE[k % BASELINE.len()]);
         found.effects.push(EffectOnJoint::new(law.law().slug, &design.names[joint], vec![*x]));
     }
     found.base_tilt_rad = point.tilt;
@@ -128,7 +128,7 @@ pub(crate) fn fitted_model(
     let has_dry_friction = |name: &String| {
         found.effects.iter().any(|on| {
             let law = effect(&on.effect).map(|law| law.law());
-            on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
+            on.joint == *name && law.is_some_and(|law| law.roles.contains(&Role::Dry))
         })
     };
     let turns = design.names.iter().zip(point.turns);

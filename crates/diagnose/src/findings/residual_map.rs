@@ -12,8 +12,8 @@ use armident_recording::RecordingError;
 use serde::Serialize;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::ripple::wave_gain;
+use crate::design::training::Design;
 use armident_model::ArmModel;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.

@@ -3,7 +3,7 @@
 
 use crate::regression::folds::{SHORT_BLOCKS, all_errors, folds, folds_of, metrics};
 
-use armident_effects::EVERYDAY;
+use armident_effects::BASELINE;
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::linear_problem::LinearProblem;
@@ -339,7 +339,7 @@ fn with_baseline(problem: &LinearProblem, set: &[usize]) -> Vec<usize> {
         if described(candidate) {
             continue;
         }
-        let baseline = EVERYDAY.iter().any(|law| law.law().slug == candidate.slug());
+        let baseline = BASELINE.iter().any(|law| law.law().slug == candidate.slug());
         if baseline && all.iter().all(|o| *o != g && !candidates[*o].excludes(candidate)) {
             all.push(g);
         }

@@ -8,8 +8,8 @@ use armident_effects::SublinearViscousFriction;
 use armident_ident::student_t_975;
 
 use crate::design::candidate::{Candidate, CandidateKind};
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use crate::regression::folds::{LEFT_OUT_PER_RECORDING, fold_errors, time_blocks};
