@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
-    ("recording", &[]),
+    ("recording", &["numeric"]),
     ("motion", &["numeric", "recording"]),
     ("simulation", &["dynamics", "effects", "kinematics", "motion", "recording"]),
     (

@@ -41,6 +41,8 @@ mod demo;
 mod diagnose;
 /// models as URDF and MJCF, and what these formats cannot hold
 mod export;
+/// a log format of another crate
+mod extend_format;
 /// MCAP beside CSV
 mod formats;
 /// pages of results in a browser
