@@ -154,7 +154,7 @@ pub(super) fn write(recording: &Recording) -> Result<Encoded, RecordingError> {
         .and_then(|fields| Type::group_type_builder("schema").with_fields(fields).build())
         .map_err(fault)?;
     let mut bytes = Vec::new();
-    let mut write = || -> Result<(), ParquetError> {
+    let write = || -> Result<(), ParquetError> {
         let settings = Arc::new(WriterProperties::builder().build());
         let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), settings)?;
         let mut group = file.next_row_group()?;
