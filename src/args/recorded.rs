@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use armident_ident::Method;
 use clap::{Args, ValueEnum};
 
+use super::arm::recordings;
 use super::value::{PayloadArg, parse_payload, parse_positive};
 use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
@@ -72,8 +73,7 @@ the gains of the drives are found with them: their ratios from any motion, their
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV, MCAP, Parquet) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Recordings kept out of the fit, to judge it
     #[arg(long, num_args = 1.., value_name = "FILE")]
@@ -130,8 +130,7 @@ be told; wrong ones are warnings. Currents and voltages are taken where there ar
 pub(crate) struct CheckArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
@@ -160,8 +159,7 @@ it; what is named is material against the noise of the recordings. The hold-out 
 pub(crate) struct DiagnoseArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Recordings kept out of the fit, to prove it
     #[arg(long, num_args = 1.., value_name = "FILE")]
@@ -208,8 +206,7 @@ simulated arm through windows of half a second, before (URDF) and after (model).
 pub(crate) struct ValidateArgs {
     /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV, MCAP, Parquet) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]

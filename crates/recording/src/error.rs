@@ -160,10 +160,10 @@ pub enum Fault {
         /// The topics with their messages.
         topics: Vec<String>,
     },
-    /// The topic asked for has no joint states.
+    /// The selected topic has no joint states.
     #[error("topic `{topic}` has no sensor_msgs/JointState messages")]
     UnknownTopic {
-        /// The topic asked for.
+        /// The selected topic.
         topic: String,
         /// Topics that have.
         found: Vec<String>,

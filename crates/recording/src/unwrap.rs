@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_else_is_left_alone() {
+    fn other_channels_do_not_change() {
         let swing: Vec<f64> = (0..500).map(|k| 3.1 * (0.02 * f64::from(k)).sin()).collect();
         let turning: Vec<f64> = (0..500).map(|k| 0.1 * f64::from(k)).collect();
         let mut spike = swing.clone();

@@ -1,9 +1,10 @@
 //! Atomic replacement of files.
 //!
-//! Written here rather than by `tempfile::NamedTempFile::persist` 3.27, which was measured to need the
-//! same code around it: dropping a file object does not remove it when the handler of Ctrl-C calls
-//! `process::exit`, so the list of partial files stays; `persist` on a symbolic link replaces the
-//! link; the result has mode 0600 in the place of 0644; and nothing can be persisted over a device.
+//! Written here rather than by `tempfile` 3.27, whose `NamedTempFile::persist` was measured to need the
+//! same code around it: a file object is not dropped when the handler of Ctrl-C calls
+//! `process::exit`, so the list of partial files would stay; `persist` replaces a symbolic link instead
+//! of the file behind it, and renames into the folder of a device, so both cases would stay too; and
+//! files get mode 0600 instead of 0644 unless it is set.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};

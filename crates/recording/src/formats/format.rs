@@ -1,4 +1,4 @@
-//! What a file format has to answer, and what it is given.
+//! The trait of file formats and the types in it.
 
 use std::fmt;
 use std::fs::File;
@@ -16,23 +16,23 @@ const START_BYTES: u64 = 4096;
 pub(crate) const EXPORT_CSV: &str = "export it as comma-separated UTF-8 text: a column `t` in \
                                      seconds, then `<joint>/position` and so on";
 
-/// What this build does with a format.
+/// Support of a format in this build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
-    /// Reads it.
+    /// Read only.
     Read,
-    /// Reads and writes it.
+    /// Read and written.
     ReadWrite,
-    /// Recognises it; builds with this cargo feature read and write it.
+    /// Recognised; read and written by builds with this cargo feature.
     Feature(&'static str),
-    /// Recognises it; the text tells how to convert it.
+    /// Recognised only; the text is a hint on conversion.
     Convert(&'static str),
 }
 
 /// A file format of recordings.
 ///
-/// A format is one file in `formats/` and its line in [`ALL`](super::ALL), or a type of another
-/// crate that [`Formats::with`](super::Formats::with) adds.
+/// A format is one file in `formats/` and its line in [`ALL`](crate::STANDARD_FORMATS), or a type of another
+/// crate that [`Formats::with`](crate::Formats::with) adds.
 pub trait Format: fmt::Debug + Sync {
     /// Its name in messages: `MCAP`.
     fn name(&self) -> &'static str;
@@ -40,7 +40,7 @@ pub trait Format: fmt::Debug + Sync {
     /// File extensions without the dot, lower case, the usual one first.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// What this build does with it.
+    /// Support in this build.
     fn support(&self) -> Support;
 
     /// Whether a file that starts like this has the format, usually by its magic bytes.

@@ -116,19 +116,19 @@ impl Plan {
         let (patterns, exact): (Vec<usize>, Vec<usize>) =
             (0..rules.channels.len()).partition(|k| rules.channels[*k].is_pattern());
         for rule in exact {
-            let said = &rules.channels[rule];
-            let column = files.column(names, &said.column, Some(said.line))?;
+            let channel = &rules.channels[rule];
+            let column = files.column(names, &channel.column, Some(channel.line))?;
             is_taken[column] = true;
             // rules without placeholders always have a quantity
-            if let Some(quantity) = said.quantity {
-                claims.push(Claim { column, rule, joint: said.joint.clone(), quantity });
+            if let Some(quantity) = channel.quantity {
+                claims.push(Claim { column, rule, joint: channel.joint.clone(), quantity });
             }
         }
         for rule in patterns {
-            let said = &rules.channels[rule];
+            let channel = &rules.channels[rule];
             let before = claims.len();
             for (column, name) in names.iter().enumerate().filter(|(k, _)| !is_taken[*k]) {
-                if let Some((joint, quantity)) = said.matches(name) {
+                if let Some((joint, quantity)) = channel.matches(name) {
                     claims.push(Claim { column, rule, joint, quantity });
                 }
             }
@@ -137,18 +137,18 @@ impl Plan {
             }
             if claims.len() == before {
                 let what = format!("no column of {recording} matches");
-                let advice = suggestion(&said.column, names, "columns");
-                return Err(files.fault(Some(said.line), Some(&said.column), what, advice));
+                let advice = suggestion(&channel.column, names, "columns");
+                return Err(files.fault(Some(channel.line), Some(&channel.column), what, advice));
             }
         }
         claims.sort_by_key(|claim| claim.column);
-        for (rule, said) in rules.channels.iter().enumerate() {
+        for (rule, channel) in rules.channels.iter().enumerate() {
             let of_rule = claims.iter().filter(|claim| claim.rule == rule);
             let joints: Vec<&str> = of_rule.map(|claim| claim.joint.as_str()).collect();
-            if let Some((key, joint)) = unused_joint(said, &joints) {
+            if let Some((key, joint)) = unused_joint(channel, &joints) {
                 let what = format!("`{key}` names joint `{joint}`, which has no matching column");
                 let advice = suggestion(&joint, &joints, "its joints");
-                return Err(files.fault(Some(said.line), Some(&said.column), what, advice));
+                return Err(files.fault(Some(channel.line), Some(&channel.column), what, advice));
             }
         }
         for (k, claim) in claims.iter().enumerate() {

@@ -29,9 +29,9 @@ impl<'a> Reader<'a> {
         let reader = Self { text, source };
         let file = DeTable::parse(text).map_err(|error| {
             let place = error.span().unwrap_or(0..0);
-            let said = error.message().lines().next().unwrap_or_default().to_owned();
+            let reason = error.message().lines().next().unwrap_or_default().to_owned();
             let advice = "use the tables [time], [[channel]] and [[coupling]], see docs/mapping.md";
-            reader.fault(&place, format!("invalid TOML: {said}"), advice)
+            reader.fault(&place, format!("invalid TOML: {reason}"), advice)
         })?;
         let file = file.get_ref();
         reader.only(file, "the file", &["time", "channel", "coupling"])?;
