@@ -1,7 +1,7 @@
-//! How honest are the standard errors of Algorithm 2?
+//! Coverage of the standard errors of Algorithm 2.
 //!
 //! Simulates the planned experiments of the Stanford arm with white effort noise on exact motion for
-//! many seeds, identifies each, and prints how often the 95 % intervals hold the true value:
+//! many seeds, identifies each, and prints the coverage of the 95 % intervals:
 //!
 //! ```text
 //! cargo run --release --example coverage_algorithm2 -- 400 0.1 > docs/studies/algorithm2_coverage.md

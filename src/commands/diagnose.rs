@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_diagnose::{
-    Books, DiagnosedModel, Errors, Known, Seen, diagnose_change, diagnose_with_placebo,
-};
+use armident_diagnose::{Books, Errors, Known, diagnose_change, diagnose_with_placebo};
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_model::{DiagnosedModel, PreparedRecording};
 use armident_page::Role;
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
@@ -105,7 +104,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     drop(progress);
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
-            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
         })?;
         output::write_file(path, text.as_bytes())?;
     }
@@ -122,7 +121,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         }
         None => None,
     };
-    let errors = |of: &[Seen<'_>]| -> Result<Option<Errors>, Failure> {
+    let errors = |of: &[PreparedRecording<'_>]| -> Result<Option<Errors>, Failure> {
         Ok(if of.is_empty() { None } else { Some(diagnosis.errors(of)?) })
     };
     let fits = Fits { train: errors(&seen_train)?, holdout: errors(&seen_holdout)? };
@@ -160,15 +159,13 @@ fn used<'a>(
     std::iter::once(&args.robot).chain(recordings).chain(&args.reading.mapping)
 }
 
-/// A recording cannot be fitted and kept out of the fit.
+/// Rejects a recording that is in both the training and the hold-out set.
 fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
     match holdout.iter().find(|file| train.iter().any(|t| output::same_file(t, file))) {
         Some(file) => Err(Failure::new(
-            "a recording is given for the fit and for the hold-out",
+            "the same recording is used for training and hold-out",
             file.display(),
-            Some(
-                "keep a recording of another motion out of the fit: on its own data every model is good",
-            ),
+            Some("pass a recording of a different motion to --holdout"),
         )),
         None => Ok(()),
     }

@@ -1,34 +1,34 @@
 //! The diagnosis: findings, model, proof.
 
+use crate::checks::usable::{DiagnoseError, usable_signals};
 use std::collections::BTreeMap;
 
-use armident_ident::ArmModel;
 use armident_ident::validate::whiteness;
 use armident_kinematics::DrivingAxisChain;
+use armident_model::{ArmModel, DiagnosedModel, PreparedRecording};
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::atlas::{JointAtlas, atlas, character};
-use crate::bands::{NARROW_HZ, is_off_in};
-use crate::bending::with_bends;
-use crate::books::DriveGain;
-use crate::change::Known;
-use crate::constants::{ConstantEstimates, constants};
-use crate::crossval::{Predictor, predictor};
-use crate::evidence::Evidence;
-use crate::findings::{DoubtfulChange, Finding, claims};
-use crate::learn::{View, choose_outputs, learned, rigid_alone};
-use crate::material::joints_of_inertial_errors;
-use crate::model::DiagnosedModel;
-use crate::next_motion::{NextMotion, Rivals, next_motion};
-use crate::placebo::{Placebo, placebo};
-use crate::problem::Problem;
-use crate::search::Answer;
-use crate::seen::Seen;
-use crate::select::{Selection, select};
-use crate::whitened::WrongBody;
-use armident_motion::{BAND_HZ, Signals};
+use crate::checks::effort_columns::DriveGain;
+use crate::design::design::Evidence;
+use crate::design::known_effort::Known;
+use crate::design::linear_problem::Problem;
+use crate::findings::finding::{DoubtfulChange, Finding, claims};
+use crate::findings::fitted_model::{choose_outputs, learned, rigid_alone};
+use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
+use crate::findings::placebo::{Placebo, placebo};
+use crate::findings::residual_map::{JointAtlas, atlas, character};
+use crate::regression::elimination::WrongBody;
+use crate::regression::fit_set::Answer;
+use crate::selection::bandwidth_test::{NARROW_HZ, is_off_in};
+use crate::selection::cross_validation::{Predictor, predictor};
+use crate::selection::iterate::select;
+use crate::selection::materiality::joints_of_inertial_errors;
+use crate::selection::solution::{Selection, View};
+use crate::selection::sublinear::with_bends;
+use crate::uncertainty::minimal_constants::{ConstantEstimates, constants};
+use armident_motion::BAND_HZ;
 
 /// Root mean square errors of the raw recorded effort, by joint.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -79,27 +79,6 @@ pub struct Diagnosis {
     pub inertias_matter_on: Vec<String>,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
     pub atlas: Vec<JointAtlas>,
-}
-
-/// Why there is no diagnosis.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum DiagnoseError {
-    /// A recording cannot be used.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// No recording is long enough.
-    #[error("no recording is long enough")]
-    TooShort,
-    /// No joint moves.
-    #[error("no joint moves")]
-    NoMotion,
-    /// The effort of a joint that moves is one number.
-    #[error("the effort of {0} is the same number throughout although the joint moves")]
-    ConstantEffort(String),
-    /// The problem could not be solved.
-    #[error("the efforts cannot be compared with the model")]
-    Unsolvable,
 }
 
 /// Diagnoses the difference between a believed arm and recordings.
@@ -338,57 +317,23 @@ fn evidence_of<'a>(
     Ok(Evidence::new(chain, signals).beside(known.effects()))
 }
 
-/// The recordings on even grids, if they say something.
-pub(crate) fn usable_signals(
-    names: &[String],
-    recordings: &[Recording],
-    band_hz: f64,
-) -> Result<Vec<Signals>, DiagnoseError> {
-    let of_all = recordings.iter().map(Recording::len).sum();
-    let signals: Vec<Signals> = recordings
-        .iter()
-        .map(|r| Ok(Signals::below(r, names, band_hz)?.thinned(of_all)))
-        .collect::<Result<_, RecordingError>>()?;
-    if signals.iter().any(|s| s.band.kept.len() < 2) {
-        return Err(DiagnoseError::TooShort);
-    }
-    said_something(names, &signals)?;
-    Ok(signals)
-}
-
-/// Refuses recordings from which every answer would be invented: channels that say one number.
-fn said_something(names: &[String], signals: &[Signals]) -> Result<(), DiagnoseError> {
-    let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
-    if !(0..names.len()).any(moves) {
-        return Err(DiagnoseError::NoMotion);
-    }
-    for (j, name) in names.iter().enumerate() {
-        let recorded = signals.iter().any(|s| !s.effort[j].is_empty());
-        if recorded && moves(j) && signals.iter().all(|s| is_constant(&s.effort[j])) {
-            return Err(DiagnoseError::ConstantEffort(name.clone()));
-        }
-    }
-    Ok(())
-}
-
-fn is_constant(values: &[f64]) -> bool {
-    values.windows(2).all(|pair| pair[0] == pair[1])
-}
-
 impl Diagnosis {
     /// Recordings made ready for its models.
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub fn see<'a>(&self, recordings: &'a [Recording]) -> Result<Vec<Seen<'a>>, RecordingError> {
-        recordings.iter().map(|recording| Seen::of(recording, &self.joints)).collect()
+    pub fn see<'a>(
+        &self,
+        recordings: &'a [Recording],
+    ) -> Result<Vec<PreparedRecording<'a>>, RecordingError> {
+        recordings.iter().map(|recording| PreparedRecording::of(recording, &self.joints)).collect()
     }
 
     /// Errors on recordings, all samples together; without recordings nothing.
     ///
     /// # Errors
     /// None but those of a prediction.
-    pub fn errors(&self, recordings: &[Seen<'_>]) -> Result<Errors, RecordingError> {
+    pub fn errors(&self, recordings: &[PreparedRecording<'_>]) -> Result<Errors, RecordingError> {
         let of = |model| self.error_of(model, recordings);
         let (before, (rigid, after)) = rayon::join(
             || of(&self.believed),
@@ -403,7 +348,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// None but those of a prediction.
-    pub fn confirm(&mut self, kept_out: &[Seen<'_>]) -> Result<(), RecordingError> {
+    pub fn confirm(&mut self, kept_out: &[PreparedRecording<'_>]) -> Result<(), RecordingError> {
         let with = self.error_of(&self.model, kept_out)?;
         let judged = |(finding, without): (&Finding, &Option<DiagnosedModel>)| {
             let joint = &finding.evidence.joint;
@@ -468,10 +413,10 @@ impl Diagnosis {
     /// None but those of a prediction.
     pub fn whiteness(
         &self,
-        recordings: &[Seen<'_>],
+        recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut left: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
-        for Seen { signals, .. } in recordings {
+        for PreparedRecording { signals, .. } in recordings {
             let predicted = self.model.on_grid(signals)?;
             for (j, name) in self.joints.iter().enumerate() {
                 let recorded = &signals.effort[j];
@@ -492,13 +437,14 @@ impl Diagnosis {
     fn error_of(
         &self,
         model: &DiagnosedModel,
-        recordings: &[Seen<'_>],
+        recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
         for seen in recordings {
             let predicted = model.predict_seen(seen)?;
             for (name, predicted) in self.joints.iter().zip(&predicted) {
-                if let Some(recorded) = seen.recording.joint(name).and_then(|j| j.effort.as_ref()) {
+                if let Some(recorded) = seen.recording().joint(name).and_then(|j| j.effort.as_ref())
+                {
                     let (sum, samples) = squares.entry(name.clone()).or_default();
                     *sum +=
                         predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).sum::<f64>();

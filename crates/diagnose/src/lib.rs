@@ -11,7 +11,7 @@
 //! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
 //!
 //! ```
-//! use armident_ident::ArmModel;
+//! use armident_model::ArmModel;
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 //! use armident_recording::read_csv;
 //!
@@ -33,65 +33,30 @@
 //! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
 //! effort in these motions one is named; contacts push on the tip.
 
-mod alternatives;
-mod at;
-mod atlas;
-mod background;
-mod bands;
-mod bending;
-mod bodies;
-mod books;
-mod certain;
-mod chance;
 mod change;
-mod constants;
-mod contact;
-mod crossval;
+mod checks;
+mod design;
 mod diagnosis;
-mod evidence;
 mod findings;
-mod flexible;
-mod hidden;
-mod learn;
-mod learned;
+mod regression;
+mod request;
+mod selection;
 #[cfg(test)]
-mod made;
-mod material;
-mod misfit;
-mod model;
-mod next_motion;
-mod placebo;
-mod problem;
-mod real_links;
-mod refine;
-mod ripple;
-mod rows;
-mod scales;
-mod scatter;
-mod search;
-mod seen;
-mod select;
-mod shape_scatter;
-mod sprung;
-mod transmission;
-mod turning;
-mod whitened;
-mod without;
+mod test_arms;
+mod uncertainty;
 
-pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
-pub use bending::is_bend;
-pub use books::{Books, DriveGain, Heard};
-pub use change::{Known, diagnose_change};
-pub use constants::{ConstantEstimate, ConstantEstimates};
-pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
-pub use findings::{Alternative, DoubtfulChange, Finding, FindingEvidence, Value};
-pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
-pub use learned::{Learned, LearnedError};
-pub use model::DiagnosedModel;
-pub use next_motion::NextMotion;
-pub use placebo::Placebo;
-pub use seen::Seen;
-pub use transmission::{Transmission, TransmissionTerm};
+pub use findings::residual_map::{Bin, Character, JointAtlas, Regime, SymmetryTest};
+
+pub use change::diagnose_change;
+pub use checks::effort_columns::{Books, DriveGain};
+pub use checks::usable::DiagnoseError;
+pub use design::known_effort::Known;
+pub use diagnosis::{Diagnosis, Errors, diagnose, diagnose_with_placebo};
+pub use findings::finding::{Alternative, DoubtfulChange, Finding, FindingEvidence, Value};
+pub use findings::next_experiment::NextMotion;
+pub use findings::placebo::Placebo;
+pub use request::Heard;
+pub use uncertainty::minimal_constants::{ConstantEstimate, ConstantEstimates};
 
 /// Name of a finding for structure that no law of the library explains.
 pub const UNMODELLED: &str = "unmodelled";

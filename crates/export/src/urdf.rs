@@ -1,7 +1,7 @@
 //! URDF: the chain with its inertials, and `<dynamics>`.
 
-use armident_ident::ArmModel;
 use armident_kinematics::{InertialParameters, roll_pitch_yaw};
+use armident_model::ArmModel;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
@@ -75,7 +75,7 @@ fn joint(link: &Moved<'_>, parent: &str, held: &[Held], notes: &mut Vec<String>)
     limit = limit.numbers("effort", &[effort]).numbers("velocity", &[velocity]);
     if !made_up.is_empty() {
         notes.push(format!(
-            "joint `{}` has no {} limit: {NO_LIMIT:e} stands in its place",
+            "joint `{}` has no {} limit; using {NO_LIMIT:e}",
             link.joint,
             made_up.join(", ")
         ));

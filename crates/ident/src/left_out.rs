@@ -14,7 +14,8 @@ use armident_numeric::{AccumulatedQr, NumericError};
 use crate::batch::{BatchProblem, BatchSettings, LAWS, Term};
 use crate::bending::BendFound;
 use crate::coupling::{CouplingFound, rows_of};
-use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
+use crate::rows::JointRows;
+use armident_model::DEFAULT_SPEED_RESOLUTION;
 
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;

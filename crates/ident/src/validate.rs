@@ -12,8 +12,8 @@ use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationErr
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::model::ArmModel;
 use crate::rows::EDGE_PERIODS;
+use armident_model::ArmModel;
 
 /// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an
 /// unstable arm to stay near its recording.

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet};
+use armident_ident::{BatchProblem, BatchSettings, Method, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_model::ArmModel;
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::read_csv;
 

@@ -58,6 +58,7 @@ mod low_pass;
 mod motion;
 mod noise_spectrum;
 mod quality;
+mod recorded_velocity;
 mod signals;
 mod standstill;
 
@@ -77,5 +78,6 @@ pub use motion::{DerivativeSource, Motion, MotionSettings};
 pub use quality::{
     ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
 };
+pub use recorded_velocity::with_recorded_velocity;
 pub use signals::Signals;
 pub use standstill::{Kind, Series, Stop, continued, filter_between};

@@ -4,7 +4,8 @@
 //! The fields are described in `docs/json.md`.
 //!
 //! ```
-//! use armident_ident::{ArmModel, MinimalSet};
+//! use armident_model::ArmModel;
+//! use armident_ident::MinimalSet;
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 //!
 //! let robot = parse_urdf(include_str!("../../../urdf/stanford.urdf"), "stanford.urdf")?;

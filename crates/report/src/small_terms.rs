@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::{Diagnosis, is_bend};
+use armident_diagnose::Diagnosis;
 use armident_effects::effect;
 use armident_kinematics::DrivingAxisChain;
+use armident_model::is_bend;
 use serde::{Deserialize, Serialize};
 
 use crate::numbers::significant;

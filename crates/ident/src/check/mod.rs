@@ -36,8 +36,8 @@ pub use excitation::ConstantCheck;
 
 use crate::batch::BatchProblem;
 use crate::minimal_set::MinimalSet;
-use crate::model::ArmModel;
 use crate::unreported::unreported;
+use armident_model::ArmModel;
 
 /// Times the efforts are shifted before they are believed to be in their place.
 const ALIGNMENTS: usize = 2;

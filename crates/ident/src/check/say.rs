@@ -9,7 +9,7 @@ use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::delay::Delay;
 use super::excitation::{ConstantCheck, activity};
 use super::{Check, Topic, Verdict};
-use crate::model::ArmModel;
+use armident_model::ArmModel;
 
 /// Evidence (`2 ln` of a likelihood ratio) beyond which a delay is believed: a thousand to one, after
 /// one delay in a hundred recordings is expected.
