@@ -1,7 +1,7 @@
 //! Local cubic interpolation between sample times.
 
-/// Gaps up to this many median steps are interpolated by the cubic through the two samples on either
-/// side, longer ones linearly.
+/// Gaps up to this many median steps are interpolated by the cubic through the two samples on
+/// either side, longer ones linearly.
 pub const BRIDGED_STEPS: f64 = 10.0;
 
 /// Local cubic interpolation from one set of times to another: the polynomial of third degree

@@ -3,8 +3,8 @@
 //! # From a file to a recording
 //!
 //! [`read_recording`], with a [`Mapping`] for files with names and units of their own, gives a
-//! [`Recording`]: time stamps and joint channels, checked, with notes and [`Finding`]s on repairs and
-//! doubtful signals. [`read_csv`] and its siblings read CSV only.
+//! [`Recording`]: time stamps and joint channels, checked, with notes and [`Finding`]s on repairs
+//! and doubtful signals. [`read_csv`] and its siblings read CSV only.
 //!
 //! # Formats
 //!
@@ -21,9 +21,9 @@
 //! | `<joint>/temperature` | °C |
 //!
 //! MCAP, the recordings of ROS 2 (feature `mcap`): `sensor_msgs/JointState` of one topic. Parquet
-//! (feature `parquet`): the same columns as above. [`encode`] writes all three. Other formats (ROS 1
-//! bags, SQLite bags, MATLAB, NumPy) are recognised, and the error names a converter. A [`Format`]
-//! of another crate joins the list with [`Formats::with`].
+//! (feature `parquet`): the same columns as above. [`encode`] writes all three. Other formats (ROS
+//! 1 bags, SQLite bags, MATLAB, NumPy) are recognised, and the error names a converter. A
+//! [`Format`] of another crate joins the list with [`Formats::with`].
 //!
 //! Joint names may contain slashes. Other columns are ignored, with a note. Without a column `t`
 //! the names of PlotJuggler are understood: `__time` or `time`, then
@@ -32,8 +32,8 @@
 //! # Defects on reading
 //!
 //! Defects with a unique repair are repaired, noted and listed in [`Recording::findings`]; defects
-//! that would change the result are refused with a hint; others are kept and reported by the quality
-//! report of a motion.
+//! that would change the result are refused with a hint; others are kept and reported by the
+//! quality report of a motion.
 //!
 //! | defect | repaired | refused |
 //! |---|---|---|

@@ -20,8 +20,8 @@ pub enum Quantity {
     Current,
     /// Motor voltage, V.
     Voltage,
-    /// Position of the encoder on the motor side, divided by the gear ratio: equal to that of the joint
-    /// without elasticity and backlash, rad or m.
+    /// Position of the encoder on the motor side, divided by the gear ratio: equal to that of the
+    /// joint without elasticity and backlash, rad or m.
     MotorPosition,
     /// Temperature of motor or drive, °C.
     Temperature,

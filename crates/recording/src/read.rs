@@ -56,8 +56,8 @@ pub fn read_csv_mapped(
 /// A file of another format; a header without time stamps or without a joint column, or with a
 /// duplicate column; rows with another number of fields; fields that are not numbers; infinite
 /// values, and NaN beyond what is interpolated; stamps that decrease, are not in seconds or repeat
-/// in more than 1 % of the samples; fewer than 8 samples; positions that their velocities show to be
-/// in degrees or millimetres.
+/// in more than 1 % of the samples; fewer than 8 samples; positions that their velocities show to
+/// be in degrees or millimetres.
 pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, RecordingError> {
     csv(reader, source, &ReadSettings::default())
 }

@@ -74,8 +74,8 @@ impl Timing {
     }
 }
 
-/// Whether a few steps are twice the usual one: single missing samples. If they are many, the stamps
-/// are rounded to the step (800 Hz in whole milliseconds: 1, 1, 1, 2).
+/// Whether a few steps are twice the usual one: single missing samples. If they are many, the
+/// stamps are rounded to the step (800 Hz in whole milliseconds: 1, 1, 1, 2).
 fn loses_samples(steps: &[f64], median_step_s: f64) -> bool {
     const LOST: f64 = 1.5;
     const FEW: f64 = 0.1;
@@ -83,8 +83,8 @@ fn loses_samples(steps: &[f64], median_step_s: f64) -> bool {
     long > 0 && (long as f64) < FEW * steps.len() as f64
 }
 
-/// Whether all steps are equal. If stamps are rounded so coarsely that steps differ (120 Hz in whole
-/// milliseconds: 8, 8, 9), all stamps must lie on one line within their rounding.
+/// Whether all steps are equal. If stamps are rounded so coarsely that steps differ (120 Hz in
+/// whole milliseconds: 8, 8, 9), all stamps must lie on one line within their rounding.
 fn is_even(time_s: &[f64], steps: &[f64], mean_step_s: f64) -> bool {
     let rounding_s = rounding_s(time_s, mean_step_s);
     let tolerance_s = EVEN_TOLERANCE * mean_step_s;

@@ -11,8 +11,8 @@ const WINDOW: f64 = TAU + 0.02;
 /// Unwraps an angle that jumps by full turns; returns the samples after the jumps.
 ///
 /// Only channels that are wrapped throughout change: all values within one turn, every step either
-/// within 1 rad of a full turn or shorter than 1 rad. Lengths and speeds do so only if they jump from
-/// one end of a range of 2 π to the other.
+/// within 1 rad of a full turn or shorter than 1 rad. Lengths and speeds do so only if they jump
+/// from one end of a range of 2 π to the other.
 pub(crate) fn unwrap_turns(values: &mut [f64]) -> Vec<usize> {
     let largest = values.iter().copied().fold(f64::MIN, f64::max);
     let smallest = values.iter().copied().fold(f64::MAX, f64::min);

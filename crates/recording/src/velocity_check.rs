@@ -1,7 +1,7 @@
 //! Recorded velocity against differentiated position: detects wrong units, signs and delays.
 //!
-//! Over short windows, the change of the position is compared with the integral of the velocity. That
-//! needs neither a filter nor even stamps, and quantisation averages out.
+//! Over short windows, the change of the position is compared with the integral of the velocity.
+//! That needs neither a filter nor even stamps, and quantisation averages out.
 
 use rayon::prelude::*;
 
@@ -93,8 +93,8 @@ fn correlate(
     (is_conclusive && scale.is_finite() && correlation.is_finite()).then_some((scale, correlation))
 }
 
-/// Compares the two channels of a joint, given the median step of the stamps `step_s` \[s\]; none if
-/// the joint is at rest or the recording is short.
+/// Compares the two channels of a joint, given the median step of the stamps `step_s` \[s\]; none
+/// if the joint is at rest or the recording is short.
 pub(crate) fn compare(
     time_s: &[f64],
     step_s: f64,

@@ -1,10 +1,10 @@
 //! Atomic replacement of files.
 //!
-//! Written here rather than by `tempfile` 3.27, whose `NamedTempFile::persist` was measured to need the
-//! same code around it: a file object is not dropped when the handler of Ctrl-C calls
-//! `process::exit`, so the list of partial files would stay; `persist` replaces a symbolic link instead
-//! of the file behind it, and renames into the folder of a device, so both cases would stay too; and
-//! files get mode 0600 instead of 0644 unless it is set.
+//! Written here rather than by `tempfile` 3.27, whose `NamedTempFile::persist` was measured to need
+//! the same code around it: a file object is not dropped when the handler of Ctrl-C calls
+//! `process::exit`, so the list of partial files would stay; `persist` replaces a symbolic link
+//! instead of the file behind it, and renames into the folder of a device, so both cases would stay
+//! too; and files get mode 0600 instead of 0644 unless it is set.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -17,8 +17,8 @@ static PARTIAL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// Writes a file under a temporary name (`.part`) and then renames it, so that readers see the old
 /// file or the complete new one, and an interrupted program leaves no partial file.
 ///
-/// A symbolic link is kept: the file that it points to is replaced. Devices and pipes are written in
-/// place.
+/// A symbolic link is kept: the file that it points to is replaced. Devices and pipes are written
+/// in place.
 ///
 /// # Errors
 /// The file cannot be written, or `content` fails.

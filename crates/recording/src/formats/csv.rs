@@ -181,7 +181,8 @@ impl<'a> Table<'a> {
 
     /// Adds the rows of whole lines without quotes, on all processors; gives the number of lines.
     ///
-    /// Lines that hold anything but numbers are left to [`Self::push_all`], which knows what to say.
+    /// Lines that hold anything but numbers are left to [`Self::push_all`], which knows what to
+    /// say.
     fn push_block(&mut self, block: &[u8], lines_before: u64) -> Result<u64, RecordingError> {
         let pieces = pieces_of(block);
         let read: Vec<(u64, Option<Piece>)> = pieces

@@ -31,8 +31,8 @@ pub enum Support {
 
 /// A file format of recordings.
 ///
-/// A format is one file in `formats/` and its line in [`ALL`](crate::STANDARD_FORMATS), or a type of another
-/// crate that [`Formats::with`](crate::Formats::with) adds.
+/// A format is one file in `formats/` and its line in [`ALL`](crate::STANDARD_FORMATS), or a type
+/// of another crate that [`Formats::with`](crate::Formats::with) adds.
 pub trait Format: fmt::Debug + Sync {
     /// Its name in messages: `MCAP`.
     fn name(&self) -> &'static str;

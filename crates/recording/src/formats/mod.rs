@@ -73,8 +73,8 @@ impl<'a> Formats<'a> {
         self.read_by_some_build().flat_map(|format| format.extensions()).copied().collect()
     }
 
-    /// The format of a file that starts like this; CSV, which has no magic bytes, if no other format
-    /// recognises it.
+    /// The format of a file that starts like this; CSV, which has no magic bytes, if no other
+    /// format recognises it.
     pub fn recognise(&self, start: &FileStart<'_>) -> &'a dyn Format {
         self.other_than_csv(start).unwrap_or(&Csv)
     }

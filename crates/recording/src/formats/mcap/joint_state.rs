@@ -11,9 +11,9 @@
 //!   after their length, strings with a terminating zero. Source: OMG, DDS-XTypes 1.3, 7.4.
 //! * ROS 1, encoding `ros1`: little endian without alignment or zeros.
 //!
-//! Decoded here rather than by a crate: `re_cdr` 0.1 aligns 8-byte numbers to 8 bytes always, so that
-//! it reads the position 2.5 of the XCDR2 message in the tests below as 5e-315, and its serde reader
-//! reports no offset of an error.
+//! Decoded here rather than by a crate: `re_cdr` 0.1 aligns 8-byte numbers to 8 bytes always, so
+//! that it reads the position 2.5 of the XCDR2 message in the tests below as 5e-315, and its serde
+//! reader reports no offset of an error.
 
 use crate::quantity::Quantity;
 

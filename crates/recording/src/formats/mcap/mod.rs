@@ -1,7 +1,7 @@
 //! MCAP, the recordings of ROS 2: joint states of one topic (cargo feature `mcap`).
 //!
-//! Only `sensor_msgs/JointState` is read (ROS 2, and ROS 1 as `mcap convert` leaves it); other topics
-//! are listed in a note.
+//! Only `sensor_msgs/JointState` is read (ROS 2, and ROS 1 as `mcap convert` leaves it); other
+//! topics are listed in a note.
 
 #[cfg(feature = "mcap")]
 mod joint_state;

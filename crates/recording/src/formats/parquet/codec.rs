@@ -1,8 +1,8 @@
 //! Reads and writes flat columns of numbers.
 //!
 //! Columns are named as in CSV. Timestamps (pandas, Polars, DuckDB write them for clocks) become
-//! seconds from the whole second of the first, to a quarter of a microsecond; null values become NaN;
-//! columns without numbers are ignored.
+//! seconds from the whole second of the first, to a quarter of a microsecond; null values become
+//! NaN; columns without numbers are ignored.
 
 use std::fs::File;
 use std::sync::Arc;
