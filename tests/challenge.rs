@@ -47,7 +47,7 @@ fn memory_and_file_cases_are_equal() {
     assert_eq!(found["fit"]["holdout"], handed_in["fit"]["holdout"]);
 }
 
-/// The text says the sums, and which effect was named; without a terminal there is no progress bar.
+/// The text has the sums and the effects; without a terminal there is no progress bar.
 #[test]
 fn scoreboard_prints_all_groups() {
     let board = run(&CASE).fine();
@@ -71,10 +71,14 @@ fn scoreboard_prints_all_groups() {
         board.stdout
     );
     let said: Vec<&str> = board.stderr.lines().collect();
-    assert!(said.len() == 1 && said[0].starts_with("note: a diagnosis took "), "{}", board.stderr);
+    assert!(
+        said.len() == 1 && said[0].starts_with("note: diagnosis time on one thread: "),
+        "{}",
+        board.stderr
+    );
 }
 
-/// Nothing can be concealed in an arm without masses: that is no empty scoreboard.
+/// No effect can be hidden in an arm without masses: an error, not an empty scoreboard.
 #[test]
 fn arm_without_detectable_effects_is_an_error() {
     let mut urdf = std::fs::read_to_string("urdf/planar_2r.urdf").unwrap();
@@ -88,9 +92,9 @@ fn arm_without_detectable_effects_is_an_error() {
     assert_eq!((run.code, run.stdout.as_str()), (1, ""));
     let said = run.stderr.replace(text(&file), "massless.urdf");
     insta::assert_snapshot!(said, @r"
-    error: no case could be made: no arm that was tried shows the effects
+    error: no case could be generated: the effects are not detectable on any arm tried
        in: massless.urdf
-     hint: its links need masses and inertias (`armident params` says which have none); or ask for other effects
+     hint: give its links masses and inertias (`armident params` lists those without), or choose other effects
     ");
 }
 

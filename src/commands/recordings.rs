@@ -23,7 +23,7 @@ pub(crate) fn encoded(
     let Encoded { bytes, omitted } = encode(recording, path)?;
     if !omitted.is_empty() {
         let omitted = omitted.join(", ");
-        let note = format!("{}: the format does not support {omitted}, omitted", path.display());
+        let note = format!("{}: the format cannot hold {omitted}; omitted", path.display());
         output::say_all(output, "note", &[note]);
     }
     Ok(bytes)

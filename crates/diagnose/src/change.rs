@@ -33,7 +33,7 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     let mut all = change;
     let mut effects = before.arm.effects.clone();
     for change in all.arm.effects {
-        // the everyday terms of a joint, seen again with the recordings after
+        // the baseline terms of a joint, seen again with the recordings after
         let same = |e: &&mut EffectOnJoint| {
             EVERYDAY.iter().any(|law| law.law().slug == e.effect)
                 && e.effect == change.effect

@@ -3,7 +3,7 @@
 //! [`diagnose`] compares recorded efforts with those of a believed arm in a band of 10 Hz, in units of the
 //! noise of the recordings themselves. It looks for the smallest set of laws of the effects library which,
 //! beside errors of all links, explains the difference. A law is named when the effort that it alone
-//! explains is material against the noise of a recorded sample, and when it lowers the error of stretches
+//! explains is material against the noise of a recorded sample, and when it lowers the error of blocks
 //! of the recordings to which it was not fitted. What remains and depends on some column, but on no law of the
 //! library, is described without a name ([`UNMODELLED`]).
 //!

@@ -1,4 +1,4 @@
-//! A diagnosis whose input checks are in doubt: what physics explains is no fault.
+//! A diagnosis whose input checks are in inconclusive: what physics explains is no fault.
 
 use crate::checks::effort_columns::Books;
 use crate::checks::usable::DiagnoseError;
@@ -14,7 +14,7 @@ const MOST_BELIEVED: f64 = 0.2;
 pub type Heard = Result<Diagnosis, DiagnoseError>;
 
 impl Books {
-    /// Diagnoses recordings, and a reference of theirs, whose columns are in doubt: what physics explains is
+    /// Diagnoses recordings, and a reference of theirs, whose columns are in inconclusive: what physics explains is
     /// taken back, and joints whose columns are wrong are left out of a second run, for what is wrong with one
     /// column says nothing against the other joints. `run` is given the recordings and the reference; nothing
     /// comes back where the columns leave nothing to say of physics.

@@ -6,8 +6,8 @@ use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_u
 use armident_recording::{JointChannels, Recording};
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use armident_model::{OperatingPoint, PosedRecording};
 use armident_motion::{BAND_HZ, Signals};
 
@@ -19,12 +19,12 @@ pub(crate) fn ur5() -> DrivingAxisChain {
 
 /// What a believed arm has to say of another one that swings: its rigid efforts, noise, and what is added on each joint
 /// as a function of its velocity.
-pub(crate) fn evidence<'a>(
+pub(crate) fn design<'a>(
     believed: &'a DrivingAxisChain,
     other: &DrivingAxisChain,
     added: impl Fn(usize, f64) -> f64,
-) -> Evidence<'a> {
-    Evidence::new(believed, vec![swung(other, 0.1, |j, v| added(j, v[j]))])
+) -> Design<'a> {
+    Design::new(believed, vec![swung(other, 0.1, |j, v| added(j, v[j]))])
 }
 
 /// An arm that swings for 30 s at 200 Hz: its rigid efforts, noise of so much \[N m\] from end to end, and what is added
@@ -76,9 +76,9 @@ pub(crate) const RUBBING_JOINT: usize = 1;
 pub(crate) const STRIBECK: [f64; 3] = [9.0, 4.0, 0.15];
 
 /// An arm with Stribeck friction on a joint, beside viscous friction \[N m s/rad\].
-pub(crate) fn rubbing(chain: &DrivingAxisChain, viscous: f64) -> Evidence<'_> {
+pub(crate) fn rubbing(chain: &DrivingAxisChain, viscous: f64) -> Design<'_> {
     let [highest, sliding, speed] = STRIBECK;
-    evidence(chain, chain, |j, v| match j {
+    design(chain, chain, |j, v| match j {
         RUBBING_JOINT => {
             let more = (highest - sliding) * (-(v / speed).powi(2)).exp();
             v.signum() * (sliding + more) + viscous * v
@@ -89,11 +89,11 @@ pub(crate) fn rubbing(chain: &DrivingAxisChain, viscous: f64) -> Evidence<'_> {
 
 /// Stribeck friction on that joint, falling at this speed \[rad/s\].
 pub(crate) fn stribeck(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     speed: f64,
 ) -> usize {
     let law = effect("stribeck_friction").unwrap();
-    evidence.push_joint_law(problem, at, law, RUBBING_JOINT, &[speed]).unwrap()
+    design.push_joint_law(problem, at, law, RUBBING_JOINT, &[speed]).unwrap()
 }

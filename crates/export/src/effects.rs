@@ -47,8 +47,8 @@ pub(crate) fn sorted(
                 });
                 continue;
             }
-            (Some(_), [_]) => "negative value, not accepted by simulators",
-            _ => "not supported",
+            (Some(_), [_]) => "it is negative, which simulators refuse",
+            _ => "the format has no place for it",
         };
         // what is not there is not lost
         if on_joint.parameters.iter().any(|p| *p != 0.0) {

@@ -45,7 +45,7 @@ impl Transmission {
         most_turns: usize,
         near: Option<&Load>,
     ) -> Result<(Vec<Vec<f64>>, Option<Load>), RecordingError> {
-        let (link, load) = self.hidden_link_in(at, joint, most_turns, near)?;
+        let (link, load) = self.link_side_motion_in(at, joint, most_turns, near)?;
         let (arm, rigid) = at.of_other_links();
         let link = link.each_ref().map(Vec::as_slice);
         let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
@@ -58,15 +58,15 @@ impl Transmission {
     }
 
     /// Position, velocity and acceleration of the link at every sample.
-    pub fn hidden_link(
+    pub fn link_side_motion(
         &self,
         at: &PosedRecording<'_>,
         joint: usize,
     ) -> Result<[Vec<f64>; 3], RecordingError> {
-        Ok(self.hidden_link_in(at, joint, MOST_TURNS, None)?.0)
+        Ok(self.link_side_motion_in(at, joint, MOST_TURNS, None)?.0)
     }
 
-    fn hidden_link_in(
+    fn link_side_motion_in(
         &self,
         at: &PosedRecording<'_>,
         joint: usize,
@@ -376,7 +376,7 @@ mod tests {
         let rate = std::f64::consts::TAU * 4.0;
         let (stiffness, damping) = (inertia * rate * rate, 0.04 * inertia * rate);
         let spring = Transmission { gap: 0.0, stiffness, damping };
-        let [q, v, a] = spring.hidden_link(&at, JOINT).unwrap();
+        let [q, v, a] = spring.link_side_motion(&at, JOINT).unwrap();
         let motor = Motor::of(&signals, JOINT, 0.0).unwrap();
         let arm = at.of_other_links().0;
         let needed = at.motion().with_joint(arm, JOINT, [&q, &v, &a]).effort_on(arm, JOINT);

@@ -27,7 +27,7 @@ pub struct DriveGain {
     pub determined: bool,
 }
 
-/// A probability that leaves no doubt.
+/// A probability that leaves no inconclusive.
 const SURE: f64 = 0.99;
 /// Share of the believed effort that must be gravity for a gain to be told from an inertia.
 const GRAVITY_SHARE: f64 = 0.5;

@@ -6,9 +6,9 @@ use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, symmetric_eigen};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::design::candidate::Site;
-use crate::design::design::{Evidence, push_law};
-use crate::design::linear_problem::Problem;
+use crate::design::candidate::Location;
+use crate::design::design::{Design, push_law};
+use crate::design::linear_problem::LinearProblem;
 
 /// Root mean square effort of a direction, as a share of the noise, below which motions do not show it.
 const LEAST_SHOWN: f64 = 0.05;
@@ -35,14 +35,14 @@ fn loads_near(place_m: &Vector3<f64>) -> Vec<[f64; 10]> {
     std::iter::once(load(*place_m)).chain((0..3).map(moved)).collect()
 }
 
-impl Evidence<'_> {
+impl Design<'_> {
     /// One wrong link each and a load on the last one, and of what changed also loads on the others.
-    pub(crate) fn push_links(&self, problem: &mut Problem) {
+    pub(crate) fn push_links(&self, problem: &mut LinearProblem) {
         for link in 0..self.joints() {
             self.push_link(problem, link, &any_errors());
         }
         let weighed = self.push_payload(problem);
-        if self.rows.changed_from > 0 {
+        if self.observations.comparison.seeks_change() {
             let arm = RigidArm::from_chain(self.chain);
             let loaded = self.joints() - usize::from(weighed);
             for (link, body) in arm.links.iter().enumerate().take(loaded) {
@@ -53,10 +53,10 @@ impl Evidence<'_> {
 
     /// A load: mass and first moment of the last link; its own inertia is small beside them. Says whether these motions
     /// weigh it.
-    fn push_payload(&self, problem: &mut Problem) -> bool {
+    fn push_payload(&self, problem: &mut LinearProblem) -> bool {
         let Some(law) = effect("payload") else { return false };
         let last = self.joints() - 1;
-        let rows = problem.rows.effective();
+        let rows = problem.observations.effective();
         let (columns, not_shown): (Vec<usize>, Vec<usize>) = (10 * last..10 * last + 4)
             .partition(|&k| problem.product(k, k) > LEAST_SHOWN * LEAST_SHOWN * rows);
         if columns.first() != Some(&(10 * last)) {
@@ -68,22 +68,22 @@ impl Evidence<'_> {
             .collect();
         let errors = any_errors();
         let hidden = not_shown.iter().map(|k| errors[k - 10 * last].to_vec()).collect();
-        let columns = if self.rows.changed_from == 0 {
+        let columns = if !self.observations.comparison.seeks_change() {
             columns
         } else {
             columns.iter().map(|&k| self.push_changed(problem, k)).collect()
         };
-        let site = Site { joints: vec![last], window: None };
-        let group = push_law(problem, law, site, &[], columns, 0);
-        problem.groups[group].transform = Some(transform);
-        problem.groups[group].hidden = hidden;
+        let location = Location { joints: vec![last], window: None };
+        let candidate = push_law(problem, law, location, &[], columns, 0);
+        problem.candidates[candidate].transform = Some(transform);
+        problem.candidates[candidate].hidden = hidden;
         true
     }
 
     /// A link that is off by some of these errors: by the combinations of them that these motions show.
-    fn push_link(&self, problem: &mut Problem, link: usize, errors: &[[f64; 10]]) {
+    fn push_link(&self, problem: &mut LinearProblem, link: usize, errors: &[[f64; 10]]) {
         let Some(law) = effect("link_inertia_error") else { return };
-        let rows = problem.rows.effective();
+        let rows = problem.observations.effective();
         let product = |i: usize, j: usize| -> f64 {
             let across = |p: usize| -> f64 {
                 let products = (0..10).map(|q| problem.product(10 * link + p, 10 * link + q));
@@ -112,28 +112,28 @@ impl Evidence<'_> {
                 if (0..10).all(|p| problem.columns[10 * link + p][j].is_empty()) {
                     continue;
                 }
-                let mut sum = vec![0.0; self.rows.len()];
+                let mut sum = vec![0.0; self.observations.len()];
                 for (p, x) in direction.iter().enumerate() {
                     for (s, c) in sum.iter_mut().zip(&problem.columns[10 * link + p][j]) {
                         *s += x * c;
                     }
                 }
-                self.rows.fill_before_laws(&mut sum);
+                self.observations.fill_before_laws(&mut sum);
                 *block = sum;
             }
             ids.push(problem.push_columns(vec![blocks]));
         }
-        let site = Site { joints: vec![link], window: None };
-        let group = push_law(problem, law, site, &[], ids, 0);
-        problem.groups[group].transform = Some(transform);
-        problem.groups[group].hidden = hidden.into_iter().map(direction).collect();
+        let location = Location { joints: vec![link], window: None };
+        let candidate = push_law(problem, law, location, &[], ids, 0);
+        problem.candidates[candidate].transform = Some(transform);
+        problem.candidates[candidate].hidden = hidden.into_iter().map(direction).collect();
     }
 
     /// Adds a column that is another one from the change on.
-    fn push_changed(&self, problem: &mut Problem, column: usize) -> usize {
+    fn push_changed(&self, problem: &mut LinearProblem, column: usize) -> usize {
         let mut blocks = problem.columns[column].clone();
         for block in blocks.iter_mut().filter(|b| !b.is_empty()) {
-            self.rows.fill_before_laws(block);
+            self.observations.fill_before_laws(block);
         }
         problem.push_columns(vec![blocks])
     }

@@ -2,29 +2,29 @@
 
 use armident_effects::{Place, Scope, effect};
 use armident_model::SmoothBasis;
-/// Where a group acts.
+/// Where a candidate acts.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Site {
+pub(crate) struct Location {
     /// joints, base to tip; empty for the whole arm
     pub(crate) joints: Vec<usize>,
     /// recording, and window in its time
     pub(crate) window: Option<(usize, [f64; 2])>,
 }
 
-/// What a group stands for.
+/// What a candidate stands for.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Meaning {
+pub(crate) enum CandidateKind {
     /// A law of the library.
     Law(&'static str),
     /// A flexible description on these variables.
     SmoothDirections(crate::design::candidate::SmoothDirections),
 }
 
-/// A law at a site with a shape: the columns that it adds.
+/// A law at a location with a shape: the columns that it adds.
 #[derive(Debug, Clone)]
-pub(crate) struct Group {
-    pub(crate) meaning: Meaning,
-    pub(crate) site: Site,
+pub(crate) struct Candidate {
+    pub(crate) kind: CandidateKind,
+    pub(crate) location: Location,
     pub(crate) shape: Vec<f64>,
     /// ids of columns
     pub(crate) columns: Vec<usize>,
@@ -42,11 +42,11 @@ pub(crate) struct Group {
     pub(crate) is_of_size_one: bool,
 }
 
-impl Group {
+impl Candidate {
     pub(crate) fn slug(&self) -> &'static str {
-        match &self.meaning {
-            Meaning::Law(slug) => slug,
-            Meaning::SmoothDirections(_) => crate::UNMODELLED,
+        match &self.kind {
+            CandidateKind::Law(slug) => slug,
+            CandidateKind::SmoothDirections(_) => crate::UNMODELLED,
         }
     }
 
@@ -56,9 +56,9 @@ impl Group {
             && effect(self.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint)
     }
 
-    /// Adds what coefficients of the group change of the links' standard parameters, `10` a link.
+    /// Adds what coefficients of the candidate change of the links' standard parameters, `10` a link.
     pub(crate) fn add_to_links(&self, coefficients: &[f64], change: &mut [f64]) {
-        let (Some(transform), Some(link)) = (&self.transform, self.site.joints.first()) else {
+        let (Some(transform), Some(link)) = (&self.transform, self.location.joints.first()) else {
             return;
         };
         for (direction, c) in transform.iter().zip(coefficients) {
@@ -70,17 +70,17 @@ impl Group {
 
     /// Whether it is a load on a link or an error of one, at all times.
     pub(crate) fn is_of_link(&self) -> bool {
-        self.site.window.is_none() && self.places.contains(&Place::Link)
+        self.location.window.is_none() && self.places.contains(&Place::Link)
     }
 
     /// Whether the two exclude each other.
     pub(crate) fn excludes(&self, other: &Self) -> bool {
-        let same_site = match (&self.site.window, &other.site.window) {
+        let same_location = match (&self.location.window, &other.location.window) {
             (Some(a), Some(b)) => a.0 == b.0,
-            (None, None) => self.site.joints == other.site.joints,
+            (None, None) => self.location.joints == other.location.joints,
             _ => false,
         };
-        same_site && self.places.iter().any(|p| other.places.contains(p))
+        same_location && self.places.iter().any(|p| other.places.contains(p))
     }
 }
 

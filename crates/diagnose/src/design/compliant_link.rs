@@ -76,7 +76,7 @@ impl CompliantLink {
         /// Steps of the differences \[rad or m, with seconds\].
         const STEPS: [f64; 3] = [1e-4, 1e-4, 1e-2];
         let joint = spring.joint;
-        let link = spring.transmission.hidden_link(at, joint)?;
+        let link = spring.transmission.link_side_motion(at, joint)?;
         let arm = at.of_other_links().0;
         let motion = at.motion();
         let load = at.load(joint).moved(&motion, arm, joint, &link[0], &link[1]);
@@ -240,7 +240,7 @@ pub(crate) fn mean_inertia(at: &[Posed<'_>], joint: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::design::Evidence;
+    use crate::design::design::Design;
     use crate::regression::relinearise::Step;
     use crate::regression::relinearise::stride;
     use crate::selection::iterate::select;
@@ -352,14 +352,14 @@ mod tests {
         let accelerated = recorded.effort[JOINT].iter_mut().zip(&moved.acceleration[JOINT]);
         accelerated.for_each(|(e, a)| *e += MOTOR_INERTIA * a);
 
-        let mut owner = Evidence::new(&believed, vec![recorded]);
-        let found = select(&mut owner).unwrap();
-        let groups = || found.answer.set.iter().map(|g| &found.problem.groups[*g]);
-        let elastic = groups().find(|g| g.slug() == "joint_elasticity").unwrap();
-        assert_eq!(elastic.site.joints, [JOINT]);
+        let design = Design::new(&believed, vec![recorded]);
+        let (_, found) = select(&design).unwrap();
+        let candidates = || found.estimate.set.iter().map(|g| &found.problem.candidates[*g]);
+        let elastic = candidates().find(|g| g.slug() == "joint_elasticity").unwrap();
+        assert_eq!(elastic.location.joints, [JOINT]);
         let off = elastic.shape[0] / stiffness - 1.0;
         assert!(off.abs() < 0.01, "{off}");
-        let [size, motor_inertia] = found.answer.fit.of_group(elastic)[..] else { panic!() };
+        let [size, motor_inertia] = found.estimate.fit.of_candidate(elastic)[..] else { panic!() };
         assert!(size == 1.0, "{size}");
         assert!((motor_inertia / MOTOR_INERTIA - 1.0).abs() < 0.05, "{motor_inertia}");
     }

@@ -3,10 +3,10 @@
 use armident_effects::{ExternalContact, Place};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::design::candidate::{Group, Meaning, Site};
+use crate::design::candidate::{Candidate, CandidateKind, Location};
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 
 /// Shortest and longest window \[s\], and the grid of its ends.
 const SHORTEST_S: f64 = 0.32;
@@ -27,34 +27,32 @@ pub(crate) struct ContactColumns {
 }
 
 impl ContactColumns {
-    pub(crate) fn new(evidence: &Evidence<'_>, at: &[Posed<'_>]) -> Self {
+    pub(crate) fn new(design: &Design<'_>, at: &[Posed<'_>]) -> Self {
         let samples: Vec<Vec<Vec<Vec<f64>>>> = at
             .iter()
-            .map(|at| at.recorded_arm_columns(&ExternalContact, 0, evidence.chain))
+            .map(|at| at.recorded_arm_columns(&ExternalContact, 0, design.chain))
             .collect();
         let rows = (0..3)
             .map(|axis| {
                 let pieces: Vec<Vec<Vec<f64>>> = samples.iter().map(|s| s[axis].clone()).collect();
-                evidence.arm_blocks(&pieces)
+                design.arm_blocks(&pieces)
             })
             .collect();
         Self { samples, rows }
     }
 
     /// The best window of each recording: `(gain, recording, [from, to])`.
-    fn windows(
-        &self,
-        evidence: &Evidence<'_>,
-        residual: &[Vec<f64>],
-    ) -> Vec<(f64, usize, [f64; 2])> {
+    fn windows(&self, design: &Design<'_>, residual: &[Vec<f64>]) -> Vec<(f64, usize, [f64; 2])> {
         let mut best = Vec::new();
-        for (r, signals) in evidence.signals.iter().enumerate().skip(evidence.rows.changed_from) {
-            let (first, end) = (evidence.rows.starts[r], evidence.rows.starts[r + 1]);
+        for (r, signals) in
+            design.signals.iter().enumerate().skip(design.observations.comparison.first_judged())
+        {
+            let (first, end) = (design.observations.starts[r], design.observations.starts[r + 1]);
             let mut products = vec![Matrix3::<f64>::zeros()];
             let mut moments = vec![Vector3::<f64>::zeros()];
             for k in first..end {
                 let (mut product, mut moment) = (products[k - first], moments[k - first]);
-                for j in 0..evidence.joints() {
+                for j in 0..design.joints() {
                     let at = |axis: usize| self.rows[axis][j].get(k).copied().unwrap_or(0.0);
                     let force = Vector3::new(at(0), at(1), at(2));
                     product += force * force.transpose();
@@ -90,11 +88,11 @@ impl ContactColumns {
         best
     }
 
-    /// Adds a group for a window; gives its id.
+    /// Adds a candidate for a window; gives its id.
     pub(crate) fn push(
         &self,
-        evidence: &Evidence<'_>,
-        problem: &mut Problem,
+        design: &Design<'_>,
+        problem: &mut LinearProblem,
         recording: usize,
         window: [f64; 2],
     ) -> usize {
@@ -105,7 +103,7 @@ impl ContactColumns {
                     .iter()
                     .enumerate()
                     .map(|(r, samples)| {
-                        let time = &evidence.signals[r].time_s;
+                        let time = &design.signals[r].time_s;
                         let inside =
                             |t: f64| if r == recording { trapezoid(t, window) } else { 0.0 };
                         samples[axis]
@@ -114,12 +112,12 @@ impl ContactColumns {
                             .collect()
                     })
                     .collect();
-                problem.push_columns(vec![evidence.arm_blocks(&pieces)])
+                problem.push_columns(vec![design.arm_blocks(&pieces)])
             })
             .collect();
-        problem.groups.push(Group {
-            meaning: Meaning::Law("external_contact"),
-            site: Site { joints: Vec::new(), window: Some((recording, window)) },
+        problem.candidates.push(Candidate {
+            kind: CandidateKind::Law("external_contact"),
+            location: Location { joints: Vec::new(), window: Some((recording, window)) },
             shape: window.to_vec(),
             columns,
             searched: 2,
@@ -129,27 +127,27 @@ impl ContactColumns {
             above_band: 1.0,
             is_of_size_one: false,
         });
-        problem.groups.len() - 1
+        problem.candidates.len() - 1
     }
 
-    /// Adds a group for the best window of each recording that is not there yet; gives their ids.
+    /// Adds a candidate for the best window of each recording that is not there yet; gives their ids.
     pub(crate) fn offer(
         &self,
-        evidence: &Evidence<'_>,
-        problem: &mut Problem,
+        design: &Design<'_>,
+        problem: &mut LinearProblem,
         residual: &[Vec<f64>],
     ) -> Vec<usize> {
         let mut offered = Vec::new();
-        for (_, recording, window) in self.windows(evidence, residual) {
+        for (_, recording, window) in self.windows(design, residual) {
             let close = |a: [f64; 2]| {
                 (a[0] - window[0]).abs() < GRID_S && (a[1] - window[1]).abs() < GRID_S
             };
             let known = problem
-                .groups
+                .candidates
                 .iter()
-                .any(|g| g.site.window.is_some_and(|(r, w)| r == recording && close(w)));
+                .any(|g| g.location.window.is_some_and(|(r, w)| r == recording && close(w)));
             if !known {
-                offered.push(self.push(evidence, problem, recording, window));
+                offered.push(self.push(design, problem, recording, window));
             }
         }
         offered

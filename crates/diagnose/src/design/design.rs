@@ -1,5 +1,6 @@
 //! From recordings and the believed arm to the linear problem, about an operating point.
 
+use crate::design::observations::{JointColumns, Observations, Weights};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -10,11 +11,10 @@ use armident_effects::{
 use armident_kinematics::DrivingAxisChain;
 use rayon::prelude::*;
 
-use crate::design::candidate::{Group, Meaning, Site};
+use crate::design::candidate::{Candidate, CandidateKind, Location};
 use crate::design::compliant_link::{CompliantLink, Posed};
-use crate::design::linear_problem::Problem;
+use crate::design::linear_problem::LinearProblem;
 use crate::design::link_error_prior::{as_large_as, inertial_error_directions};
-use crate::design::observations::{Blocks, Rows};
 use armident_model::OperatingPoint;
 use armident_motion::Signals;
 
@@ -24,24 +24,24 @@ const USUAL: f64 = 0.99;
 const FASTER: f64 = 1.2;
 
 /// Training recordings and the arm they are compared with.
-pub(crate) struct Evidence<'a> {
+pub(crate) struct Design<'a> {
     pub(crate) chain: &'a DrivingAxisChain,
     pub(crate) names: Vec<String>,
     pub(crate) signals: Arc<[Signals]>,
-    pub(crate) rows: Rows,
+    pub(crate) observations: Observations,
     /// size of each joint's motion
     pub(crate) scale: Vec<MotionScale>,
     /// effects that were taken out of the recordings
     pub(crate) known: &'a [EffectOnJoint],
 }
 
-impl<'a> Evidence<'a> {
+impl<'a> Design<'a> {
     pub(crate) fn new(chain: &'a DrivingAxisChain, signals: Vec<Signals>) -> Self {
         let arm = RigidArm::from_chain(chain);
         let n = arm.dof();
         let inertia: Vec<Vec<Vec<f64>>> =
             signals.iter().map(|s| inertia_root_mean_square(&arm, s)).collect();
-        let rows = Rows::new(&signals, &inertia);
+        let observations = Observations::new(&signals, &inertia);
         let longest = signals.iter().map(|s| s.time_s[s.len() - 1]).fold(0.0, f64::max);
         let scale = (0..n)
             .map(|j| {
@@ -61,7 +61,7 @@ impl<'a> Evidence<'a> {
             })
             .collect();
         let names = chain.joints.iter().map(|j| j.name.clone()).collect();
-        Self { chain, names, signals: signals.into(), rows, scale, known: &[] }
+        Self { chain, names, signals: signals.into(), observations, scale, known: &[] }
     }
 
     /// The same of recordings from which these effects were taken.
@@ -70,12 +70,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// The same with laws that act in all recordings, also in those before a change.
-    pub(crate) fn acting_throughout(&self) -> Evidence<'_> {
-        Evidence {
+    pub(crate) fn acting_throughout(&self) -> Design<'_> {
+        Design {
             chain: self.chain,
             names: self.names.clone(),
             signals: Arc::clone(&self.signals),
-            rows: self.rows.with_laws_throughout(),
+            observations: self.observations.with_laws_throughout(),
             scale: self.scale.clone(),
             known: self.known,
         }
@@ -89,31 +89,43 @@ impl<'a> Evidence<'a> {
     pub(crate) fn at(&self, point: &OperatingPoint) -> Vec<Posed<'_>> {
         let arm = RigidArm::from_chain(self.chain);
         let none = OperatingPoint::of(self.joints());
-        let point_of = |r: usize| if r < self.rows.changed_from { &none } else { point };
+        let point_of =
+            |r: usize| if r < self.observations.comparison.first_judged() { &none } else { point };
         let signals = self.signals.par_iter().enumerate();
         signals.map(|(r, s)| Posed::new(self.chain, &arm, s, point_of(r))).collect()
     }
 
-    /// Only what changed from this recording on is sought; the recordings before it show the arm as it was,
-    /// and hold its links and everyday friction.
+    /// The same with other weights.
+    pub(crate) fn weighted(&self, weights: Weights) -> Self {
+        Self {
+            names: self.names.clone(),
+            signals: Arc::clone(&self.signals),
+            observations: self.observations.weighted(weights),
+            scale: self.scale.clone(),
+            ..*self
+        }
+    }
+
+    /// The same compared with those of its recordings before `from`, which show the arm as it was, and hold its links
+    /// and baseline friction.
     ///
-    /// Gives back, for each joint that moves faster now than then, how fast it was before: what its friction
-    /// is beyond, the reference does not say, so that these rows are left out.
-    pub(crate) fn seek_change(&mut self, first: usize) -> BTreeMap<String, f64> {
-        self.rows.changed_from = first;
-        self.rows.laws_from = first;
+    /// Gives back as well, for each joint that moves faster now than then, how fast it was before: what its friction
+    /// is beyond, the reference does not say, so that these rows are excluded.
+    pub(crate) fn against_reference(self, from: usize) -> (Self, BTreeMap<String, f64>) {
+        let mut design = Self { observations: self.observations.against_reference(from), ..self };
         let mut exceeded = BTreeMap::new();
-        for joint in 0..self.joints() {
-            let Some(fastest) = self.usual_speed(joint, first) else { continue };
+        for joint in 0..design.joints() {
+            let Some(fastest) = design.usual_speed(joint, from) else { continue };
             let faster = |v: &f64| v.abs() > FASTER * fastest;
-            let left_out = self.rows.leave_out(&self.signals, joint, |s| {
+            let (weights, excluded) = design.observations.excluding(&design.signals, joint, |s| {
                 s.velocity[joint].iter().map(faster).collect()
             });
-            if left_out > 0 {
-                exceeded.insert(self.names[joint].clone(), fastest);
+            design.observations.weights = weights;
+            if excluded > 0 {
+                exceeded.insert(design.names[joint].clone(), fastest);
             }
         }
-        exceeded
+        (design, exceeded)
     }
 
     /// Speed that a joint hardly exceeds in the first recordings; none where it has no effort in them.
@@ -125,82 +137,90 @@ impl<'a> Evidence<'a> {
         speeds.get((USUAL * speeds.len() as f64) as usize).copied()
     }
 
-    /// Blocks of an arm column given for each recording as `[joint][sample]`.
-    pub(crate) fn arm_blocks(&self, by_recording: &[Vec<Vec<f64>>]) -> Blocks {
+    /// JointColumns of an arm column given for each recording as `[joint][sample]`.
+    pub(crate) fn arm_blocks(&self, by_recording: &[Vec<Vec<f64>>]) -> JointColumns {
         (0..self.joints())
             .map(|j| {
                 if by_recording.iter().all(|c| c[j].iter().all(|x| *x == 0.0)) {
                     return Vec::new();
                 }
-                self.rows.form_law(&self.signals, j, by_recording.iter().map(|c| c[j].as_slice()))
+                self.observations.form_law(
+                    &self.signals,
+                    j,
+                    by_recording.iter().map(|c| c[j].as_slice()),
+                )
             })
             .collect()
     }
 
-    /// Blocks of a column on one joint.
-    pub(crate) fn joint_blocks(&self, joint: usize, by_recording: &[Vec<f64>]) -> Blocks {
+    /// JointColumns of a column on one joint.
+    pub(crate) fn joint_blocks(&self, joint: usize, by_recording: &[Vec<f64>]) -> JointColumns {
         let mut blocks = vec![Vec::new(); self.joints()];
-        blocks[joint] =
-            self.rows.form_law(&self.signals, joint, by_recording.iter().map(Vec::as_slice));
+        blocks[joint] = self.observations.form_law(
+            &self.signals,
+            joint,
+            by_recording.iter().map(Vec::as_slice),
+        );
         blocks
     }
 
-    /// The problem with all groups that need no search of their own.
-    pub(crate) fn problem(&self, point: &OperatingPoint) -> Problem {
+    /// The problem with all candidates that need no search of their own.
+    pub(crate) fn problem(&self, point: &OperatingPoint) -> LinearProblem {
         self.problem_at(&self.at(point))
     }
 
     /// The same of recordings at an operating point.
-    pub(crate) fn problem_at(&self, at: &[Posed<'_>]) -> Problem {
+    pub(crate) fn problem_at(&self, at: &[Posed<'_>]) -> LinearProblem {
         self.problem_with(at, |_| true)
     }
 
     /// The same without the laws of joints whose constants are tried: most columns are theirs.
-    pub(crate) fn problem_without_trials(&self, point: &OperatingPoint) -> Problem {
+    pub(crate) fn problem_without_trials(&self, point: &OperatingPoint) -> LinearProblem {
         self.problem_with(&self.at(point), <[f64]>::is_empty)
     }
 
     /// The same with the laws of the whole arm and of links alone, of recordings at an operating point.
-    pub(crate) fn problem_of_arm(&self, at: &[Posed<'_>]) -> Problem {
+    pub(crate) fn problem_of_arm(&self, at: &[Posed<'_>]) -> LinearProblem {
         self.problem_with(at, |_| false)
     }
 
-    fn problem_with(&self, at: &[Posed<'_>], shapes: impl Fn(&[f64]) -> bool) -> Problem {
+    fn problem_with(&self, at: &[Posed<'_>], shapes: impl Fn(&[f64]) -> bool) -> LinearProblem {
         let n = self.joints();
         let efforts: Vec<Vec<Vec<f64>>> = at.iter().map(|at| at.effort_or_rigid()).collect();
-        let effort: Blocks = (0..n)
+        let effort: JointColumns = (0..n)
             .map(|j| {
                 let difference = at.iter().zip(&efforts).map(|(at, effort)| {
                     at.answered(j).iter().zip(&effort[j]).map(|(r, e)| e - r).collect()
                 });
                 let difference: Vec<Vec<f64>> = difference.collect();
-                self.rows.form(&self.signals, j, difference.iter().map(Vec::as_slice))
+                self.observations.form(&self.signals, j, difference.iter().map(Vec::as_slice))
             })
             .collect();
         let mut rigid = self.rigid_columns(at);
         let arm = RigidArm::from_chain(self.chain);
-        let mut background = inertial_error_directions(&arm.links);
-        if self.rows.changed_from > 0 {
-            let (columns, deviations) = self.everyday_columns(at, &effort);
+        let mut link_error_prior = inertial_error_directions(&arm.links);
+        if self.observations.comparison.seeks_change() {
+            let (columns, deviations) = self.baseline_columns(at, &effort);
             rigid.extend(columns);
-            background.extend(&deviations);
+            link_error_prior.extend(&deviations);
         }
-        let mut problem = Problem::new(self.rows.clone(), effort, rigid, background);
+        let mut problem =
+            LinearProblem::new(self.observations.clone(), effort, rigid, link_error_prior);
         for (known, name) in problem.known.iter_mut().zip(&self.names) {
             known.extend(self.known.iter().filter(|effect| effect.joint == *name).cloned());
         }
         let of_scope = |scope: Scope, sites: usize| -> Vec<(&dyn Effect, usize, Vec<f64>)> {
             let laws = move || LIBRARY.iter().filter(move |law| law.law().scope == scope);
-            let at_site = |j: usize| {
+            let at_location = |j: usize| {
                 laws().flat_map(move |law| {
                     law.shapes(&self.scale[j]).into_iter().map(move |shape| (*law, j, shape))
                 })
             };
-            (0..sites).flat_map(at_site).filter(|(_, _, shape)| shapes(shape)).collect()
+            (0..sites).flat_map(at_location).filter(|(_, _, shape)| shapes(shape)).collect()
         };
-        // columns are dear to form and independent; groups are numbered in order
+        // columns are dear to form and independent; candidates are numbered in order
         let of_joints = of_scope(Scope::Joint, n);
-        let columns: Vec<Vec<Blocks>> = of_joints
+        let columns: Vec<Vec<JointColumns>> = of_joints
             .par_iter()
             .map(|(law, j, shape)| self.joint_law_columns(at, *law, *j, shape))
             .collect();
@@ -218,7 +238,11 @@ impl<'a> Evidence<'a> {
     /// The terms of a plain identification on every joint, the same before and after a change, and a
     /// deviation of their coefficients that leaves them free: such that a column is as large as what is
     /// to be explained on its joint.
-    fn everyday_columns(&self, at: &[Posed<'_>], effort: &Blocks) -> (Vec<Blocks>, Vec<f64>) {
+    fn baseline_columns(
+        &self,
+        at: &[Posed<'_>],
+        effort: &JointColumns,
+    ) -> (Vec<JointColumns>, Vec<f64>) {
         let (mut columns, mut deviations) = (Vec::new(), Vec::new());
         for j in 0..self.joints() {
             for law in EVERYDAY {
@@ -229,7 +253,8 @@ impl<'a> Evidence<'a> {
                     })
                     .collect();
                 let mut blocks = vec![Vec::new(); self.joints()];
-                blocks[j] = self.rows.form(&self.signals, j, pieces.iter().map(Vec::as_slice));
+                blocks[j] =
+                    self.observations.form(&self.signals, j, pieces.iter().map(Vec::as_slice));
                 deviations.push(as_large_as(effort, &blocks));
                 columns.push(blocks);
             }
@@ -238,7 +263,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The `10 n` columns of the standard parameters.
-    fn rigid_columns(&self, at: &[Posed<'_>]) -> Vec<Blocks> {
+    fn rigid_columns(&self, at: &[Posed<'_>]) -> Vec<JointColumns> {
         let n = self.joints();
         let standard = ParameterColumns::standard(n);
         let yielding: Vec<Vec<(&CompliantLink, _)>> = at
@@ -270,12 +295,12 @@ impl<'a> Evidence<'a> {
             let formed = parameters.iter().enumerate().filter_map(|(k, &parameter)| {
                 let pieces = by_recording.iter().map(|c| c[k].as_slice());
                 let any = pieces.clone().flatten().any(|x| *x != 0.0);
-                any.then(|| (parameter, self.rows.form(&self.signals, row, pieces)))
+                any.then(|| (parameter, self.observations.form(&self.signals, row, pieces)))
             });
             formed.collect()
         };
         let by_row: Vec<Vec<(usize, Vec<f64>)>> = (0..n).into_par_iter().map(of_row).collect();
-        let mut columns: Vec<Blocks> = vec![vec![Vec::new(); n]; 10 * n];
+        let mut columns: Vec<JointColumns> = vec![vec![Vec::new(); n]; 10 * n];
         for (row, formed) in by_row.into_iter().enumerate() {
             for (parameter, block) in formed {
                 columns[parameter][row] = block;
@@ -284,10 +309,10 @@ impl<'a> Evidence<'a> {
         columns
     }
 
-    /// Adds a law on one joint; columns that are there already are shared. Gives the group's id.
+    /// Adds a law on one joint; columns that are there already are shared. Gives the candidate's id.
     pub(crate) fn push_joint_law(
         &self,
-        problem: &mut Problem,
+        problem: &mut LinearProblem,
         at: &[Posed<'_>],
         law: &dyn Effect,
         joint: usize,
@@ -303,7 +328,7 @@ impl<'a> Evidence<'a> {
         law: &dyn Effect,
         joint: usize,
         shape: &[f64],
-    ) -> Vec<Blocks> {
+    ) -> Vec<JointColumns> {
         let by_recording: Vec<Vec<Vec<f64>>> =
             at.iter().map(|at| law.columns(shape, &at.joint_seen_by(law, joint))).collect();
         let count = by_recording.first().map_or(0, Vec::len);
@@ -317,23 +342,23 @@ impl<'a> Evidence<'a> {
 
     fn push_joint_columns(
         &self,
-        problem: &mut Problem,
+        problem: &mut LinearProblem,
         law: &dyn Effect,
         joint: usize,
         shape: &[f64],
-        columns: Vec<Blocks>,
+        columns: Vec<JointColumns>,
     ) -> Option<usize> {
         if columns.is_empty() {
             return None;
         }
         let ids = columns.into_iter().map(|blocks| self.share_or_push(problem, blocks)).collect();
-        let site = Site { joints: vec![joint], window: None };
-        Some(push_law(problem, law, site, shape, ids, shape.len()))
+        let location = Location { joints: vec![joint], window: None };
+        Some(push_law(problem, law, location, shape, ids, shape.len()))
     }
 
     pub(crate) fn push_pair_law(
         &self,
-        problem: &mut Problem,
+        problem: &mut LinearProblem,
         at: &[Posed<'_>],
         law: &dyn Effect,
         first: usize,
@@ -354,15 +379,16 @@ impl<'a> Evidence<'a> {
             let mut blocks = vec![Vec::new(); self.joints()];
             for side in 0..2 {
                 let pieces = by_recording.iter().map(|c| c[k][side].as_slice());
-                blocks[first + side] = self.rows.form_law(&self.signals, first + side, pieces);
+                blocks[first + side] =
+                    self.observations.form_law(&self.signals, first + side, pieces);
             }
             ids.push(self.share_or_push(problem, blocks));
         }
-        let site = Site { joints: vec![first, first + 1], window: None };
-        push_law(problem, law, site, shape, ids, shape.len())
+        let location = Location { joints: vec![first, first + 1], window: None };
+        push_law(problem, law, location, shape, ids, shape.len())
     }
 
-    fn share_or_push(&self, problem: &mut Problem, blocks: Blocks) -> usize {
+    fn share_or_push(&self, problem: &mut LinearProblem, blocks: JointColumns) -> usize {
         match problem.find_column(&blocks, problem.rigid) {
             Some(known) => known,
             None => problem.push_columns(vec![blocks]),
@@ -370,7 +396,12 @@ impl<'a> Evidence<'a> {
     }
 
     /// Encoders, transmissions to first order, gravity and the clock.
-    fn push_arm_laws(&self, problem: &mut Problem, at: &[Posed<'_>], efforts: &[Vec<Vec<f64>>]) {
+    fn push_arm_laws(
+        &self,
+        problem: &mut LinearProblem,
+        at: &[Posed<'_>],
+        efforts: &[Vec<Vec<f64>>],
+    ) {
         for law in LIBRARY {
             let joints = match law.law().scope {
                 Scope::ThroughJoint => self.joints(),
@@ -400,9 +431,9 @@ impl<'a> Evidence<'a> {
                         by_recording.iter().map(|c| c[k].clone()).collect();
                     ids.push(problem.push_columns(vec![self.arm_blocks(&pieces)]));
                 }
-                let mut site = Site::default();
+                let mut location = Location::default();
                 if law.law().scope == Scope::ThroughJoint {
-                    site.joints = vec![j];
+                    location.joints = vec![j];
                 }
                 // a transmission brings the inertia of its motor with it
                 let relative = law.law().contains.first().and_then(|slug| effect(slug));
@@ -414,24 +445,24 @@ impl<'a> Evidence<'a> {
                         .collect();
                     ids.push(self.share_or_push(problem, self.joint_blocks(j, &columns)));
                 }
-                push_law(problem, *law, site, &[], ids, searched);
+                push_law(problem, *law, location, &[], ids, searched);
             }
         }
     }
 }
 
-/// Adds a law's group, and gives its id.
+/// Adds a law's candidate, and gives its id.
 pub(crate) fn push_law(
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     law: &dyn Effect,
-    site: Site,
+    location: Location,
     shape: &[f64],
     columns: Vec<usize>,
     searched: usize,
 ) -> usize {
-    problem.groups.push(Group {
-        meaning: Meaning::Law(law.law().slug),
-        site,
+    problem.candidates.push(Candidate {
+        kind: CandidateKind::Law(law.law().slug),
+        location,
         shape: shape.to_vec(),
         columns,
         searched,
@@ -441,7 +472,7 @@ pub(crate) fn push_law(
         above_band: 1.0,
         is_of_size_one: false,
     });
-    problem.groups.len() - 1
+    problem.candidates.len() - 1
 }
 
 /// Root mean square of every entry of the inertia matrix over some instants of a recording.

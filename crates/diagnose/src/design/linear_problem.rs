@@ -1,66 +1,66 @@
-//! The weighted linear problem: columns, their products, and the groups of columns that are laws.
+//! The weighted linear problem: columns, their products, and the candidates of columns that are laws.
 
-use crate::design::candidate::Group;
-use crate::design::link_error_prior::Background;
+use crate::design::candidate::Candidate;
+use crate::design::link_error_prior::LinkErrorPrior;
 use std::sync::OnceLock;
 
 use armident_effects::EffectOnJoint;
 use armident_numeric::{dot, products_of_columns};
 use rayon::prelude::*;
 
-use crate::design::observations::{Blocks, Rows};
+use crate::design::observations::{JointColumns, Observations};
 
 /// From so many new columns on their products come from one product of matrices, which has to copy all
 /// columns first.
 const FEWEST_AS_MATRIX: usize = 8;
 
-/// Columns and their products; the first `rigid` columns are the standard parameters, and the everyday
+/// Columns and their products; the first `rigid` columns are the standard parameters, and the baseline
 /// terms of every joint where a change is sought.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem {
-    pub(crate) rows: Rows,
-    pub(crate) columns: Vec<Blocks>,
+pub(crate) struct LinearProblem {
+    pub(crate) observations: Observations,
+    pub(crate) columns: Vec<JointColumns>,
     pub(crate) rigid: usize,
     /// lower triangle, row by row
     pub(crate) gram: Vec<Vec<f64>>,
     pub(crate) rhs: Vec<f64>,
-    pub(crate) effort: Blocks,
+    pub(crate) effort: JointColumns,
     pub(crate) square: f64,
-    pub(crate) background: Background,
+    pub(crate) link_error_prior: LinkErrorPrior,
     /// products of its directions in the efforts, `W'W` at size 1: formed when first asked for
     pub(crate) of_directions: OnceLock<Vec<Vec<f64>>>,
-    pub(crate) groups: Vec<Group>,
+    pub(crate) candidates: Vec<Candidate>,
     /// `[joint]`: effects that were taken out of the recordings; what is found may be less of them
     pub(crate) known: Vec<Vec<EffectOnJoint>>,
 }
 
-impl Problem {
+impl LinearProblem {
     pub(crate) fn new(
-        rows: Rows,
-        effort: Blocks,
-        rigid: Vec<Blocks>,
-        background: Background,
+        observations: Observations,
+        effort: JointColumns,
+        rigid: Vec<JointColumns>,
+        link_error_prior: LinkErrorPrior,
     ) -> Self {
         let square = effort.iter().flatten().map(|x| x * x).sum();
         let mut problem = Self {
-            known: vec![Vec::new(); rows.joints()],
-            rows,
+            known: vec![Vec::new(); observations.joints()],
+            observations,
             columns: Vec::new(),
             rigid: rigid.len(),
             gram: Vec::new(),
             rhs: Vec::new(),
             effort,
             square,
-            background,
+            link_error_prior,
             of_directions: OnceLock::new(),
-            groups: Vec::new(),
+            candidates: Vec::new(),
         };
         problem.push_columns(rigid);
         problem
     }
 
     /// Adds columns, and gives the id of the first.
-    pub(crate) fn push_columns(&mut self, new: Vec<Blocks>) -> usize {
+    pub(crate) fn push_columns(&mut self, new: Vec<JointColumns>) -> usize {
         let first = self.columns.len();
         self.columns.extend(new);
         let total = self.columns.len();
@@ -89,7 +89,8 @@ impl Problem {
             };
             (present, rhs, products)
         };
-        let by_joint: Vec<_> = (0..self.rows.joints()).into_par_iter().map(of_joint).collect();
+        let by_joint: Vec<_> =
+            (0..self.observations.joints()).into_par_iter().map(of_joint).collect();
         for (present, rhs, products) in by_joint {
             let fresh = &present[present.len() - rhs.len()..];
             for ((&k, rhs), products) in fresh.iter().zip(rhs).zip(products) {
@@ -103,7 +104,7 @@ impl Problem {
     }
 
     /// The column with these rows, if there is one already among those from `from` on.
-    pub(crate) fn find_column(&self, blocks: &Blocks, from: usize) -> Option<usize> {
+    pub(crate) fn find_column(&self, blocks: &JointColumns, from: usize) -> Option<usize> {
         (from..self.columns.len()).find(|&k| self.columns[k] == *blocks)
     }
 
@@ -128,48 +129,48 @@ impl Problem {
         problem
     }
 
-    /// How many groups and columns there are, for [`Self::back_to`].
+    /// How many candidates and columns there are, for [`Self::back_to`].
     pub(crate) fn mark(&self) -> Mark {
-        Mark { groups: self.groups.len(), columns: self.columns.len() }
+        Mark { candidates: self.candidates.len(), columns: self.columns.len() }
     }
 
-    /// Forgets the groups and columns that came after a mark.
+    /// Forgets the candidates and columns that came after a mark.
     pub(crate) fn back_to(&mut self, mark: Mark) {
-        self.groups.truncate(mark.groups);
+        self.candidates.truncate(mark.candidates);
         self.columns.truncate(mark.columns);
         self.gram.truncate(mark.columns);
         self.rhs.truncate(mark.columns);
     }
 
-    /// The problem with the columns of some groups only, and the ids of these groups there.
+    /// The problem with the columns of some candidates only, and the ids of these candidates there.
     pub(crate) fn restricted(&self, set: &[usize]) -> (Self, Vec<usize>) {
         let mut kept: Vec<usize> = (0..self.rigid).collect();
-        let mut groups = Vec::new();
+        let mut candidates = Vec::new();
         for &g in set {
-            let mut group = self.groups[g].clone();
-            for column in &mut group.columns {
+            let mut candidate = self.candidates[g].clone();
+            for column in &mut candidate.columns {
                 let place = kept.iter().position(|k| k == column).unwrap_or_else(|| {
                     kept.push(*column);
                     kept.len() - 1
                 });
                 *column = place;
             }
-            groups.push(group);
+            candidates.push(candidate);
         }
         let gram = (0..kept.len())
             .map(|k| (0..=k).map(|l| self.product(kept[k], kept[l])).collect())
             .collect();
         let problem = Self {
-            rows: self.rows.clone(),
+            observations: self.observations.clone(),
             columns: kept.iter().map(|k| self.columns[*k].clone()).collect(),
             rigid: self.rigid,
             gram,
             rhs: kept.iter().map(|k| self.rhs[*k]).collect(),
             effort: self.effort.clone(),
             square: self.square,
-            background: self.background.clone(),
+            link_error_prior: self.link_error_prior.clone(),
             of_directions: self.of_directions.clone(),
-            groups,
+            candidates,
             known: self.known.clone(),
         };
         let ids = (0..set.len()).collect();
@@ -178,25 +179,29 @@ impl Problem {
 
     /// The problem of some of its rows. The sizes in `rows` stay those of the whole.
     pub(crate) fn of_rows(&self, kept: impl Fn(usize) -> bool) -> Self {
-        let cut = |blocks: &Blocks| -> Blocks {
+        let cut = |blocks: &JointColumns| -> JointColumns {
             let of = |block: &Vec<f64>| {
                 block.iter().enumerate().filter(|(row, _)| kept(*row)).map(|(_, x)| *x).collect()
             };
             blocks.iter().map(of).collect()
         };
         let columns = self.columns.iter().map(cut).collect();
-        let mut problem =
-            Self::new(self.rows.clone(), cut(&self.effort), columns, self.background.clone());
+        let mut problem = Self::new(
+            self.observations.clone(),
+            cut(&self.effort),
+            columns,
+            self.link_error_prior.clone(),
+        );
         problem.rigid = self.rigid;
-        problem.groups.clone_from(&self.groups);
+        problem.candidates.clone_from(&self.candidates);
         problem.known.clone_from(&self.known);
         problem
     }
 }
 
-/// How many groups and columns a problem had.
+/// How many candidates and columns a problem had.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mark {
-    groups: usize,
+    candidates: usize,
     pub(crate) columns: usize,
 }

@@ -3,7 +3,7 @@
 use armident_kinematics::InertialParameters;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::design::observations::Blocks;
+use crate::design::observations::JointColumns;
 
 /// Size of an error of the centre of mass beside its own distance \[m\].
 const COM_SIZE_M: f64 = 0.03;
@@ -13,7 +13,7 @@ const STEP: f64 = 1e-6;
 
 /// Eleven directions a link, each an error of relative size 1: the mass with all that goes with it,
 /// the centre of mass along each axis, the size of the inertia, its six entries.
-pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Background {
+pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> LinkErrorPrior {
     let mut directions = Vec::new();
     for (k, link) in links.iter().enumerate() {
         let (mass, com, inertia) = (link.mass_kg, link.com_m(), link.inertia_com_kgm2());
@@ -42,12 +42,12 @@ pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> Backgro
             push(InertialParameters::from_com(mass, com, inertia + change), STEP);
         }
     }
-    Background { directions, links: links.len(), free: 0 }
+    LinkErrorPrior { directions, links: links.len(), free: 0 }
 }
 
 /// A deviation that leaves the coefficient of a column free: such that the column is as large as what is to be explained
 /// on its joints.
-pub(crate) fn as_large_as(effort: &Blocks, column: &Blocks) -> f64 {
+pub(crate) fn as_large_as(effort: &JointColumns, column: &JointColumns) -> f64 {
     let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
     let there = || effort.iter().zip(column).filter(|(_, c)| !c.is_empty());
     let efforts: f64 = there().map(|(e, _)| square(e)).sum();
@@ -55,7 +55,7 @@ pub(crate) fn as_large_as(effort: &Blocks, column: &Blocks) -> f64 {
     (efforts / columns.max(f64::MIN_POSITIVE)).sqrt()
 }
 
-impl Background {
+impl LinkErrorPrior {
     /// With further columns whose coefficients have these deviations, whatever the inertial errors.
     pub(crate) fn extend(&mut self, deviations: &[f64]) {
         let before = self.directions.first().map_or(0, Vec::len);
@@ -74,7 +74,7 @@ impl Background {
 
 /// Inertial errors of all links as noise: `W = Y D`, coefficients of deviation `s`.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Background {
+pub(crate) struct LinkErrorPrior {
     /// `D`, `[direction][standard parameter]`
     pub(crate) directions: Vec<Vec<f64>>,
     pub(crate) links: usize,

@@ -2,6 +2,7 @@
 
 pub(crate) mod bodies;
 pub(crate) mod candidate;
+pub(crate) mod comparison;
 pub(crate) mod compliant_link;
 pub(crate) mod contact;
 pub(crate) mod design;

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use armident_motion::Signals;
 
+use crate::design::comparison::Comparison;
+
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
 const STUCK_WEIGHT: f64 = 0.15;
 /// Share of a row's kernel over stuck samples (or others that are not what they should be) from which on the
@@ -11,7 +13,7 @@ const STUCK_WEIGHT: f64 = 0.15;
 const STUCK_SHARE: f64 = 0.12;
 
 /// A quantity on all joints, in weighted rows; empty where it is zero.
-pub(crate) type Blocks = Vec<Vec<f64>>;
+pub(crate) type JointColumns = Vec<Vec<f64>>;
 
 /// Which rows of a recording count as these samples do.
 fn touched(signals: &Signals, samples: &[bool]) -> impl Iterator<Item = bool> {
@@ -19,36 +21,48 @@ fn touched(signals: &Signals, samples: &[bool]) -> impl Iterator<Item = bool> {
     signals.band.rows(&samples).into_iter().map(|share| share > STUCK_SHARE)
 }
 
+/// Weights of the rows: each iteration of the selection makes a value of its own.
+#[derive(Debug, Clone)]
+pub(crate) struct Weights {
+    /// `[joint][row]`: one over the noise in the band, less where the joint sticks; 0 without effort
+    by_row: JointColumns,
+    /// independent samples per row
+    pub(crate) share: f64,
+    /// `[joint]`, 1 or more: by what the weights of what is judged are smaller for the model discrepancy
+    pub(crate) discrepancy: Vec<f64>,
+    /// the same before a change
+    pub(crate) discrepancy_before: Vec<f64>,
+    /// `[joint]`: weight of the rows in which it sticks
+    pub(crate) stuck: Vec<f64>,
+}
+
+impl Weights {
+    /// The same with so many independent samples per row.
+    pub(crate) fn with_share(self, share: f64) -> Self {
+        Self { share, ..self }
+    }
+}
+
 /// The rows of every joint: recordings one after the other.
 #[derive(Debug, Clone)]
-pub(crate) struct Rows {
-    /// `[joint][row]`: one over the noise in the band, less where the joint sticks; 0 without effort
-    weight: Blocks,
+pub(crate) struct Observations {
     /// `[joint][row]`: noise in the band \[N m or N\]
-    pub(crate) deviation: Blocks,
+    pub(crate) deviation: JointColumns,
     /// `[joint]`: noise of one recorded sample \[N m or N\]
     pub(crate) sample_deviation: Vec<f64>,
     /// first row of each recording, and the number of rows
     pub(crate) starts: Vec<usize>,
-    /// independent samples per row
-    pub(crate) share: f64,
     /// rows per second of the first recording
     pub(crate) rows_hz: f64,
     /// `[joint][row]`
     pub(crate) stuck: Vec<Vec<bool>>,
-    /// first recording that is judged: those before it show the arm as it was
-    pub(crate) changed_from: usize,
-    /// first recording in which laws act: that one, or the first of all where they may have acted before
-    pub(crate) laws_from: usize,
-    /// `[joint]`, 1 or more: by what the weights of what is judged are smaller for the imperfection of the model
-    pub(crate) misfit: Vec<f64>,
-    /// the same before a change
-    pub(crate) misfit_before: Vec<f64>,
-    /// `[joint]`: weight of the rows in which it sticks
-    pub(crate) stuck_weight: Vec<f64>,
+    pub(crate) comparison: Comparison,
+    /// first recording in which laws act: the first judged, or the first of all where they may have acted before
+    laws_from: usize,
+    pub(crate) weights: Weights,
 }
 
-impl Rows {
+impl Observations {
     /// `inertia`: `[recording][joint i][joint j]`, root mean square of the inertia matrix: through it
     /// the noise of differentiated encoders comes into the efforts.
     pub(crate) fn new(signals: &[Signals], inertia: &[Vec<Vec<f64>>]) -> Self {
@@ -57,20 +71,23 @@ impl Rows {
         for s in signals {
             starts.push(starts[starts.len() - 1] + s.band.kept.len());
         }
+        let weights = Weights {
+            by_row: vec![Vec::new(); joints],
+            share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
+                / signals.len() as f64,
+            discrepancy: vec![1.0; joints],
+            discrepancy_before: vec![1.0; joints],
+            stuck: vec![STUCK_WEIGHT; joints],
+        };
         let mut rows = Self {
-            weight: vec![Vec::new(); joints],
             deviation: vec![Vec::new(); joints],
             sample_deviation: vec![0.0; joints],
             stuck: vec![Vec::new(); joints],
-            misfit: vec![1.0; joints],
-            misfit_before: vec![1.0; joints],
-            stuck_weight: vec![STUCK_WEIGHT; joints],
-            share: signals.iter().map(|s| s.band.independent_share()).sum::<f64>()
-                / signals.len() as f64,
             rows_hz: signals[0].band.rows_hz,
             starts,
-            changed_from: 0,
+            comparison: Comparison::AgainstModel,
             laws_from: 0,
+            weights,
         };
         for j in 0..joints {
             let mut squares = 0.0;
@@ -83,7 +100,7 @@ impl Rows {
                 for stuck in touched(s, &s.stuck[j]) {
                     let weight = if stuck { STUCK_WEIGHT } else { 1.0 };
                     let known = !s.effort[j].is_empty() && deviation > 0.0;
-                    rows.weight[j].push(if known { weight / deviation } else { 0.0 });
+                    rows.weights.by_row[j].push(if known { weight / deviation } else { 0.0 });
                     rows.deviation[j].push(deviation);
                     rows.stuck[j].push(stuck);
                 }
@@ -94,28 +111,39 @@ impl Rows {
     }
 
     pub(crate) fn joints(&self) -> usize {
-        self.weight.len()
+        self.weights.by_row.len()
     }
 
-    /// Takes the weight from the rows of what is judged that a joint spends at samples for which `unfit` holds;
-    /// gives back how many these are.
-    pub(crate) fn leave_out(
-        &mut self,
+    /// The same compared with those of its recordings before `from`.
+    pub(crate) fn against_reference(self, from: usize) -> Self {
+        Self { comparison: Comparison::AgainstReference { from }, laws_from: from, ..self }
+    }
+
+    /// The same with other weights.
+    pub(crate) fn weighted(&self, weights: Weights) -> Self {
+        Self { weights, ..self.clone() }
+    }
+
+    /// Weights without the rows of what is judged that a joint spends at samples for which `unfit` holds, and how many
+    /// these are.
+    pub(crate) fn excluding(
+        &self,
         signals: &[Signals],
         joint: usize,
         unfit: impl Fn(&Signals) -> Vec<bool>,
-    ) -> usize {
-        let mut left_out = 0;
-        for (r, s) in signals.iter().enumerate().skip(self.changed_from) {
-            let weights = &mut self.weight[joint][self.starts[r]..self.starts[r + 1]];
-            for (weight, unfit) in weights.iter_mut().zip(touched(s, &unfit(s))) {
+    ) -> (Weights, usize) {
+        let mut weights = self.weights.clone();
+        let mut excluded = 0;
+        for (r, s) in signals.iter().enumerate().skip(self.comparison.first_judged()) {
+            let rows = &mut weights.by_row[joint][self.starts[r]..self.starts[r + 1]];
+            for (weight, unfit) in rows.iter_mut().zip(touched(s, &unfit(s))) {
                 if unfit && *weight > 0.0 {
                     *weight = 0.0;
-                    left_out += 1;
+                    excluded += 1;
                 }
             }
         }
-        left_out
+        (weights, excluded)
     }
 
     /// Number of rows of one joint.
@@ -130,13 +158,14 @@ impl Rows {
 
     /// The same of one joint.
     pub(crate) fn effective_on(&self, joint: usize) -> f64 {
-        let of_rows = |rows: Range<usize>, misfit: f64| -> f64 {
-            let rows = self.weight[joint][rows.clone()].iter().zip(&self.deviation[joint][rows]);
-            rows.map(|(w, d)| (w * d * misfit).powi(2)).sum()
+        let of_rows = |rows: Range<usize>, discrepancy: f64| -> f64 {
+            let rows =
+                self.weights.by_row[joint][rows.clone()].iter().zip(&self.deviation[joint][rows]);
+            rows.map(|(w, d)| (w * d * discrepancy).powi(2)).sum()
         };
         let judged = self.judged_from();
-        of_rows(0..judged, self.misfit_before[joint])
-            + of_rows(judged..self.len(), self.misfit[joint])
+        of_rows(0..judged, self.weights.discrepancy_before[joint])
+            + of_rows(judged..self.len(), self.weights.discrepancy[joint])
     }
 
     /// Weighted rows of joint `joint` from columns at every sample of each recording.
@@ -155,7 +184,7 @@ impl Rows {
     }
 
     fn weigh(&self, joint: usize, rows: &mut [f64]) {
-        for (x, w) in rows.iter_mut().zip(&self.weight[joint]) {
+        for (x, w) in rows.iter_mut().zip(&self.weights.by_row[joint]) {
             *x *= w;
         }
     }
@@ -190,28 +219,34 @@ impl Rows {
 
     /// First row of what is judged.
     pub(crate) fn judged_from(&self) -> usize {
-        self.starts[self.changed_from]
+        self.starts[self.comparison.first_judged()]
     }
 
     pub(crate) fn weight(&self, joint: usize) -> &[f64] {
-        &self.weight[joint]
+        &self.weights.by_row[joint]
     }
 
-    /// How much more than its noise a joint's model leaves over: weights that do not know of it would
-    /// let the imperfection of one joint's model decide about all others.
-    pub(crate) fn set_misfit(&mut self, joint: usize, factor: f64) {
-        let change = self.misfit[joint] / factor;
+    /// Weights for models that leave over so many times the noise of each joint: weights that do not know of it would
+    /// let the discrepancy of one joint's model decide about all others.
+    pub(crate) fn with_discrepancy(&self, discrepancy: Vec<f64>) -> Weights {
+        let mut weights = self.weights.clone();
         let judged = self.judged_from();
-        self.weight[joint][judged..].iter_mut().for_each(|w| *w *= change);
-        self.misfit[joint] = factor;
+        for (joint, factor) in discrepancy.iter().enumerate() {
+            let change = weights.discrepancy[joint] / factor;
+            weights.by_row[joint][judged..].iter_mut().for_each(|w| *w *= change);
+        }
+        Weights { discrepancy, ..weights }
     }
 
     /// The same of the reference.
-    pub(crate) fn set_misfit_before(&mut self, joint: usize, factor: f64) {
-        let change = self.misfit_before[joint] / factor;
+    pub(crate) fn with_discrepancy_before(&self, discrepancy_before: Vec<f64>) -> Weights {
+        let mut weights = self.weights.clone();
         let judged = self.judged_from();
-        self.weight[joint][..judged].iter_mut().for_each(|w| *w *= change);
-        self.misfit_before[joint] = factor;
+        for (joint, factor) in discrepancy_before.iter().enumerate() {
+            let change = weights.discrepancy_before[joint] / factor;
+            weights.by_row[joint][..judged].iter_mut().for_each(|w| *w *= change);
+        }
+        Weights { discrepancy_before, ..weights }
     }
 
     /// What the rows in which a joint sticks can at most say, from what they leave over: static friction is
@@ -219,7 +254,7 @@ impl Rows {
     pub(crate) fn stuck_weight_for(&self, joint: usize, left_over: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (k, left) in left_over.iter().enumerate() {
-            let weight = self.weight[joint][k];
+            let weight = self.weights.by_row[joint][k];
             if self.stuck[joint][k] && weight > 0.0 {
                 sum += (left / (weight * self.deviation[joint][k])).powi(2);
                 count += 1;
@@ -231,23 +266,27 @@ impl Rows {
         STUCK_WEIGHT.min((f64::from(count) / sum).sqrt())
     }
 
-    pub(crate) fn set_stuck_weight(&mut self, joint: usize, weight: f64) {
-        let change = weight / self.stuck_weight[joint];
-        for (w, stuck) in self.weight[joint].iter_mut().zip(&self.stuck[joint]) {
-            if *stuck {
-                *w *= change;
+    /// Weights with these for the rows in which each joint sticks.
+    pub(crate) fn with_stuck_weights(&self, stuck: Vec<f64>) -> Weights {
+        let mut weights = self.weights.clone();
+        for (joint, weight) in stuck.iter().enumerate() {
+            let change = weight / weights.stuck[joint];
+            for (w, is_stuck) in weights.by_row[joint].iter_mut().zip(&self.stuck[joint]) {
+                if *is_stuck {
+                    *w *= change;
+                }
             }
         }
-        self.stuck_weight[joint] = weight;
+        Weights { stuck, ..weights }
     }
 
     /// Root mean square of weighted rows of one joint that do not stick, in units of the noise in the
-    /// band, whatever the misfit in the weights.
+    /// band, whatever the discrepancy in the weights.
     pub(crate) fn in_band_noise(&self, joint: usize, rows: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
-            if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
-                sum += (x * self.misfit[joint]).powi(2);
+            if !self.stuck[joint][k] && self.weights.by_row[joint][k] > 0.0 {
+                sum += (x * self.weights.discrepancy[joint]).powi(2);
                 count += 1;
             }
         }
@@ -259,8 +298,8 @@ impl Rows {
     pub(crate) fn in_sample_noise(&self, joint: usize, rows: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
-            if !self.stuck[joint][k] && self.weight[joint][k] > 0.0 {
-                sum += (x / self.weight[joint][k]).powi(2);
+            if !self.stuck[joint][k] && self.weights.by_row[joint][k] > 0.0 {
+                sum += (x / self.weights.by_row[joint][k]).powi(2);
                 count += 1;
             }
         }

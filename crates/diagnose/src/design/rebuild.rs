@@ -1,83 +1,85 @@
 //! Candidates formed again in another problem.
 
-use crate::design::candidate::{Group, Meaning};
+use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
 use crate::design::contact::ContactColumns;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use crate::design::smooth::push_smooth;
 use crate::design::transmission::push_transmission;
 use armident_effects::{Scope, effect};
-/// The group of a new problem that stands for the same.
+/// The candidate of a new problem that stands for the same.
 pub(crate) fn recreate(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     contact: &ContactColumns,
-    problem: &mut Problem,
-    group: &Group,
+    problem: &mut LinearProblem,
+    candidate: &Candidate,
 ) -> Option<usize> {
-    match group.site.window {
-        Some((recording, window)) => known(problem.groups.iter(), group).or_else(|| {
-            let id = contact.push(evidence, problem, recording, window);
-            problem.groups[id].searched = group.searched;
+    match candidate.location.window {
+        Some((recording, window)) => known(problem.candidates.iter(), candidate).or_else(|| {
+            let id = contact.push(design, problem, recording, window);
+            problem.candidates[id].searched = candidate.searched;
             Some(id)
         }),
-        None => recreate_lasting(evidence, at, problem, group),
+        None => recreate_lasting(design, at, problem, candidate),
     }
 }
 
 /// The same of what acts at all times.
 pub(crate) fn recreate_lasting(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
-    group: &Group,
+    problem: &mut LinearProblem,
+    candidate: &Candidate,
 ) -> Option<usize> {
-    known(problem.groups.iter(), group).or_else(|| match &group.meaning {
-        Meaning::Law(slug) => {
-            let id = formed(evidence, at, problem, slug, group)?;
-            problem.groups[id].searched = group.searched;
+    known(problem.candidates.iter(), candidate).or_else(|| match &candidate.kind {
+        CandidateKind::Law(slug) => {
+            let id = formed(design, at, problem, slug, candidate)?;
+            problem.candidates[id].searched = candidate.searched;
             Some(id)
         }
-        Meaning::SmoothDirections(flexible) => {
-            let joint = group.site.joints[0];
-            Some(push_smooth(evidence, at, problem, joint, flexible))
+        CandidateKind::SmoothDirections(flexible) => {
+            let joint = candidate.location.joints[0];
+            Some(push_smooth(design, at, problem, joint, flexible))
         }
     })
 }
 
-/// The place of the group that is the same already.
+/// The place of the candidate that is the same already.
 pub(crate) fn known<'g>(
-    mut groups: impl Iterator<Item = &'g Group>,
-    group: &Group,
+    mut candidates: impl Iterator<Item = &'g Candidate>,
+    candidate: &Candidate,
 ) -> Option<usize> {
-    groups.position(|other| {
-        other.meaning == group.meaning && other.site == group.site && other.shape == group.shape
+    candidates.position(|other| {
+        other.kind == candidate.kind
+            && other.location == candidate.location
+            && other.shape == candidate.shape
     })
 }
 
-/// A law of joints with the shape of a group, added to a problem.
+/// A law of joints with the shape of a candidate, added to a problem.
 pub(crate) fn formed(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     slug: &'static str,
-    group: &Group,
+    candidate: &Candidate,
 ) -> Option<usize> {
     let law = effect(slug)?;
-    let joint = *group.site.joints.first()?;
+    let joint = *candidate.location.joints.first()?;
     match law.law().scope {
-        Scope::Joint => evidence.push_joint_law(problem, at, law, joint, &group.shape),
-        Scope::Neighbours => Some(evidence.push_pair_law(problem, at, law, joint, &group.shape)),
-        Scope::ThroughJoint if !group.shape.is_empty() => {
-            push_transmission(evidence, at, problem, slug, joint, &group.shape, &mut Vec::new())
+        Scope::Joint => design.push_joint_law(problem, at, law, joint, &candidate.shape),
+        Scope::Neighbours => Some(design.push_pair_law(problem, at, law, joint, &candidate.shape)),
+        Scope::ThroughJoint if !candidate.shape.is_empty() => {
+            push_transmission(design, at, problem, slug, joint, &candidate.shape, &mut Vec::new())
         }
         _ => None,
     }
 }
 
-/// How many of a group's shape constants are numbers that can be polished: those of a ripple after its order say which
+/// How many of a candidate's shape constants are numbers that can be polished: those of a ripple after its order say which
 /// harmonics it has.
-pub(crate) fn continuous(group: &Group) -> usize {
-    if group.slug() == "torque_ripple" { 1 } else { group.shape.len() }
+pub(crate) fn continuous(candidate: &Candidate) -> usize {
+    if candidate.slug() == "torque_ripple" { 1 } else { candidate.shape.len() }
 }

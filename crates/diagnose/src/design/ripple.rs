@@ -5,8 +5,8 @@ use armident_kinematics::JointKind;
 use armident_numeric::dot;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 
 /// Orders tried on a rotational joint: whole numbers of cycles a turn.
 const HIGHEST_ORDER: usize = 130;
@@ -28,8 +28,8 @@ pub(crate) struct RippleColumns {
 }
 
 impl RippleColumns {
-    pub(crate) fn new(evidence: &Evidence<'_>, at: &[Posed<'_>]) -> Self {
-        let joints = (0..evidence.joints())
+    pub(crate) fn new(design: &Design<'_>, at: &[Posed<'_>]) -> Self {
+        let joints = (0..design.joints())
             .map(|j| {
                 let orders: Vec<f64> = match at[0].arm.joints[j].kind {
                     JointKind::Rotational => (2..=HIGHEST_ORDER).map(|n| n as f64).collect(),
@@ -49,7 +49,7 @@ impl RippleColumns {
                         .collect();
                     let rows = |k: usize| {
                         let columns = pieces.iter().map(|p| p[k].as_slice());
-                        evidence.rows.form_law(&evidence.signals, j, columns)
+                        design.observations.form_law(&design.signals, j, columns)
                     };
                     (order, rows(0), rows(1))
                 };
@@ -79,28 +79,28 @@ impl RippleColumns {
         kept
     }
 
-    /// Adds groups for the peaks of a residual, with and without a second harmonic; gives their ids.
+    /// Adds candidates for the peaks of a residual, with and without a second harmonic; gives their ids.
     pub(crate) fn offer(
         &self,
-        evidence: &Evidence<'_>,
+        design: &Design<'_>,
         at: &[Posed<'_>],
-        problem: &mut Problem,
+        problem: &mut LinearProblem,
         residual: &[Vec<f64>],
     ) -> Vec<usize> {
         let mut offered = Vec::new();
-        for j in 0..evidence.joints() {
+        for j in 0..design.joints() {
             for order in self.peaks(j, &residual[j]) {
                 for harmonics in [1.0, 2.0] {
                     let shape = [order, harmonics];
-                    let known = problem.groups.iter().any(|g| {
-                        g.slug() == "torque_ripple" && g.site.joints == [j] && g.shape == shape
+                    let known = problem.candidates.iter().any(|g| {
+                        g.slug() == "torque_ripple" && g.location.joints == [j] && g.shape == shape
                     });
                     if known {
                         continue;
                     }
-                    let id = evidence.push_joint_law(problem, at, &TorqueRipple, j, &shape);
+                    let id = design.push_joint_law(problem, at, &TorqueRipple, j, &shape);
                     if let Some(id) = id {
-                        problem.groups[id].searched = 1;
+                        problem.candidates[id].searched = 1;
                         offered.push(id);
                     }
                 }

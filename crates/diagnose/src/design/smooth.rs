@@ -1,15 +1,15 @@
 //! A description of structure that no law of the library explains: hat functions of one or two
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
-use crate::design::candidate::{Group, Meaning, Site, SmoothDirections};
+use crate::design::candidate::{Candidate, CandidateKind, Location, SmoothDirections};
 use armident_effects::Place;
 use armident_model::{AxisQuantity, FactorForm, SmoothAxis, SmoothBasis, SpeedFactor};
 use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 
 /// Knots along the joint's own position, its own velocity, and along each axis of products.
 const POSITION_KNOTS: usize = 64;
@@ -91,23 +91,24 @@ fn penalty(basis: &SmoothBasis) -> Mat<f64> {
 
 /// Adds the two best flexible descriptions of what a joint leaves over; gives their ids.
 pub(crate) fn offer(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     joint: usize,
     residual: &[f64],
 ) -> Vec<usize> {
-    let size = problem.rows.in_sample_noise(joint, residual) * problem.rows.sample_deviation[joint];
-    let beside = beside(evidence, at, joint);
-    let samples = residual.len() as f64 * problem.rows.share;
+    let size = problem.observations.in_sample_noise(joint, residual)
+        * problem.observations.sample_deviation[joint];
+    let beside = beside(design, at, joint);
+    let samples = residual.len() as f64 * problem.observations.weights.share;
     let judged = |basis: SmoothBasis| -> Option<(f64, SmoothDirections)> {
-        let (flexible, left) = fitted(evidence, at, joint, basis, size, &beside, residual)?;
+        let (flexible, left) = fitted(design, at, joint, basis, size, &beside, residual)?;
         let columns = flexible.transform.len();
         // a description length
         Some((samples * left.ln() + samples.ln() * columns as f64, flexible))
     };
     let mut found: Vec<_> =
-        candidates(evidence, at, joint).into_par_iter().filter_map(judged).collect();
+        candidates(design, at, joint).into_par_iter().filter_map(judged).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(OFFERED);
     for best in &mut found {
@@ -120,48 +121,48 @@ pub(crate) fn offer(
     }
     found
         .into_iter()
-        .map(|(_, flexible)| push_smooth(evidence, at, problem, joint, &flexible))
+        .map(|(_, flexible)| push_smooth(design, at, problem, joint, &flexible))
         .collect()
 }
 
 /// Adds a description to a problem; gives its id.
 pub(crate) fn push_smooth(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     joint: usize,
     flexible: &SmoothDirections,
 ) -> usize {
-    let rows = rows_of(evidence, at, joint, &flexible.basis);
+    let rows = rows_of(design, at, joint, &flexible.basis);
     let ids = flexible
         .transform
         .iter()
         .map(|transform| {
-            let mut blocks = vec![Vec::new(); problem.rows.joints()];
+            let mut blocks = vec![Vec::new(); problem.observations.joints()];
             blocks[joint] = combined(&rows, transform);
             problem.push_columns(vec![blocks])
         })
         .collect();
-    problem.groups.push(Group {
-        meaning: Meaning::SmoothDirections(flexible.clone()),
-        site: Site { joints: vec![joint], window: None },
+    problem.candidates.push(Candidate {
+        kind: CandidateKind::SmoothDirections(flexible.clone()),
+        location: Location { joints: vec![joint], window: None },
         shape: Vec::new(),
         columns: ids,
         searched: 2,
-        places: places(&flexible.basis, &evidence.names[joint]),
+        places: places(&flexible.basis, &design.names[joint]),
         transform: None,
         hidden: Vec::new(),
         above_band: 1.0,
         is_of_size_one: false,
     });
-    problem.groups.len() - 1
+    problem.candidates.len() - 1
 }
 
 /// What the plain terms of the joint explain anyway: they are fitted beside every description.
-fn beside(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Vec<f64>> {
+fn beside(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Vec<f64>> {
     let form = |of: &dyn Fn(&Posed<'_>) -> Vec<f64>| {
         let pieces: Vec<Vec<f64>> = at.iter().map(of).collect();
-        evidence.rows.form_law(&evidence.signals, joint, pieces.iter().map(Vec::as_slice))
+        design.observations.form_law(&design.signals, joint, pieces.iter().map(Vec::as_slice))
     };
     vec![
         form(&|at| at.signals.velocity[joint].clone()),
@@ -172,8 +173,8 @@ fn beside(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Vec<f6
     ]
 }
 
-fn candidates(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<SmoothBasis> {
-    let name = |j: usize| evidence.names[j].clone();
+fn candidates(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<SmoothBasis> {
+    let name = |j: usize| design.names[j].clone();
     let axis = |j: usize, quantity: AxisQuantity, knots: usize| {
         let values = at.iter().flat_map(|at| match quantity {
             AxisQuantity::Position => at.position[j].iter(),
@@ -186,14 +187,14 @@ fn candidates(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Sm
     let turning = |j: usize, form: FactorForm, turn: f64| SpeedFactor {
         joint: name(j),
         form,
-        scale: turn * evidence.scale[j].speed_rms,
+        scale: turn * design.scale[j].speed_rms,
     };
     let factor = |j: usize, form: FactorForm| turning(j, form, 1.0);
     let moves = |j: usize| {
         let axis = axis(j, AxisQuantity::Position, 2);
         axis.range[1] - axis.range[0] > 1e-4
     };
-    let others: Vec<usize> = (0..evidence.joints()).filter(|o| *o != joint && moves(*o)).collect();
+    let others: Vec<usize> = (0..design.joints()).filter(|o| *o != joint && moves(*o)).collect();
     let mut bases = vec![
         SmoothBasis {
             factors: Vec::new(),
@@ -244,19 +245,19 @@ fn candidates(evidence: &Evidence<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Sm
 
 /// Weighted rows of all functions of a basis.
 fn rows_of(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     joint: usize,
     basis: &SmoothBasis,
 ) -> Vec<Vec<f64>> {
-    let index = |name: &str| evidence.names.iter().position(|n| n == name);
-    let mut rows = vec![Vec::with_capacity(evidence.rows.len()); basis.size()];
+    let index = |name: &str| design.names.iter().position(|n| n == name);
+    let mut rows = vec![Vec::with_capacity(design.observations.len()); basis.size()];
     for at in at {
         let (hats, overlap) = (basis.hats(at, &index), basis.overlap());
         at.signals.band.rows_of_few(&hats, overlap, &mut rows);
     }
     for rows in &mut rows {
-        evidence.rows.weigh_law(joint, rows);
+        design.observations.weigh_law(joint, rows);
     }
     rows
 }
@@ -274,7 +275,7 @@ fn combined(rows: &[Vec<f64>], transform: &[f64]) -> Vec<f64> {
 /// The directions of a basis that the recordings know better than the prior does, and the sum of squares that
 /// they and the plain terms leave of a residual.
 fn fitted(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     joint: usize,
     basis: SmoothBasis,
@@ -282,11 +283,11 @@ fn fitted(
     beside: &[Vec<f64>],
     residual: &[f64],
 ) -> Option<(SmoothDirections, f64)> {
-    let rows = rows_of(evidence, at, joint, &basis);
+    let rows = rows_of(design, at, joint, &basis);
     let others: Vec<&[f64]> = beside.iter().map(Vec::as_slice).chain([residual]).collect();
     let all: Vec<&[f64]> = others.iter().copied().chain(rows.iter().map(Vec::as_slice)).collect();
     let products = gram_of_columns(&all);
-    let transform = known_directions(evidence, at, &basis, effort, &products, others.len())?;
+    let transform = known_directions(design, at, &basis, effort, &products, others.len())?;
     // the same products of the directions in place of the functions
     let to_directions = Mat::from_fn(all.len(), others.len() + transform.len(), |i, j| {
         match (i.checked_sub(others.len()), j.checked_sub(others.len())) {
@@ -303,14 +304,14 @@ fn fitted(
 /// Coefficients of the functions along these directions, largest first; `products` are those of the functions
 /// from `first` on.
 fn known_directions(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     basis: &SmoothBasis,
     effort: f64,
     products: &Mat<f64>,
     first: usize,
 ) -> Option<Vec<Vec<f64>>> {
-    let index = |name: &str| evidence.names.iter().position(|n| n == name);
+    let index = |name: &str| design.names.iter().position(|n| n == name);
     let factors: Vec<f64> = at.iter().flat_map(|at| basis.factor_values(at, &index)).collect();
     let factor = (dot(&factors, &factors) / factors.len().max(1) as f64).sqrt();
     let deviation = ROUGHNESS * effort / factor.max(f64::MIN_POSITIVE);
@@ -324,7 +325,7 @@ fn known_directions(
     let (known, directions) = symmetric_eigen(&along).ok()?;
     let kept: Vec<usize> = (0..size)
         .rev()
-        .filter(|k| known[*k] * evidence.rows.share > 1.0)
+        .filter(|k| known[*k] * design.observations.weights.share > 1.0)
         .take(MOST_DIRECTIONS)
         .collect();
     if kept.is_empty() {
@@ -337,20 +338,20 @@ fn known_directions(
 /// What the best description leaves of a residual: its sum of squares over that of the residual, each
 /// column paid for with an independent sample. Not more than 1.
 pub(crate) fn least_left(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     joint: usize,
     residual: &[f64],
 ) -> f64 {
-    let rows = &evidence.rows;
+    let rows = &design.observations;
     let size = rows.in_sample_noise(joint, residual) * rows.sample_deviation[joint];
-    let samples = residual.len() as f64 * rows.share;
-    let beside = beside(evidence, at, joint);
+    let samples = residual.len() as f64 * rows.weights.share;
+    let beside = beside(design, at, joint);
     let before = dot(residual, residual).max(f64::MIN_POSITIVE);
-    candidates(evidence, at, joint)
+    candidates(design, at, joint)
         .into_par_iter()
         .filter_map(|basis| {
-            let (flexible, left) = fitted(evidence, at, joint, basis, size, &beside, residual)?;
+            let (flexible, left) = fitted(design, at, joint, basis, size, &beside, residual)?;
             let free = 1.0 - (beside.len() + flexible.transform.len()) as f64 / samples;
             (free > 0.0).then_some(left / (before * free))
         })

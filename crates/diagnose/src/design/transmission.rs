@@ -15,10 +15,10 @@ use armident_numeric::dot;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
-use crate::design::candidate::{Group, Meaning, Site};
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
-use crate::design::observations::Blocks;
+use crate::design::candidate::{Candidate, CandidateKind, Location};
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::observations::JointColumns;
 
 /// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
 const RESONANCES_HZ: [f64; 14] =
@@ -27,31 +27,31 @@ const DAMPINGS: [f64; 2] = [0.02, 0.08];
 /// Gaps tried on rotational joints \[rad\] and translational ones \[m\]: from, to, and the factor between: the
 /// motion of a link in its gap is its own for every size.
 const GAPS: (f64, f64, f64) = (3e-4, 3.2e-2, 1.2);
-/// Adds the group of a transmission on a joint; gives its id. `near`: of each recording the load on a link that moved nearly
+/// Adds the candidate of a transmission on a joint; gives its id. `near`: of each recording the load on a link that moved nearly
 /// so, empty where none is known; afterwards on this one.
 pub(crate) fn push_transmission(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     slug: &'static str,
     joint: usize,
     shape: &[f64],
     near: &mut Vec<Option<Load>>,
 ) -> Option<usize> {
-    let formed = formed(evidence, at, slug, joint, shape, MOST_TURNS, near)?;
+    let formed = formed(design, at, slug, joint, shape, MOST_TURNS, near)?;
     let Formed { blocks, above_band } = formed;
     let column = problem.push_columns(vec![blocks]);
-    Some(push_group(evidence, at, problem, (slug, joint, shape), column, above_band))
+    Some(push_candidate(design, at, problem, (slug, joint, shape), column, above_band))
 }
 
 /// The efforts of a transmission, beside a rigid one, in the band.
 struct Formed {
-    blocks: Blocks,
+    blocks: JointColumns,
     above_band: f64,
 }
 
 fn formed(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     slug: &str,
     joint: usize,
@@ -85,16 +85,16 @@ fn formed(
         return None;
     }
     Some(Formed {
-        blocks: evidence.arm_blocks(&pieces),
-        above_band: above_band(evidence, joint, &pieces),
+        blocks: design.arm_blocks(&pieces),
+        above_band: above_band(design, joint, &pieces),
     })
 }
 
-/// The group of a transmission whose column is there.
-fn push_group(
-    evidence: &Evidence<'_>,
+/// The candidate of a transmission whose column is there.
+fn push_candidate(
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     (slug, joint, shape): (&'static str, usize, &[f64]),
     column: usize,
     above_band: f64,
@@ -103,14 +103,14 @@ fn push_group(
         .iter()
         .filter_map(|at| RotorInertia.columns(&[], &at.joint(joint)).into_iter().next())
         .collect();
-    let inertia = evidence.joint_blocks(joint, &inertia);
+    let inertia = design.joint_blocks(joint, &inertia);
     let inertia = match problem.find_column(&inertia, problem.rigid) {
         Some(known) => known,
         None => problem.push_columns(vec![inertia]),
     };
-    problem.groups.push(Group {
-        meaning: Meaning::Law(slug),
-        site: Site { joints: vec![joint], window: None },
+    problem.candidates.push(Candidate {
+        kind: CandidateKind::Law(slug),
+        location: Location { joints: vec![joint], window: None },
         shape: shape.to_vec(),
         columns: vec![column, inertia],
         searched: shape.len(),
@@ -121,16 +121,16 @@ fn push_group(
         is_of_size_one: slug == "joint_elasticity"
             && at.iter().any(|at| at.has_right_spring(joint)),
     });
-    problem.groups.len() - 1
+    problem.candidates.len() - 1
 }
 
 /// Root mean square of an effort on a joint at all samples over that in the band, 1 or more. Bounded: how
 /// sharp an impact is depends on flanks whose stiffness is assumed.
-fn above_band(evidence: &Evidence<'_>, joint: usize, by_recording: &[Vec<Vec<f64>>]) -> f64 {
+fn above_band(design: &Design<'_>, joint: usize, by_recording: &[Vec<Vec<f64>>]) -> f64 {
     const MOST: f64 = 4.0;
     let mean_square = |values: &[f64]| dot(values, values) / values.len().max(1) as f64;
     let (mut raw, mut band) = (0.0, 0.0);
-    for (signals, efforts) in evidence.signals.iter().zip(by_recording) {
+    for (signals, efforts) in design.signals.iter().zip(by_recording) {
         raw += mean_square(&efforts[joint]);
         band += mean_square(&signals.band.rows(&efforts[joint]));
     }
@@ -139,9 +139,9 @@ fn above_band(evidence: &Evidence<'_>, joint: usize, by_recording: &[Vec<Vec<f64
 
 /// Adds springs and gaps of all sizes on a joint; gives their ids.
 pub(crate) fn offer(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &mut Problem,
+    problem: &mut LinearProblem,
     joint: usize,
 ) -> Vec<usize> {
     let inertia = mean_inertia(at, joint);
@@ -160,7 +160,7 @@ pub(crate) fn offer(
     }
     // one turn tells which size is worth a closer look
     let of_size = |(slug, shape): &(&'static str, Vec<f64>)| {
-        formed(evidence, at, slug, joint, shape, 1, &mut Vec::new())
+        formed(design, at, slug, joint, shape, 1, &mut Vec::new())
     };
     let all: Vec<Option<Formed>> = sizes.par_iter().map(of_size).collect();
     let mut found = Vec::new();
@@ -174,7 +174,7 @@ pub(crate) fn offer(
     let places = found.into_iter().zip(first..);
     places
         .map(|(((slug, shape), above_band), column)| {
-            push_group(evidence, at, problem, (slug, joint, &shape), column, above_band)
+            push_candidate(design, at, problem, (slug, joint, &shape), column, above_band)
         })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! What is said of an answer: effects with places, parameters and standard errors.
+//! What is said of an estimate: effects with places, parameters and standard errors.
 
 use std::collections::BTreeMap;
 
@@ -6,19 +6,21 @@ use armident_effects::{Place, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use crate::design::candidate::{Group, Meaning};
+use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::mean_inertia;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use crate::findings::fitted_model::law_parameters;
 use crate::findings::residual_map::Character;
-use crate::regression::elimination::WrongBody;
-use crate::regression::fit_set::{Answer, answer};
-use crate::selection::change_significance::{Doubt, LeftOpen};
-use crate::selection::materiality::{Materiality, chance_beside, link_materiality, materiality};
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::{Estimate, fit_set};
+use crate::selection::change_significance::{Inconclusive, ReferenceUncertainty};
+use crate::selection::materiality::{
+    Materiality, link_materiality, materiality, surrogate_threshold_beside,
+};
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
-use crate::selection::solution::{Selection, View};
-use crate::uncertainty::jackknife::Scatter;
+use crate::selection::solution::{Selection, Solution};
+use crate::uncertainty::jackknife::Jackknife;
 use armident_model::of_shape;
 
 /// A number with its standard error.
@@ -96,89 +98,90 @@ fn confidence(size: &Materiality) -> f64 {
     1.0 / (1.0 + (-3.0 * (size.ratio() - 1.0)).exp())
 }
 
-/// A finding and the answers beside it.
-pub(crate) struct Claim {
+/// A finding and the estimates beside it.
+pub(crate) struct ReportedFinding {
     pub(crate) finding: Finding,
-    /// without it, and the links with a wrong body; none where there is no such answer
-    pub(crate) without: Option<(Answer, Vec<WrongBody>)>,
+    /// without it, and the links with a wrong body; none where there is no such estimate
+    pub(crate) without: Option<(Estimate, Vec<InflatedLink>)>,
     /// with each alternative in its place, and the links with a wrong body
-    pub(crate) rivals: Vec<(Answer, Vec<WrongBody>)>,
+    pub(crate) rivals: Vec<(Estimate, Vec<InflatedLink>)>,
 }
 
 /// What is claimed, the most material first. `numbers` has all that is claimed and the small terms
 /// of the model beside it: a friction without the one that nobody names would be too large by it.
-pub(crate) fn claims(
-    evidence: &Evidence<'_>,
+pub(crate) fn reported_findings(
+    design: &Design<'_>,
     selection: &Selection,
-    numbers: &View<'_, '_>,
-) -> Vec<Claim> {
+    numbers: &Solution<'_, '_>,
+) -> Vec<ReportedFinding> {
     let metric = selection.metric();
-    let view = selection.view(evidence, &metric);
-    let step_s = evidence.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
-    let mut scatter = Scatter::with_lag(numbers.metric, numbers.answer, step_s);
-    if evidence.rows.changed_from > 0 {
-        let View { metric, answer, .. } = *numbers;
-        let open = LeftOpen::of(evidence, numbers.at(), metric, answer);
-        open.widen(&mut scatter, metric, answer);
+    let solution = selection.solution(design, &metric);
+    let step_s = design.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
+    let mut jackknife = Jackknife::with_lag(numbers.metric, numbers.estimate, step_s);
+    if design.observations.comparison.seeks_change() {
+        let Solution { metric, estimate, .. } = *numbers;
+        let open = ReferenceUncertainty::of(design, numbers.at(), metric, estimate);
+        open.widen(&mut jackknife, metric, estimate);
     }
-    let scatter = scatter.with_shapes(evidence, numbers.at(), numbers.metric, numbers.answer);
-    let chance = chance_beside(&metric, &selection.answer);
-    let mut found: Vec<Claim> = selection
-        .answer
+    let jackknife = jackknife.with_shapes(design, numbers.at(), numbers.metric, numbers.estimate);
+    let chance = surrogate_threshold_beside(&metric, &selection.estimate);
+    let mut found: Vec<ReportedFinding> = selection
+        .estimate
         .set
         .iter()
         .map(|&g| {
             let (size, without) =
-                materiality(&metric, &selection.answer, g, &selection.point, &chance);
-            let numbers = parameters(numbers, g, &scatter);
-            let mut finding = finding_of_group(&view, g, &size, numbers);
-            let rivals = rivals(&metric, &selection.answer, g, &selection.point);
-            let told = |r: &Rival| alternative(&view, InPlace::Group(g), r);
+                materiality(&metric, &selection.estimate, g, &selection.point, &chance);
+            let numbers = parameters(numbers, g, &jackknife);
+            let mut finding = finding_of_candidate(&solution, g, &size, numbers);
+            let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
+            let told = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
             finding.alternatives = rivals.iter().map(told).collect();
-            finding.alternatives.extend(load_unweighed(&view, g));
-            Claim {
+            finding.alternatives.extend(load_unweighed(&solution, g));
+            ReportedFinding {
                 finding,
-                without: without.map(|answer| (answer, selection.wide.clone())),
-                rivals: rivals.into_iter().map(|r| (r.answer, r.wide)).collect(),
+                without: without.map(|estimate| (estimate, selection.inflated.clone())),
+                rivals: rivals.into_iter().map(|r| (r.estimate, r.inflated)).collect(),
             }
         })
         .collect();
-    let errors = metric.inertial_errors(&selection.answer.fit);
-    for &WrongBody { link, .. } in &selection.wide {
-        let size = link_materiality(&metric, &selection.answer, link, &chance);
+    let errors = metric.inertial_errors(&selection.estimate.fit);
+    for &InflatedLink { link, .. } in &selection.inflated {
+        let size = link_materiality(&metric, &selection.estimate, link, &chance);
         if size.ratio() < 1.0 {
             continue;
         }
-        let wide: Vec<WrongBody> =
-            selection.wide.iter().copied().filter(|body| body.link != link).collect();
-        let others = selection.problem.whitened(selection.scale, &wide);
+        let inflated: Vec<InflatedLink> =
+            selection.inflated.iter().copied().filter(|body| body.link != link).collect();
+        let others = selection.problem.marginalised(selection.scale, &inflated);
         let change = &errors[10 * link..10 * (link + 1)];
         let covariance =
             metric.inertial_covariance(&(10 * link..10 * link + 4).collect::<Vec<_>>());
-        let mut finding = wrong_body(evidence, link, change, &covariance, &size);
-        let rivals = rivals_of_body(&metric, &selection.answer, link);
-        let told = |r: &Rival| alternative(&view, InPlace::Body(link), r);
+        let mut finding = wrong_body(design, link, change, &covariance, &size);
+        let rivals = rivals_of_body(&metric, &selection.estimate, link);
+        let told = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
         finding.alternatives = rivals.iter().map(told).collect();
-        found.push(Claim {
+        found.push(ReportedFinding {
             finding,
-            without: answer(&others, selection.answer.set.clone()).map(|answer| (answer, wide)),
-            rivals: rivals.into_iter().map(|r| (r.answer, r.wide)).collect(),
+            without: fit_set(&others, selection.estimate.set.clone())
+                .map(|estimate| (estimate, inflated)),
+            rivals: rivals.into_iter().map(|r| (r.estimate, r.inflated)).collect(),
         });
     }
     found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
     found
 }
 
-fn alternative(view: &View<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
-    let evidence = view.evidence;
-    let groups = &view.metric.problem.groups;
+fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
+    let design = solution.design;
+    let candidates = &solution.metric.problem.candidates;
     let told = |by: InPlace| match by {
-        InPlace::Group(g) => {
-            let group = &groups[g];
-            (group.slug(), group.site.joints.clone(), link_of(evidence, group))
+        InPlace::Candidate(g) => {
+            let candidate = &candidates[g];
+            (candidate.slug(), candidate.location.joints.clone(), link_of(design, candidate))
         }
         InPlace::Body(link) => {
-            let name = evidence.chain.joints[link].child_link.clone();
+            let name = design.chain.joints[link].child_link.clone();
             ("link_inertia_error", vec![link], Some(name))
         }
     };
@@ -188,7 +191,7 @@ fn alternative(view: &View<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
     let between_links = own_link.is_some() && link.is_some() && own_joints != joints;
     Alternative {
         effect: effect.to_owned(),
-        joints: joints.iter().map(|j| evidence.names[*j].clone()).collect(),
+        joints: joints.iter().map(|j| design.names[*j].clone()).collect(),
         link,
         left_more: rival.left,
         separated_by: (!between_links).then(|| separated_by(own, effect)).flatten(),
@@ -197,16 +200,16 @@ fn alternative(view: &View<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
 
 /// A load is also what a change of the last link may be where no effort holds its mass (one joint, or joints
 /// that stand upright): a load that cannot be weighed is not named.
-fn load_unweighed(view: &View<'_, '_>, group: usize) -> Option<Alternative> {
-    let View { evidence, metric, .. } = *view;
-    let groups = &metric.problem.groups;
-    let last = evidence.joints() - 1;
-    let of_last =
-        groups[group].slug() == "link_inertia_error" && groups[group].site.joints == [last];
-    (of_last && groups.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
+fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alternative> {
+    let Solution { design, metric, .. } = *solution;
+    let candidates = &metric.problem.candidates;
+    let last = design.joints() - 1;
+    let of_last = candidates[candidate].slug() == "link_inertia_error"
+        && candidates[candidate].location.joints == [last];
+    (of_last && candidates.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
         effect: "payload".to_owned(),
-        joints: vec![evidence.names[last].clone()],
-        link: link_of(evidence, &groups[group]),
+        joints: vec![design.names[last].clone()],
+        link: link_of(design, &candidates[candidate]),
         left_more: 0.0,
         separated_by: Some("no motion of this arm, whose efforts do not hold the mass: weigh it"),
     })
@@ -223,58 +226,58 @@ pub struct DoubtfulChange {
     pub link: Option<String>,
     /// Probability of numbers as far from nothing where nothing changed.
     pub chance: f64,
-    /// Whether it is in doubt because it may have been there before: the reference does not show it.
+    /// Whether it is in inconclusive because it may have been there before: the reference does not show it.
     pub maybe_before: bool,
 }
 
 impl DoubtfulChange {
-    pub(crate) fn of(evidence: &Evidence<'_>, doubt: &Doubt) -> Self {
-        let group = &doubt.group;
+    pub(crate) fn of(design: &Design<'_>, inconclusive: &Inconclusive) -> Self {
+        let candidate = &inconclusive.candidate;
         Self {
-            effect: group.slug().to_owned(),
-            joints: group.site.joints.iter().map(|j| evidence.names[*j].clone()).collect(),
-            link: link_of(evidence, group),
-            chance: doubt.chance,
-            maybe_before: doubt.maybe_before,
+            effect: candidate.slug().to_owned(),
+            joints: candidate.location.joints.iter().map(|j| design.names[*j].clone()).collect(),
+            link: link_of(design, candidate),
+            chance: inconclusive.p_value,
+            maybe_before: inconclusive.maybe_before,
         }
     }
 }
 
 /// The link of an inertial effect.
-fn link_of(evidence: &Evidence<'_>, group: &Group) -> Option<String> {
-    group
+fn link_of(design: &Design<'_>, candidate: &Candidate) -> Option<String> {
+    candidate
         .transform
         .is_some()
-        .then(|| evidence.chain.joints[group.site.joints[0]].child_link.clone())
+        .then(|| design.chain.joints[candidate.location.joints[0]].child_link.clone())
 }
 
-fn finding_of_group(
-    view: &View<'_, '_>,
+fn finding_of_candidate(
+    solution: &Solution<'_, '_>,
     id: usize,
     size: &Materiality,
     parameters: BTreeMap<&'static str, Value>,
 ) -> Finding {
-    let View { evidence, metric, answer, .. } = *view;
-    let group = &metric.problem.groups[id];
-    let names = |joints: &[usize]| joints.iter().map(|j| evidence.names[*j].clone()).collect();
+    let Solution { design, metric, estimate, .. } = *solution;
+    let candidate = &metric.problem.candidates[id];
+    let names = |joints: &[usize]| joints.iter().map(|j| design.names[*j].clone()).collect();
     let confidence = confidence(size);
-    let described = described_anyway(metric.problem, answer, group);
+    let described = described_anyway(metric.problem, estimate, candidate);
     Finding {
-        effect: group.slug().to_owned(),
-        joints: names(&group.site.joints),
-        link: link_of(evidence, group),
-        window: group.site.window.map(|w| w.1),
-        recording: group.site.window.map(|w| stem(&evidence.signals[w.0].source)),
+        effect: candidate.slug().to_owned(),
+        joints: names(&candidate.location.joints),
+        link: link_of(design, candidate),
+        window: candidate.location.window.map(|w| w.1),
+        recording: candidate.location.window.map(|w| stem(&design.signals[w.0].source)),
         parameters,
         confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,
             least_materiality: size.least,
-            joint: evidence.names[size.joint].clone(),
-            variables: match &group.meaning {
-                Meaning::SmoothDirections(flexible) => flexible.basis.variables(),
-                Meaning::Law(_) => Vec::new(),
+            joint: design.names[size.joint].clone(),
+            variables: match &candidate.kind {
+                CandidateKind::SmoothDirections(flexible) => flexible.basis.variables(),
+                CandidateKind::Law(_) => Vec::new(),
             },
             character: None,
         },
@@ -283,8 +286,8 @@ fn finding_of_group(
 }
 
 /// Change of mass and first moment of a link, in the frame of its URDF link.
-fn in_link_frame(evidence: &Evidence<'_>, link: usize, change: &[f64]) -> [f64; 4] {
-    let pose = evidence.chain.joints[link].child_link_in_e;
+fn in_link_frame(design: &Design<'_>, link: usize, change: &[f64]) -> [f64; 4] {
+    let pose = design.chain.joints[link].child_link_in_e;
     let moment = Vector3::new(change[1], change[2], change[3]);
     let moved = pose.rotation.inverse() * (moment - pose.translation.vector * change[0]);
     [change[0], moved.x, moved.y, moved.z]
@@ -294,38 +297,38 @@ fn in_link_frame(evidence: &Evidence<'_>, link: usize, change: &[f64]) -> [f64; 
 /// friction belongs to cannot be told.
 const IN_A_DESCRIPTION: f64 = 0.45;
 
-fn described_anyway(problem: &Problem, answer: &Answer, group: &Group) -> bool {
+fn described_anyway(problem: &LinearProblem, estimate: &Estimate, candidate: &Candidate) -> bool {
     let friction = [Place::Viscous, Place::Drag];
-    if matches!(group.meaning, Meaning::SmoothDirections(_))
-        || !group.places.iter().any(|p| friction.contains(p))
+    if matches!(candidate.kind, CandidateKind::SmoothDirections(_))
+        || !candidate.places.iter().any(|p| friction.contains(p))
     {
         return false;
     }
-    answer.set.iter().map(|g| &problem.groups[*g]).any(|other| {
-        other.site == group.site
-            && matches!(&other.meaning, Meaning::SmoothDirections(f) if !f.basis.factors.is_empty())
+    estimate.set.iter().map(|g| &problem.candidates[*g]).any(|other| {
+        other.location == candidate.location
+            && matches!(&other.kind, CandidateKind::SmoothDirections(f) if !f.basis.factors.is_empty())
     })
 }
 
 /// A link whose inertial errors stand out from those of all others.
 fn wrong_body(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     link: usize,
     change: &[f64],
     covariance: &[Vec<f64>],
     size: &Materiality,
 ) -> Finding {
-    let joint = &evidence.chain.joints[link];
+    let joint = &design.chain.joints[link];
     let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
     let units = ["kg", "kg m", "kg m", "kg m"];
-    let in_link = in_link_frame(evidence, link, change);
+    let in_link = in_link_frame(design, link, change);
     let parameters = (0..4)
         .map(|p| {
             // the frames' change is linear
             let slopes: Vec<f64> = (0..4)
                 .map(|k| {
                     let unit: Vec<f64> = (0..10).map(|i| f64::from(u8::from(i == k))).collect();
-                    in_link_frame(evidence, link, &unit)[p]
+                    in_link_frame(design, link, &unit)[p]
                 })
                 .collect();
             let variance: f64 = (0..4)
@@ -348,7 +351,7 @@ fn wrong_body(
         evidence: FindingEvidence {
             materiality: size.value,
             least_materiality: size.least,
-            joint: evidence.names[size.joint].clone(),
+            joint: design.names[size.joint].clone(),
             variables: Vec::new(),
             character: None,
         },
@@ -369,33 +372,37 @@ const UNSEEN: f64 = 0.1;
 
 /// Which of the numbers of a body are in the combinations of its parameters that motions do not show, and which axes of a
 /// force on the tip load no joint.
-fn unseen(evidence: &Evidence<'_>, problem: &Problem, group: &Group) -> [bool; 4] {
-    if group.slug() == "external_contact" {
+fn unseen(design: &Design<'_>, problem: &LinearProblem, candidate: &Candidate) -> [bool; 4] {
+    if candidate.slug() == "external_contact" {
         let loads_none =
-            |axis: usize| problem.columns[group.columns[axis]].iter().all(Vec::is_empty);
+            |axis: usize| problem.columns[candidate.columns[axis]].iter().all(Vec::is_empty);
         return std::array::from_fn(|p| p > 0 && loads_none(p - 1));
     }
-    let Some(transform) = &group.transform else { return [false; 4] };
+    let Some(transform) = &candidate.transform else { return [false; 4] };
     let size = |directions: &[Vec<f64>], p: usize| -> f64 {
-        let of = |d: &Vec<f64>| in_link_frame(evidence, group.site.joints[0], d)[p].powi(2);
+        let of = |d: &Vec<f64>| in_link_frame(design, candidate.location.joints[0], d)[p].powi(2);
         directions.iter().map(of).sum()
     };
     std::array::from_fn(|p| {
-        let hidden = size(&group.hidden, p);
+        let hidden = size(&candidate.hidden, p);
         hidden >= UNSEEN * UNSEEN * (hidden + size(transform, p))
     })
 }
 
-fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'static str, Value> {
-    let View { evidence, metric, answer, point, ref gain, .. } = *view;
-    let group = &metric.problem.groups[id];
-    let Some(law) = effect(group.slug()) else { return BTreeMap::new() };
-    let kind = evidence.chain.joints[group.site.joints.first().copied().unwrap_or(0)].kind;
-    let coefficients = answer.fit.of_group(group);
-    let covariance = scatter.joint_covariance(metric, answer, id);
-    let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[group.site.joints[0]];
+fn parameters(
+    solution: &Solution<'_, '_>,
+    id: usize,
+    jackknife: &Jackknife,
+) -> BTreeMap<&'static str, Value> {
+    let Solution { design, metric, estimate, point, ref gain, .. } = *solution;
+    let candidate = &metric.problem.candidates[id];
+    let Some(law) = effect(candidate.slug()) else { return BTreeMap::new() };
+    let kind = design.chain.joints[candidate.location.joints.first().copied().unwrap_or(0)].kind;
+    let coefficients = estimate.fit.of_candidate(candidate);
+    let covariance = jackknife.joint_covariance(metric, estimate, id);
+    let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[candidate.location.joints[0]];
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
-        match group.slug() {
+        match candidate.slug() {
             "gravity_direction" => {
                 let delta = [coefficients[0], coefficients[1]];
                 let base = point.tilt;
@@ -403,14 +410,14 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             }
             "time_delay" => vec![point.delay_s + coefficients[0]],
             "encoder_offset" => {
-                vec![point.offset[group.site.joints[0]] + coefficients[0]]
+                vec![point.offset[candidate.location.joints[0]] + coefficients[0]]
             }
             "joint_elasticity" if shape.is_empty() => {
                 vec![1.0 / coefficients[0], 0.0, motor_inertia(coefficients)]
             }
             "joint_elasticity" => vec![shape[0], shape[1], motor_inertia(coefficients)],
             "backlash" => {
-                let inertia = mean_inertia(view.at(), group.site.joints[0]);
+                let inertia = mean_inertia(solution.at(), candidate.location.joints[0]);
                 let of = of_shape("backlash", shape, inertia);
                 vec![
                     of.gap_told(coefficients[0]),
@@ -420,26 +427,26 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
                 ]
             }
             "link_inertia_error" | "payload" => {
-                let transform = group.transform.as_deref().unwrap_or_default();
+                let transform = candidate.transform.as_deref().unwrap_or_default();
                 let change: Vec<f64> = (0..10)
                     .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
                     .collect();
-                let [mass, x, y, z] = in_link_frame(evidence, group.site.joints[0], &change);
-                if group.slug() == "payload" {
+                let [mass, x, y, z] = in_link_frame(design, candidate.location.joints[0], &change);
+                if candidate.slug() == "payload" {
                     vec![mass, x / mass, y / mass, z / mass]
                 } else {
                     vec![mass, x, y, z]
                 }
             }
             _ => {
-                let moved = Group { shape: shape.to_vec(), ..group.clone() };
+                let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
                 law_parameters(&moved, coefficients, gain)
             }
         }
     };
-    let values = of(&group.shape, &coefficients);
+    let values = of(&candidate.shape, &coefficients);
     // propagation of the covariance of coefficients and searched constants through the formulas
-    let numbers = [&coefficients[..], &group.shape[..]].concat();
+    let numbers = [&coefficients[..], &candidate.shape[..]].concat();
     let slopes: Vec<Vec<f64>> = (0..numbers.len())
         .map(|k| {
             let step = 1e-4 * covariance[k][k].sqrt().max(1e-12);
@@ -449,7 +456,7 @@ fn parameters(view: &View<'_, '_>, id: usize, scatter: &Scatter) -> BTreeMap<&'s
             of(shape, coefficients).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
         })
         .collect();
-    let unseen = unseen(evidence, metric.problem, group);
+    let unseen = unseen(design, metric.problem, candidate);
     law.law()
         .parameters
         .iter()

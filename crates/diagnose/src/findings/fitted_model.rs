@@ -1,6 +1,6 @@
-//! The model that an answer stands for.
+//! The model that an estimate stands for.
 
-use crate::selection::solution::View;
+use crate::selection::solution::Solution;
 
 use crate::design::compliant_link::mean_inertia;
 use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
@@ -11,10 +11,10 @@ use armident_model::{
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
-use crate::design::candidate::{Group, Meaning};
-use crate::design::design::Evidence;
-use crate::regression::consistent_links::{Settled, settled};
-use crate::regression::fit_set::answer;
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::design::Design;
+use crate::regression::consistent_links::{ConsistentEstimate, consistent_estimate};
+use crate::regression::fit_set::fit_set;
 use crate::regression::relinearise::moves;
 use armident_motion::low_pass;
 
@@ -26,36 +26,43 @@ const RIGID_HZ: [f64; 7] = [40.0, 20.0, 14.0, 10.0, 7.0, 5.0, 3.5];
 
 /// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws; those of two joints
 /// are formed with it.
-pub(crate) fn law_parameters(group: &Group, coefficients: &[f64], gain: &[f64]) -> Vec<f64> {
-    let Some(law) = effect(group.slug()) else { return Vec::new() };
-    let scale = match (group.slug(), group.site.joints.as_slice()) {
+pub(crate) fn law_parameters(
+    candidate: &Candidate,
+    coefficients: &[f64],
+    gain: &[f64],
+) -> Vec<f64> {
+    let Some(law) = effect(candidate.slug()) else { return Vec::new() };
+    let scale = match (candidate.slug(), candidate.location.joints.as_slice()) {
         ("torque_scale", _) => 1.0,
         (_, [joint]) => gain[*joint],
         _ => 1.0,
     };
     let coefficients: Vec<f64> = coefficients.iter().map(|c| c / scale).collect();
-    law.parameters(&group.shape, &coefficients)
+    law.parameters(&candidate.shape, &coefficients)
 }
 
-/// The model that an answer stands for; and by how many standard errors its links are off the answer's, where these
+/// The model that an estimate stands for; and by how many standard errors its links are off the estimate's, where these
 /// are of no real bodies.
-pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel, Option<f64>) {
-    let View { evidence, metric, answer, point: formed_at, ref gain, .. } = *view;
+pub(crate) fn learned(
+    model: &ArmModel,
+    solution: &Solution<'_, '_>,
+) -> (DiagnosedModel, Option<f64>) {
+    let Solution { design, metric, estimate, point: formed_at, ref gain, .. } = *solution;
     let problem = metric.problem;
     let mut found = DiagnosedModel::believed(model);
-    let Settled { change, coefficients, distance_in_standard_errors } =
-        settled(evidence.chain, metric, answer);
-    let point = moves(problem, answer, formed_at);
-    for (&g, coefficients) in answer.set.iter().zip(coefficients) {
-        let group = &problem.groups[g];
-        if group.transform.is_some() {
+    let ConsistentEstimate { change, coefficients, distance_in_standard_errors } =
+        consistent_estimate(design.chain, metric, estimate);
+    let point = moves(problem, estimate, formed_at);
+    for (&g, coefficients) in estimate.set.iter().zip(coefficients) {
+        let candidate = &problem.candidates[g];
+        if candidate.transform.is_some() {
             continue;
         }
-        if let Meaning::SmoothDirections(flexible) = &group.meaning {
+        if let CandidateKind::SmoothDirections(flexible) = &candidate.kind {
             let hats = flexible.transform.first().map_or(0, Vec::len);
-            let scale = gain[group.site.joints[0]];
+            let scale = gain[candidate.location.joints[0]];
             found.learned.flexible.push(SmoothTerm {
-                joint: evidence.names[group.site.joints[0]].clone(),
+                joint: design.names[candidate.location.joints[0]].clone(),
                 basis: flexible.basis.clone(),
                 coefficients: (0..hats)
                     .map(|h| {
@@ -67,36 +74,44 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
             continue;
         }
         if let ("joint_elasticity" | "backlash", Some(&joint)) =
-            (group.slug(), group.site.joints.first())
+            (candidate.slug(), candidate.location.joints.first())
         {
             // a compliance to first order says nothing of its damping: that of gears, by experience
             const DAMPING: f64 = 0.1;
-            let inertia = mean_inertia(view.at(), joint);
-            let (transmission, share) = if group.shape.is_empty() {
+            let inertia = mean_inertia(solution.at(), joint);
+            let (transmission, share) = if candidate.shape.is_empty() {
                 let stiffness = 1.0 / coefficients[0];
                 let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
                 (Transmission { gap: 0.0, stiffness, damping }, 1.0)
             } else {
-                (of_shape(group.slug(), &group.shape, inertia), coefficients[0])
+                (of_shape(candidate.slug(), &candidate.shape, inertia), coefficients[0])
             };
             found.learned.transmissions.push(TransmissionTerm {
-                joint: evidence.names[joint].clone(),
+                joint: design.names[joint].clone(),
                 transmission,
                 motor_inertia: coefficients[1] / gain[joint],
                 share,
             });
             continue;
         }
-        let Some(law) = effect(group.slug()) else { continue };
+        let Some(law) = effect(candidate.slug()) else { continue };
         let on_joint = |parameters: Vec<f64>| {
-            EffectOnJoint::new(group.slug(), &evidence.names[group.site.joints[0]], parameters)
+            EffectOnJoint::new(
+                candidate.slug(),
+                &design.names[candidate.location.joints[0]],
+                parameters,
+            )
         };
         match law.law().scope {
-            Scope::Joint if group.slug() != "torque_scale" => {
-                found.arm.effects.push(on_joint(law_parameters(group, &coefficients, gain)));
+            Scope::Joint if candidate.slug() != "torque_scale" => {
+                found.arm.effects.push(on_joint(law_parameters(candidate, &coefficients, gain)));
             }
             Scope::Neighbours => {
-                found.learned.couplings.push(on_joint(law_parameters(group, &coefficients, gain)));
+                found.learned.couplings.push(on_joint(law_parameters(
+                    candidate,
+                    &coefficients,
+                    gain,
+                )));
             }
             _ => {}
         }
@@ -104,15 +119,11 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
     for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
     }
-    // what the reference and the recordings after it together say of everyday terms
-    let links = problem.background.links;
+    // what the reference and the recordings after it together say of baseline terms
+    let links = problem.link_error_prior.links;
     for (k, x) in change[10 * links..].iter().enumerate() {
         let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
-        found.arm.effects.push(EffectOnJoint::new(
-            law.law().slug,
-            &evidence.names[joint],
-            vec![*x],
-        ));
+        found.arm.effects.push(EffectOnJoint::new(law.law().slug, &design.names[joint], vec![*x]));
     }
     found.learned.tilt_rad = point.tilt;
     found.learned.encoder_offset = point.offset;
@@ -123,22 +134,22 @@ pub(crate) fn learned(model: &ArmModel, view: &View<'_, '_>) -> (DiagnosedModel,
             on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
         })
     };
-    let turns = evidence.names.iter().zip(point.turns);
+    let turns = design.names.iter().zip(point.turns);
     let turns: Vec<Turn> =
         turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { SHARP }).collect();
     found.learned.fading_speed = turns.iter().map(|turn| turn.speed()).collect();
     found.learned.turning_travel = turns.iter().map(|turn| turn.travel()).collect();
     found.learned.gain.clone_from(gain);
-    found.arm.prior_links = Some(evidence.chain.joints.iter().map(|j| j.link).collect());
+    found.arm.prior_links = Some(design.chain.joints.iter().map(|j| j.link).collect());
     (found, distance_in_standard_errors)
 }
 
 /// The believed arm with its rigid body identified again and nothing else.
-pub(crate) fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<DiagnosedModel> {
+pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<DiagnosedModel> {
     const SCALE: f64 = 1.0;
-    let problem = evidence.problem_without_trials(&OperatingPoint::of(evidence.joints()));
-    let metric = problem.whitened(SCALE, &[]);
-    let change = metric.inertial_errors(&answer(&metric, Vec::new())?.fit);
+    let problem = design.problem_without_trials(&OperatingPoint::of(design.joints()));
+    let metric = problem.marginalised(SCALE, &[]);
+    let change = metric.inertial_errors(&fit_set(&metric, Vec::new())?.fit);
     let mut found = DiagnosedModel::believed(model);
     for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
@@ -150,14 +161,14 @@ pub(crate) fn rigid_alone(model: &ArmModel, evidence: &Evidence<'_>) -> Option<D
 /// recordings; what is left of these is the noise of the model.
 pub(crate) fn choose_outputs(
     model: &mut DiagnosedModel,
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
 ) -> Result<(), RecordingError> {
-    let n = evidence.joints();
-    let misfit = |cutoff_hz: &f64| -> Result<(f64, f64), RecordingError> {
+    let n = design.joints();
+    let discrepancy = |cutoff_hz: &f64| -> Result<(f64, f64), RecordingError> {
         let mut model = model.clone();
         model.learned.rigid_cutoff_hz = *cutoff_hz;
         let mut squares = vec![0.0; n];
-        for signals in evidence.signals.iter() {
+        for signals in design.signals.iter() {
             for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
                 let differences = predicted.iter().zip(&signals.effort[j]);
                 squares[j] += differences.map(|(p, e)| (p - e).powi(2)).sum::<f64>();
@@ -166,11 +177,11 @@ pub(crate) fn choose_outputs(
         // each joint in its own unit: a product of errors, not a sum
         Ok((squares.iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).sum(), *cutoff_hz))
     };
-    let misfits = RIGID_HZ.par_iter().map(misfit).collect::<Result<Vec<_>, _>>()?;
-    let least = misfits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let discrepancies = RIGID_HZ.par_iter().map(discrepancy).collect::<Result<Vec<_>, _>>()?;
+    let least = discrepancies.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     model.learned.rigid_cutoff_hz = least.map_or(model.learned.rigid_cutoff_hz, |(_, hz)| hz);
     let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
-    for signals in evidence.signals.iter() {
+    for signals in design.signals.iter() {
         let predicted = model.on_grid(signals)?;
         for j in 0..n {
             for (k, cutoff_hz) in OUTPUT_HZ.iter().enumerate() {
@@ -191,7 +202,7 @@ pub(crate) fn choose_outputs(
         let best = (0..OUTPUT_HZ.len()).min_by(|a, b| squares[j][*a].total_cmp(&squares[j][*b]));
         let Some(best) = best else { continue };
         model.learned.output_cutoff_hz[j] = OUTPUT_HZ[best];
-        let samples: usize = evidence.signals.iter().map(|s| s.effort[j].len()).sum();
+        let samples: usize = design.signals.iter().map(|s| s.effort[j].len()).sum();
         noise[j] = (squares[j][best] / samples.max(1) as f64).sqrt();
     }
     model.arm.effort_noise = Some(noise);
@@ -223,10 +234,10 @@ mod tests {
 
     /// The model that is learned from a recording.
     fn learned_from(recorded: &Signals, chain: &DrivingAxisChain) -> DiagnosedModel {
-        let mut owner = Evidence::new(chain, vec![recorded.clone()]);
-        let selection = select(&mut owner).unwrap();
+        let design = Design::new(chain, vec![recorded.clone()]);
+        let (design, selection) = select(&design).unwrap();
         let metric = selection.metric();
-        learned(&ArmModel::from_chain(chain.clone()), &selection.view(&owner, &metric)).0
+        learned(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
     }
 
     /// What of an arm with wrong links a channel records too large is too large of their errors as well.

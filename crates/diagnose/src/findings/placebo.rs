@@ -6,11 +6,11 @@
 use armident_effects::{LIBRARY, Place, Scope};
 use serde::Serialize;
 
-use crate::design::candidate::{Group, Meaning, Site};
-use crate::design::design::Evidence;
-use crate::regression::fit_set::answer;
+use crate::design::candidate::{Candidate, CandidateKind, Location};
+use crate::design::design::Design;
+use crate::regression::fit_set::fit_set;
 use crate::selection::cross_validation::usefulness;
-use crate::selection::materiality::{chance_beside, materiality};
+use crate::selection::materiality::{materiality, surrogate_threshold_beside};
 use crate::selection::solution::Selection;
 
 /// Steps of the golden ratio spread the shifts, whatever their number.
@@ -21,27 +21,27 @@ const GOLDEN: f64 = 0.618_033_988_75;
 pub struct Placebo {
     /// Terms tried.
     pub terms: usize,
-    /// Those that lower the error of stretches that were not fitted by more than its standard error.
+    /// Those that lower the error of blocks that were not fitted by more than its standard error.
     pub improve: usize,
     /// Those that would have been named: useful, material, and a shorter description.
     pub named: usize,
     /// Materiality of the largest, in what is asked of a name: far below 1 where that lies above all that
-    /// comes about by chance.
+    /// comes about by threshold.
     pub largest: f64,
 }
 
-pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms: usize) -> Placebo {
-    let at = evidence.at(&selection.point);
+pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usize) -> Placebo {
+    let at = design.at(&selection.point);
     let laws: Vec<_> = LIBRARY
         .iter()
         .filter(|law| law.law().scope == Scope::Joint && law.law().slug != "torque_offset")
         .collect();
-    let chance = chance_beside(&selection.metric(), &selection.answer);
+    let threshold = surrogate_threshold_beside(&selection.metric(), &selection.estimate);
     let mut found = Placebo::default();
     for k in 0..terms {
-        let joint = k % evidence.joints();
-        let law = laws[(k / evidence.joints() + k) % laws.len()];
-        let shapes = law.shapes(&evidence.scale[joint]);
+        let joint = k % design.joints();
+        let law = laws[(k / design.joints() + k) % laws.len()];
+        let shapes = law.shapes(&design.scale[joint]);
         let Some(shape) = shapes.get(k % shapes.len().max(1)) else { continue };
         // between a quarter and three quarters of the recording
         let shift = 0.25 + 0.5 * ((GOLDEN * (k + 1) as f64) % 1.0);
@@ -60,16 +60,16 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
         let columns: Vec<usize> = (0..count)
             .map(|c| {
                 let column: Vec<Vec<f64>> = pieces.iter().map(|p| p[c].clone()).collect();
-                let blocks = evidence.joint_blocks(joint, &column);
+                let blocks = design.joint_blocks(joint, &column);
                 selection.problem.push_columns(vec![blocks])
             })
             .collect();
         if columns.is_empty() {
             continue;
         }
-        selection.problem.groups.push(Group {
-            meaning: Meaning::Law(law.law().slug),
-            site: Site { joints: vec![joint], window: None },
+        selection.problem.candidates.push(Candidate {
+            kind: CandidateKind::Law(law.law().slug),
+            location: Location { joints: vec![joint], window: None },
             shape: shape.clone(),
             columns,
             searched: shape.len(),
@@ -79,17 +79,17 @@ pub(crate) fn placebo(evidence: &Evidence<'_>, selection: &mut Selection, terms:
             above_band: 1.0,
             is_of_size_one: false,
         });
-        let group = selection.problem.groups.len() - 1;
+        let candidate = selection.problem.candidates.len() - 1;
         found.terms += 1;
         let metric = selection.metric();
-        let set = [selection.answer.set.as_slice(), &[group]].concat();
+        let set = [selection.estimate.set.as_slice(), &[candidate]].concat();
         // a term of the wrong sign is refused, as in the selection
-        let Some(with) = answer(&metric, set) else { continue };
-        let useful = usefulness(&metric, &with, group).is_some_and(|u| u > 1.0);
-        let (size, _) = materiality(&metric, &with, group, &selection.point, &chance);
+        let Some(with) = fit_set(&metric, set) else { continue };
+        let useful = usefulness(&metric, &with, candidate).is_some_and(|u| u > 1.0);
+        let (size, _) = materiality(&metric, &with, candidate, &selection.point, &threshold);
         found.improve += usize::from(useful);
         found.largest = found.largest.max(size.ratio());
-        let shorter = with.score < selection.answer.score;
+        let shorter = with.score < selection.estimate.score;
         found.named += usize::from(useful && shorter && size.ratio() >= 1.0);
     }
     found

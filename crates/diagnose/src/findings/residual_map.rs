@@ -12,21 +12,21 @@ use armident_recording::RecordingError;
 use serde::Serialize;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
+use crate::design::design::Design;
 use crate::design::ripple::wave_gain;
 use armident_model::DiagnosedModel;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.
 const BINS: usize = 12;
 
-/// Rows of one bin of one variable.
+/// Observations of one bin of one variable.
 #[derive(Debug, Clone, Serialize)]
 pub struct Bin {
     /// Lower end of the variable.
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// Rows.
+    /// Observations.
     pub rows: usize,
     /// Mean of what the believed model leaves over \[N m or N\].
     pub mean_before: f64,
@@ -110,7 +110,7 @@ pub struct Character {
     pub kind: &'static str,
     /// Work it takes over all work it exchanges, -1 to 1.
     pub work_share: f64,
-    /// Share of it that goes with the time or the travel since the last reversal: memory.
+    /// Share of it that goes with the time or the travel since the last reversal: state.
     pub memory_share: f64,
     /// Share of it that goes with the time: drift.
     pub drift_share: f64,
@@ -125,7 +125,7 @@ const CONSERVATIVE: f64 = 0.2;
 
 /// The character of an effort on a joint, given at every sample of every recording.
 pub(crate) fn character(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
     joint: usize,
     effort: &[Vec<f64>],
@@ -145,7 +145,9 @@ pub(crate) fn character(
     let share_of = |names: &[&str]| {
         let found = states.columns.iter().filter(|(name, _)| names.contains(name));
         found
-            .filter_map(|(name, column)| regime(name, column, &rows, &rows, evidence.rows.share))
+            .filter_map(|(name, column)| {
+                regime(name, column, &rows, &rows, design.observations.weights.share)
+            })
             .map(|regime| regime.share_before)
             .fold(0.0, f64::max)
     };
@@ -181,13 +183,13 @@ struct States {
 
 /// The atlas of every joint with efforts.
 pub(crate) fn atlas(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     before: &DiagnosedModel,
     rigid: &DiagnosedModel,
     after: &DiagnosedModel,
 ) -> Result<Vec<JointAtlas>, RecordingError> {
     // where a change is sought, of the recordings after it
-    let signals = &evidence.signals[evidence.rows.changed_from..];
+    let signals = &design.signals[design.observations.comparison.first_judged()..];
     let left = |model: &DiagnosedModel| -> Result<Vec<Vec<Vec<f64>>>, RecordingError> {
         signals
             .iter()
@@ -201,12 +203,12 @@ pub(crate) fn atlas(
             .collect()
     };
     let (of_before, of_rigid, of_after) = (left(before)?, left(rigid)?, left(after)?);
-    let point = armident_model::OperatingPoint::of(evidence.joints());
-    let arm = RigidArm::from_chain(evidence.chain);
+    let point = armident_model::OperatingPoint::of(design.joints());
+    let arm = RigidArm::from_chain(design.chain);
     let at: Vec<Posed<'_>> =
-        signals.iter().map(|s| Posed::new(evidence.chain, &arm, s, &point)).collect();
+        signals.iter().map(|s| Posed::new(design.chain, &arm, s, &point)).collect();
     let mut joints = Vec::new();
-    for j in 0..evidence.joints() {
+    for j in 0..design.joints() {
         if signals.iter().any(|s| s.effort[j].is_empty()) {
             continue;
         }
@@ -222,7 +224,7 @@ pub(crate) fn atlas(
             .collect();
         let states = States::of(&at, j);
         // what independent rows would explain by chance
-        let share = evidence.rows.share;
+        let share = design.observations.weights.share;
         let mut regimes: Vec<Regime> = states
             .columns
             .iter()
@@ -240,9 +242,9 @@ pub(crate) fn atlas(
             })
             .collect();
         symmetries.sort_by(|x, y| y.share_before.total_cmp(&x.share_before));
-        let noise = &evidence.rows.deviation[j][evidence.rows.judged_from()..];
+        let noise = &design.observations.deviation[j][design.observations.judged_from()..];
         joints.push(JointAtlas {
-            joint: evidence.names[j].clone(),
+            joint: design.names[j].clone(),
             before: rms(&b),
             rigid: rms(&r),
             after: rms(&a),

@@ -1,9 +1,9 @@
 //! Covariances of fitted coefficients and of the link errors beside them.
 
 use crate::regression::elimination::Prior;
-use crate::regression::marginalised::{Fit, Whitened};
+use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 use armident_numeric::dot;
-impl Whitened<'_> {
+impl Marginalised<'_> {
     /// Posterior covariance of some standard parameters' errors, the fit of the laws as it is.
     pub(crate) fn inertial_covariance(&self, parameters: &[usize]) -> Vec<Vec<f64>> {
         let Some(Prior { cholesky, directions, .. }) = self.prior.as_deref() else {
@@ -15,7 +15,7 @@ impl Whitened<'_> {
         rows.iter().map(|row| solved.iter().map(|s| dot(row, s)).collect()).collect()
     }
 
-    /// Rows whose outer products add up to the prior covariance of all standard parameters; none without
+    /// Observations whose outer products add up to the prior covariance of all standard parameters; none without
     /// inertial errors.
     pub(crate) fn prior_factors(&self) -> Option<Vec<Vec<f64>>> {
         self.prior.as_ref().map(|prior| prior.directions.clone())
@@ -23,7 +23,7 @@ impl Whitened<'_> {
 
     /// The same of the posterior with the laws as they are, and what a unit of each coefficient of the fit
     /// does to the standard parameters.
-    pub(crate) fn inertial_posterior(&self, fit: &Fit) -> Option<[Vec<Vec<f64>>; 2]> {
+    pub(crate) fn inertial_posterior(&self, fit: &LeastSquaresFit) -> Option<[Vec<Vec<f64>>; 2]> {
         let Prior { weight, cholesky, directions, .. } = self.prior.as_deref()?;
         let rigid = self.problem.rigid;
         // A = L L': the rows of L^-1 D
@@ -49,9 +49,11 @@ impl Whitened<'_> {
         Some([rows, sensitivity])
     }
 
-    /// Rows whose outer products add up to the covariance of the coefficients of a fit.
-    pub(crate) fn coefficient_factors(&self, fit: &Fit) -> Vec<Vec<f64>> {
-        let scale = |k: usize| self.per_norm(fit.columns[k]) / self.problem.rows.share.sqrt();
+    /// Observations whose outer products add up to the covariance of the coefficients of a fit.
+    pub(crate) fn coefficient_factors(&self, fit: &LeastSquaresFit) -> Vec<Vec<f64>> {
+        let scale = |k: usize| {
+            self.per_norm(fit.columns[k]) / self.problem.observations.weights.share.sqrt()
+        };
         let count = fit.columns.len();
         let columns: Vec<Vec<f64>> = (0..count)
             .map(|c| {
@@ -63,7 +65,7 @@ impl Whitened<'_> {
     }
 
     /// Covariance of the coefficients of some columns of a fit.
-    pub(crate) fn covariance(&self, fit: &Fit, columns: &[usize]) -> Vec<Vec<f64>> {
+    pub(crate) fn covariance(&self, fit: &LeastSquaresFit, columns: &[usize]) -> Vec<Vec<f64>> {
         let reduced: Vec<Vec<f64>> = columns
             .iter()
             .map(|c| {
@@ -78,7 +80,7 @@ impl Whitened<'_> {
                 (0..columns.len())
                     .map(|b| {
                         dot(&reduced[a], &reduced[b]) * scale(a) * scale(b)
-                            / self.problem.rows.share
+                            / self.problem.observations.weights.share
                     })
                     .collect()
             })

@@ -1,19 +1,19 @@
 //! A set of candidates with its fit.
 
-use crate::design::observations::Blocks;
+use crate::design::observations::JointColumns;
 use crate::regression::admissible::all_admissible;
-use crate::regression::marginalised::{Fit, Whitened};
-/// A set of groups with its fit.
+use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
+/// A set of candidates with its fit.
 #[derive(Debug, Clone)]
-pub(crate) struct Answer {
-    /// group ids, rising
+pub(crate) struct Estimate {
+    /// candidate ids, rising
     pub(crate) set: Vec<usize>,
-    pub(crate) fit: Fit,
+    pub(crate) fit: LeastSquaresFit,
     pub(crate) score: f64,
 }
 
 /// Fits a set; none where it cannot be fitted or is not admissible.
-pub(crate) fn answer(metric: &Whitened<'_>, mut set: Vec<usize>) -> Option<Answer> {
+pub(crate) fn fit_set(metric: &Marginalised<'_>, mut set: Vec<usize>) -> Option<Estimate> {
     set.sort_unstable();
     set.dedup();
     let columns = metric.columns_of(&set);
@@ -23,32 +23,35 @@ pub(crate) fn answer(metric: &Whitened<'_>, mut set: Vec<usize>) -> Option<Answe
         return None;
     }
     let score = metric.score(fit.sum_of_squares, count, &set);
-    Some(Answer { set, fit, score })
+    Some(Estimate { set, fit, score })
 }
 
-/// The answer of a set without those groups beside `named` that have the wrong sign.
+/// The estimate of a set without those candidates beside `named` that have the wrong sign.
 pub(crate) fn admissible_part(
-    metric: &Whitened<'_>,
+    metric: &Marginalised<'_>,
     mut set: Vec<usize>,
     named: &[usize],
-) -> Option<Answer> {
+) -> Option<Estimate> {
     loop {
         let columns = metric.columns_of(&set);
         let fit = metric.fit(columns)?;
         let before = set.len();
         set.retain(|g| named.contains(g) || all_admissible(metric.problem, &[*g], &fit));
         if set.len() == before {
-            return answer(metric, set);
+            return fit_set(metric, set);
         }
     }
 }
 
 /// A set whose names do not count: without the effect in question they may be inadmissible.
-pub(crate) fn unnamed(metric: &Whitened<'_>, set: Vec<usize>) -> Option<(Answer, Blocks)> {
+pub(crate) fn fit_any_sign(
+    metric: &Marginalised<'_>,
+    set: Vec<usize>,
+) -> Option<(Estimate, JointColumns)> {
     let columns = metric.columns_of(&set);
     let count = columns.len();
     let fit = metric.fit(columns)?;
     let residual = metric.residual(&fit);
     let score = metric.score(fit.sum_of_squares, count, &set);
-    Some((Answer { set, fit, score }, residual))
+    Some((Estimate { set, fit, score }, residual))
 }

@@ -1,27 +1,27 @@
 //! The problem with errors of all links integrated out: fits, their scores and their uncertainty.
 
-use crate::regression::elimination::{Integral, Prior, WrongBody, size_of_link};
+use crate::regression::elimination::{InflatedLink, NuisanceElimination, Prior, size_of_link};
 use std::collections::HashSet;
 use std::sync::Arc;
 
 use armident_numeric::{Cholesky, Mat, dot};
 use rayon::prelude::*;
 
-use crate::design::candidate::{Group, Meaning};
-use crate::design::linear_problem::Problem;
-use crate::design::observations::Blocks;
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::linear_problem::LinearProblem;
+use crate::design::observations::JointColumns;
 
 /// Relative ridge on normalised columns: nested laws share columns, round-off does the rest.
 const RIDGE: f64 = 1e-7;
 /// Least unique part of a normalised column, squared: below it the column is a combination.
 const LEAST_UNIQUE: f64 = 1e-6;
 
-/// A [`Problem`] in the metric in which inertial errors of a given size are noise.
-pub(crate) struct Whitened<'a> {
-    pub(crate) problem: &'a Problem,
+/// A [`LinearProblem`] in the metric in which inertial errors of a given size are noise.
+pub(crate) struct Marginalised<'a> {
+    pub(crate) problem: &'a LinearProblem,
     pub(crate) scale: f64,
     /// links whose errors may be larger
-    pub(crate) wide: Vec<WrongBody>,
+    pub(crate) inflated: Vec<InflatedLink>,
     pub(super) gram: Vec<Vec<f64>>,
     pub(super) rhs: Vec<f64>,
     pub(super) square: f64,
@@ -36,7 +36,7 @@ pub(crate) struct Whitened<'a> {
 
 /// The least-squares fit of a set of columns.
 #[derive(Debug, Clone)]
-pub(crate) struct Fit {
+pub(crate) struct LeastSquaresFit {
     /// ids of columns whose coefficients were fitted
     pub(crate) columns: Vec<usize>,
     pub(super) coefficients: Vec<f64>,
@@ -47,7 +47,7 @@ pub(crate) struct Fit {
     pub(super) reduced: Vec<f64>,
 }
 
-impl Fit {
+impl LeastSquaresFit {
     pub(crate) fn coefficient(&self, column: usize) -> f64 {
         self.terms().find(|(c, _)| *c == column).map_or(0.0, |(_, x)| x)
     }
@@ -58,12 +58,12 @@ impl Fit {
         fitted.chain(self.of_size_one.iter().map(|c| (*c, 1.0)))
     }
 
-    pub(crate) fn of_group(&self, group: &Group) -> Vec<f64> {
-        group.columns.iter().map(|c| self.coefficient(*c)).collect()
+    pub(crate) fn of_candidate(&self, candidate: &Candidate) -> Vec<f64> {
+        candidate.columns.iter().map(|c| self.coefficient(*c)).collect()
     }
 }
 
-impl Whitened<'_> {
+impl Marginalised<'_> {
     fn product(&self, a: usize, b: usize) -> f64 {
         let value = if a >= b { self.gram[a][b] } else { self.gram[b][a] };
         value / (self.norm[a] * self.norm[b])
@@ -75,18 +75,18 @@ impl Whitened<'_> {
         if norm > f64::MIN_POSITIVE.sqrt() { 1.0 / norm } else { 0.0 }
     }
 
-    /// Columns of a set of groups, each once.
+    /// Columns of a set of candidates, each once.
     pub(crate) fn columns_of(&self, set: &[usize]) -> Vec<usize> {
-        let groups = &self.problem.groups;
+        let candidates = &self.problem.candidates;
         let mut columns: Vec<usize> =
-            set.iter().flat_map(|g| groups[*g].columns.iter().copied()).collect();
+            set.iter().flat_map(|g| candidates[*g].columns.iter().copied()).collect();
         columns.sort_unstable();
         columns.dedup();
         columns
     }
 
     /// Fits a set of columns; none where they are numerically dependent beyond the ridge.
-    pub(crate) fn fit(&self, columns: Vec<usize>) -> Option<Fit> {
+    pub(crate) fn fit(&self, columns: Vec<usize>) -> Option<LeastSquaresFit> {
         let (of_size_one, columns): (Vec<usize>, Vec<usize>) =
             columns.into_iter().partition(|c| self.of_size_one.contains(c));
         let cholesky = Cholesky::of(columns.len(), |i, j| {
@@ -106,7 +106,14 @@ impl Whitened<'_> {
             .zip(&columns)
             .map(|(x, &k)| x / self.norm[k])
             .collect();
-        Some(Fit { columns, coefficients, of_size_one, sum_of_squares, cholesky, reduced })
+        Some(LeastSquaresFit {
+            columns,
+            coefficients,
+            of_size_one,
+            sum_of_squares,
+            cholesky,
+            reduced,
+        })
     }
 
     /// Product of a normalised column with the efforts beside columns of size one.
@@ -116,7 +123,7 @@ impl Whitened<'_> {
     }
 
     /// What the sum of squares would lose if these columns were added to a fit.
-    pub(crate) fn gain(&self, fit: &Fit, added: &[usize]) -> f64 {
+    pub(crate) fn gain(&self, fit: &LeastSquaresFit, added: &[usize]) -> f64 {
         if added.is_empty() {
             return 0.0;
         }
@@ -144,12 +151,12 @@ impl Whitened<'_> {
 
     /// Relative size of the errors of a link.
     pub(crate) fn size_of(&self, link: usize) -> f64 {
-        size_of_link(link, self.scale, &self.wide)
+        size_of_link(link, self.scale, &self.inflated)
     }
 
     /// Posterior mean of the relative inertial errors, and with it the change of all standard
     /// parameters; zeros at scale 0.
-    pub(crate) fn inertial_errors(&self, fit: &Fit) -> Vec<f64> {
+    pub(crate) fn inertial_errors(&self, fit: &LeastSquaresFit) -> Vec<f64> {
         let problem = self.problem;
         let mut change = vec![0.0; problem.rigid];
         let Some(prior) = &self.prior else { return change };
@@ -176,12 +183,16 @@ impl Whitened<'_> {
     }
 
     /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
-    pub(crate) fn residual(&self, fit: &Fit) -> Blocks {
+    pub(crate) fn residual(&self, fit: &LeastSquaresFit) -> JointColumns {
         self.residual_of(fit, self.problem)
     }
 
     /// The same of the rows of another problem of the same columns.
-    pub(crate) fn residual_of(&self, fit: &Fit, problem: &Problem) -> Blocks {
+    pub(crate) fn residual_of(
+        &self,
+        fit: &LeastSquaresFit,
+        problem: &LinearProblem,
+    ) -> JointColumns {
         let mut residual = problem.effort.clone();
         let errors = self.inertial_errors(fit);
         let rigid = errors.iter().enumerate().filter(|(_, x)| **x != 0.0);
@@ -197,25 +208,28 @@ impl Whitened<'_> {
     }
 }
 
-impl Problem {
+impl LinearProblem {
     /// The problem with inertial errors integrated out: of relative deviation `scale`, and more on the links in
-    /// `wide`.
-    pub(crate) fn whitened(&self, scale: f64, wide: &[WrongBody]) -> Whitened<'_> {
-        self.whitened_by(&mut self.integral(scale, wide))
+    /// `inflated`.
+    pub(crate) fn marginalised(&self, scale: f64, inflated: &[InflatedLink]) -> Marginalised<'_> {
+        self.marginalised_by(&mut self.elimination(scale, inflated))
     }
 
     /// The same where some of the columns were reduced before.
-    pub(crate) fn whitened_by(&self, integral: &mut Integral) -> Whitened<'_> {
+    pub(crate) fn marginalised_by(
+        &self,
+        elimination: &mut NuisanceElimination,
+    ) -> Marginalised<'_> {
         let count = self.columns.len();
-        let Integral { reduced, gram, rhs, .. } = integral;
+        let NuisanceElimination { reduced, gram, rhs, .. } = elimination;
         let known = gram.len();
         gram.extend_from_slice(&self.gram[known..]);
         rhs.extend_from_slice(&self.rhs[known..]);
         for column in self.held_columns().filter(|k| *k >= known) {
-            gram[column][column] += 1.0 / self.rows.share;
+            gram[column][column] += 1.0 / self.observations.weights.share;
         }
         let mut square = self.square;
-        if let Some(prior) = &integral.prior {
+        if let Some(prior) = &elimination.prior {
             let Prior { weight, cholesky, w_y, directions } = &**prior;
             let reduce = |k: usize| cholesky.forward(&self.along(directions, k));
             if known == 0 {
@@ -242,60 +256,67 @@ impl Problem {
             square -= weight * dot(&reduced_y, &reduced_y);
         }
         let norm = (0..count).map(|k| gram[k][k].max(f64::MIN_POSITIVE).sqrt()).collect();
-        Whitened {
+        Marginalised {
             problem: self,
-            scale: integral.scale,
-            wide: integral.wide.clone(),
+            scale: elimination.scale,
+            inflated: elimination.inflated.clone(),
             gram: gram.clone(),
             rhs: rhs.clone(),
             square,
-            effective_rows: self.rows.effective(),
-            log_determinant: integral.log_determinant,
+            effective_rows: self.observations.effective(),
+            log_determinant: elimination.log_determinant,
             norm,
-            prior: integral.prior.clone(),
+            prior: elimination.prior.clone(),
             of_size_one: self.columns_of_size_one().collect(),
         }
     }
 
-    /// Columns whose coefficients have a prior of deviation 1: directions of a description that a stretch of the
+    /// Columns whose coefficients have a prior of deviation 1: directions of a description that a block of the
     /// recordings does not visit stay at nothing there.
     fn held_columns(&self) -> impl Iterator<Item = usize> {
-        let described = |group: &&Group| matches!(group.meaning, Meaning::SmoothDirections(_));
-        self.groups.iter().filter(described).flat_map(|group| group.columns.iter().copied())
+        let described =
+            |candidate: &&Candidate| matches!(candidate.kind, CandidateKind::SmoothDirections(_));
+        self.candidates
+            .iter()
+            .filter(described)
+            .flat_map(|candidate| candidate.columns.iter().copied())
     }
 
     /// Columns whose coefficient is 1.
     fn columns_of_size_one(&self) -> impl Iterator<Item = usize> {
-        self.groups.iter().filter(|group| group.is_of_size_one).map(|group| group.columns[0])
+        self.candidates
+            .iter()
+            .filter(|candidate| candidate.is_of_size_one)
+            .map(|candidate| candidate.columns[0])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::candidate::Site;
+    use crate::design::candidate::Location;
     use crate::design::candidate::SmoothDirections;
-    use crate::design::link_error_prior::Background;
-    use crate::design::observations::Rows;
+    use crate::design::link_error_prior::LinkErrorPrior;
+    use crate::design::observations::Observations;
     use armident_model::SmoothBasis;
     use armident_motion::BAND_HZ;
     use armident_motion::Signals;
     use armident_recording::{JointChannels, Recording};
 
     /// A hinge that swings for 10 s.
-    fn swinging() -> Rows {
+    fn swinging() -> Observations {
         let time: Vec<f64> = (0..2000).map(|k| f64::from(k) / 200.0).collect();
         let position = Some(time.iter().map(|t| (3.0 * t).sin()).collect());
         let joint = JointChannels { position, ..JointChannels::new("hinge") };
         let recording = Recording::new("made", time, vec![joint]).unwrap();
         let signals = Signals::below(&recording, &["hinge".to_owned()], BAND_HZ).unwrap();
-        Rows::new(&[signals], &[vec![vec![1.0]]])
+        Observations::new(&[signals], &[vec![vec![1.0]]])
     }
 
-    fn group(meaning: Meaning, columns: Vec<usize>) -> Group {
-        Group {
-            meaning,
-            site: Site::default(),
+    fn candidate(kind: CandidateKind, columns: Vec<usize>) -> Candidate {
+        Candidate {
+            kind,
+            location: Location::default(),
             shape: Vec::new(),
             columns,
             searched: 0,
@@ -311,7 +332,7 @@ mod tests {
     #[test]
     fn what_has_size_one_is_taken_from_the_efforts() {
         let rows = swinging();
-        let along = |of: &dyn Fn(f64) -> f64| -> Blocks {
+        let along = |of: &dyn Fn(f64) -> f64| -> JointColumns {
             vec![(0..rows.len()).map(|row| of(row as f64)).collect()]
         };
         let columns = vec![
@@ -320,23 +341,29 @@ mod tests {
             along(&|x| (0.07 * x).sin()),
         ];
         let effort = along(&|x| 2.0 * (0.1 * x).sin() + 0.3 * (0.13 * x).cos() + (0.11 * x).sin());
-        let rest: Blocks =
+        let rest: JointColumns =
             vec![effort[0].iter().zip(&columns[0][0]).map(|(effort, one)| effort - one).collect()];
-        let problem = |effort: &Blocks| {
-            let mut problem =
-                Problem::new(rows.clone(), effort.clone(), Vec::new(), Background::default());
+        let problem = |effort: &JointColumns| {
+            let mut problem = LinearProblem::new(
+                rows.clone(),
+                effort.clone(),
+                Vec::new(),
+                LinkErrorPrior::default(),
+            );
             problem.push_columns(columns.clone());
             for column in 0..columns.len() {
-                problem.groups.push(group(Meaning::Law("viscous_friction"), vec![column]));
+                problem
+                    .candidates
+                    .push(candidate(CandidateKind::Law("viscous_friction"), vec![column]));
             }
             problem
         };
         let mut fixed = problem(&effort);
-        fixed.groups[0].is_of_size_one = true;
-        let fixed = fixed.whitened(0.0, &[]);
+        fixed.candidates[0].is_of_size_one = true;
+        let fixed = fixed.marginalised(0.0, &[]);
         let fit = fixed.fit(vec![0, 1]).unwrap();
         let expected = problem(&rest);
-        let expected = expected.whitened(0.0, &[]);
+        let expected = expected.marginalised(0.0, &[]);
         let of_rest = expected.fit(vec![1]).unwrap();
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.abs().max(1.0);
         assert_eq!(fit.coefficient(0), 1.0);
@@ -344,11 +371,11 @@ mod tests {
         assert!(near(fit.sum_of_squares, of_rest.sum_of_squares));
         assert!(near(fixed.gain(&fit, &[2]), expected.gain(&of_rest, &[2])));
         assert_eq!(fixed.covariance(&fit, &[0, 1])[0], [0.0, 0.0]);
-        // nor does a column of nothing have a coefficient or scatter
+        // nor does a column of nothing have a coefficient or jackknife
         let mut idle = problem(&effort);
         let first = idle.push_columns(vec![vec![Vec::new()]]);
-        idle.groups.push(group(Meaning::Law("viscous_friction"), vec![first]));
-        let idle = idle.whitened(0.0, &[]);
+        idle.candidates.push(candidate(CandidateKind::Law("viscous_friction"), vec![first]));
+        let idle = idle.marginalised(0.0, &[]);
         let of_idle = idle.fit(vec![0, first]).unwrap();
         assert_eq!(of_idle.coefficient(first), 0.0);
         let covariance = idle.covariance(&of_idle, &[0, first]);
@@ -357,32 +384,38 @@ mod tests {
         assert!(left[0].iter().zip(&left_of_rest[0]).all(|(a, b)| near(*a, *b)));
     }
 
-    /// Two directions of a description that a stretch can hardly tell apart stay within their prior there; columns of
+    /// Two directions of a description that a block can hardly tell apart stay within their prior there; columns of
     /// a law, which have none, do not.
     #[test]
     fn descriptions_stay_near_nothing_where_nothing_shows_them() {
         let rows = swinging();
-        let along = |of: &dyn Fn(f64) -> f64| -> Blocks {
+        let along = |of: &dyn Fn(f64) -> f64| -> JointColumns {
             vec![(0..rows.len()).map(|row| of(row as f64)).collect()]
         };
         let effort = along(&|x| (7.3 * x * x).sin());
-        let largest = |meaning: Meaning| {
-            let mut problem =
-                Problem::new(rows.clone(), effort.clone(), Vec::new(), Background::default());
+        let largest = |kind: CandidateKind| {
+            let mut problem = LinearProblem::new(
+                rows.clone(),
+                effort.clone(),
+                Vec::new(),
+                LinkErrorPrior::default(),
+            );
             let first = problem.push_columns(vec![
                 along(&|x| (0.1 * x).sin()),
                 along(&|x| (0.1 * x).sin() + 1e-3 * (0.37 * x).cos()),
             ]);
-            problem.groups.push(group(meaning, vec![first, first + 1]));
-            let metric = problem.whitened(0.0, &[]);
+            problem.candidates.push(candidate(kind, vec![first, first + 1]));
+            let metric = problem.marginalised(0.0, &[]);
             let fit = metric.fit(metric.columns_of(&[0])).unwrap();
             fit.coefficients.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
         };
         let basis = SmoothBasis { factors: Vec::new(), axes: Vec::new() };
-        let described =
-            largest(Meaning::SmoothDirections(SmoothDirections { basis, transform: Vec::new() }));
+        let described = largest(CandidateKind::SmoothDirections(SmoothDirections {
+            basis,
+            transform: Vec::new(),
+        }));
         assert!(described < 3.0, "{described}");
-        let of_law = largest(Meaning::Law("viscous_friction"));
+        let of_law = largest(CandidateKind::Law("viscous_friction"));
         assert!(of_law > 10.0, "{of_law}");
     }
 }

@@ -1,21 +1,28 @@
 //! The operating point of the next iteration: what a fit adds to it, and the step of springs and links.
 
-use crate::design::candidate::Group;
+use crate::design::candidate::Candidate;
 use crate::design::compliant_link::{Posed, mean_inertia};
-use crate::design::linear_problem::Problem;
-use crate::regression::fit_set::Answer;
-use crate::regression::marginalised::Whitened;
+use crate::design::linear_problem::LinearProblem;
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
 use armident_model::{OperatingPoint, Spring, of_shape};
-/// The springs that an answer has found, beside which its links are fitted.
-pub(crate) fn springs(metric: &Whitened<'_>, found: &Answer, at: &[Posed<'_>]) -> Vec<Spring> {
-    let groups = found.set.iter().map(|g| &metric.problem.groups[*g]);
-    let rings = |group: &&Group| group.slug() == "joint_elasticity" && group.moves_its_link();
-    groups
+/// The springs that an estimate has found, beside which its links are fitted.
+pub(crate) fn springs(
+    metric: &Marginalised<'_>,
+    found: &Estimate,
+    at: &[Posed<'_>],
+) -> Vec<Spring> {
+    let candidates = found.set.iter().map(|g| &metric.problem.candidates[*g]);
+    let rings = |candidate: &&Candidate| {
+        candidate.slug() == "joint_elasticity" && candidate.moves_its_link()
+    };
+    candidates
         .filter(rings)
-        .map(|group| {
-            let joint = group.site.joints[0];
-            let transmission = of_shape(group.slug(), &group.shape, mean_inertia(at, joint));
-            Spring { joint, transmission, share: found.fit.of_group(group)[0] }
+        .map(|candidate| {
+            let joint = candidate.location.joints[0];
+            let transmission =
+                of_shape(candidate.slug(), &candidate.shape, mean_inertia(at, joint));
+            Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] }
         })
         .collect()
 }
@@ -66,24 +73,28 @@ pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Optio
 }
 
 /// The operating point with what a fit adds to it.
-pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) -> OperatingPoint {
+pub(crate) fn moves(
+    problem: &LinearProblem,
+    found: &Estimate,
+    from: &OperatingPoint,
+) -> OperatingPoint {
     let mut point = OperatingPoint::of(from.offset.len());
     point.links.clone_from(&from.links);
     point.springs.clone_from(&from.springs);
     point.turns.clone_from(&from.turns);
     for &g in &found.set {
-        let group = &problem.groups[g];
-        let coefficients = found.fit.of_group(group);
-        match group.slug() {
+        let candidate = &problem.candidates[g];
+        let coefficients = found.fit.of_candidate(candidate);
+        match candidate.slug() {
             "gravity_direction" => {
                 point.tilt = [from.tilt[0] + coefficients[0], from.tilt[1] + coefficients[1]];
             }
             "time_delay" => point.delay_s = from.delay_s + coefficients[0],
             "encoder_offset" => {
-                let j = group.site.joints[0];
+                let j = candidate.location.joints[0];
                 point.offset[j] = from.offset[j] + coefficients[0];
             }
-            "torque_scale" => point.gain[group.site.joints[0]] = 1.0 + coefficients[0],
+            "torque_scale" => point.gain[candidate.location.joints[0]] = 1.0 + coefficients[0],
             _ => {}
         }
     }
@@ -92,24 +103,24 @@ pub(crate) fn moves(problem: &Problem, found: &Answer, from: &OperatingPoint) ->
 
 /// By what the links are changed, where one of them moves by itself behind its motor, or seems to to first order, or
 /// friction follows the load.
-pub(crate) fn other_links(metric: &Whitened<'_>, found: &Answer) -> Option<Vec<f64>> {
-    let groups = || found.set.iter().map(|g| &metric.problem.groups[*g]);
-    let matters = |group: &Group| {
-        group.moves_its_link()
-            || ["joint_elasticity", "load_dependent_friction"].contains(&group.slug())
+pub(crate) fn other_links(metric: &Marginalised<'_>, found: &Estimate) -> Option<Vec<f64>> {
+    let candidates = || found.set.iter().map(|g| &metric.problem.candidates[*g]);
+    let matters = |candidate: &Candidate| {
+        candidate.moves_its_link()
+            || ["joint_elasticity", "load_dependent_friction"].contains(&candidate.slug())
     };
-    if !groups().any(matters) {
+    if !candidates().any(matters) {
         return None;
     }
     let mut change = metric.inertial_errors(&found.fit);
-    for group in groups() {
-        group.add_to_links(&found.fit.of_group(group), &mut change);
+    for candidate in candidates() {
+        candidate.add_to_links(&found.fit.of_candidate(candidate), &mut change);
     }
     change.iter().any(|x| *x != 0.0).then_some(change)
 }
 
 /// Whether a move of the operating point no longer matters.
-pub(crate) fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
+pub(crate) fn has_converged(to: &OperatingPoint, from: &OperatingPoint) -> bool {
     (to.tilt[0] - from.tilt[0]).hypot(to.tilt[1] - from.tilt[1]) < STILL.0
         && to.offset.iter().zip(&from.offset).all(|(a, b)| (a - b).abs() < STILL.1)
         && (to.delay_s - from.delay_s).abs() < STILL.2
@@ -117,18 +128,23 @@ pub(crate) fn is_still(to: &OperatingPoint, from: &OperatingPoint) -> bool {
 }
 
 /// Whether the constants of a transmission are those beside which its links were fitted; what is none always is.
-pub(crate) fn is_settled(group: &Group, before: &[Group], point: &OperatingPoint) -> bool {
+pub(crate) fn is_settled(
+    candidate: &Candidate,
+    before: &[Candidate],
+    point: &OperatingPoint,
+) -> bool {
     let near = |a: f64, b: f64| (a / b).ln().abs() < SETTLED;
-    if !group.moves_its_link() {
+    if !candidate.moves_its_link() {
         return true;
     }
-    if group.slug() == "joint_elasticity" {
-        let same = |spring: &&Spring| spring.joint == group.site.joints[0];
+    if candidate.slug() == "joint_elasticity" {
+        let same = |spring: &&Spring| spring.joint == candidate.location.joints[0];
         let fitted_beside = point.springs.iter().find(same);
-        return fitted_beside.is_some_and(|s| near(group.shape[0], s.transmission.stiffness));
+        return fitted_beside.is_some_and(|s| near(candidate.shape[0], s.transmission.stiffness));
     }
-    let same = |other: &&Group| other.meaning == group.meaning && other.site == group.site;
-    before.iter().find(same).is_some_and(|other| near(group.shape[0], other.shape[0]))
+    let same =
+        |other: &&Candidate| other.kind == candidate.kind && other.location == candidate.location;
+    before.iter().find(same).is_some_and(|other| near(candidate.shape[0], other.shape[0]))
 }
 
 /// Moves of the operating point below these no longer matter \[rad, rad or m, s, 1\].

@@ -5,17 +5,17 @@ use armident_effects::EVERYDAY;
 use armident_numeric::Cholesky;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::design::candidate::{Group, Meaning};
+use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use crate::design::link_error_prior::as_large_as;
-use crate::design::observations::Blocks;
+use crate::design::observations::JointColumns;
 use crate::design::rebuild::recreate_lasting;
-use crate::regression::fit_set::{Answer, answer, unnamed};
-use crate::regression::marginalised::Whitened;
-use crate::selection::materiality::{answer_without, held};
-use crate::uncertainty::jackknife::Scatter;
+use crate::regression::fit_set::{Estimate, fit_any_sign, fit_set};
+use crate::regression::marginalised::Marginalised;
+use crate::selection::materiality::{estimate_without, held};
+use crate::uncertainty::jackknife::Jackknife;
 use armident_model::OperatingPoint;
 
 /// A change that is not named is told where it alone would be none less often than this.
@@ -23,161 +23,173 @@ const TOLD: f64 = 0.05;
 
 /// A change that is not certain.
 #[derive(Debug, Clone)]
-pub(crate) struct Doubt {
-    pub(crate) group: Group,
-    /// chance that it is none
-    pub(crate) chance: f64,
-    /// whether it is in doubt only because it may have been there before
+pub(crate) struct Inconclusive {
+    pub(crate) candidate: Candidate,
+    /// p_value that it is none
+    pub(crate) p_value: f64,
+    /// whether it is in inconclusive only because it may have been there before
     pub(crate) maybe_before: bool,
 }
 
-/// Removes changes that may be none, the most doubtful first, and tells them. A change is certain where its
+/// Removes changes that may be none, the most inconclusive first, and tells them. A change is certain where its
 /// coefficients are far from nothing although the same effect may have been there before: a reference that does not
 /// excite it says nothing of it, and a motion that does would then look like a change.
 pub(crate) fn certain(
-    evidence: &Evidence<'_>,
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    metric: &Whitened<'_>,
-    mut of: Answer,
+    metric: &Marginalised<'_>,
+    mut of: Estimate,
     point: &OperatingPoint,
-) -> (Answer, Vec<Doubt>) {
-    let mut told: Vec<Doubt> = Vec::new();
+) -> (Estimate, Vec<Inconclusive>) {
+    let mut told: Vec<Inconclusive> = Vec::new();
     if of.set.is_empty() {
         return (of, told);
     }
-    let groups = &metric.problem.groups;
-    let open = LeftOpen::of(evidence, at, metric, &of);
-    let most = CHANCE / groups.len() as f64;
+    let candidates = &metric.problem.candidates;
+    let open = ReferenceUncertainty::of(design, at, metric, &of);
+    let most = CHANCE / candidates.len() as f64;
     loop {
-        let mut doubtful = open.chances(metric, &of, point);
-        doubtful.retain(|(chance, _)| *chance > most);
-        doubtful.sort_by(|a, b| b.0.total_cmp(&a.0));
-        if doubtful.is_empty() {
+        let mut inconclusive = open.p_values(metric, &of, point);
+        inconclusive.retain(|(p_value, _)| *p_value > most);
+        inconclusive.sort_by(|a, b| b.0.total_cmp(&a.0));
+        if inconclusive.is_empty() {
             break;
         }
-        let closed = LeftOpen::default().chances(metric, &of, point);
+        let closed = ReferenceUncertainty::default().p_values(metric, &of, point);
         // one that the others can do without, or else all of them
         let alone =
-            doubtful.iter().find_map(|d| Some((answer_without(metric, &of, d.1)?, vec![*d])));
-        let left = of.set.iter().copied().filter(|g| doubtful.iter().all(|d| d.1 != *g)).collect();
-        let next = alone.or_else(|| Some((answer(metric, left)?, doubtful.clone())));
+            inconclusive.iter().find_map(|d| Some((estimate_without(metric, &of, d.1)?, vec![*d])));
+        let left =
+            of.set.iter().copied().filter(|g| inconclusive.iter().all(|d| d.1 != *g)).collect();
+        let next = alone.or_else(|| Some((fit_set(metric, left)?, inconclusive.clone())));
         let Some((next, gone)) = next else { break };
-        for (chance, g) in gone {
-            let group = groups[g].clone();
-            let maybe_before = closed.iter().any(|(chance, c)| *c == g && *chance <= most);
-            if told.iter().all(|doubt| !same(&doubt.group, &group)) {
-                told.push(Doubt { group, chance, maybe_before });
+        for (p_value, g) in gone {
+            let candidate = candidates[g].clone();
+            let maybe_before = closed.iter().any(|(p_value, c)| *c == g && *p_value <= most);
+            if told.iter().all(|inconclusive| !same(&inconclusive.candidate, &candidate)) {
+                told.push(Inconclusive { candidate, p_value, maybe_before });
             }
         }
         of = next;
     }
-    told.retain(|doubt| doubt.maybe_before || doubt.chance < TOLD);
-    told.retain(|doubt| of.set.iter().all(|g| !same(&groups[*g], &doubt.group)));
-    told.sort_by(|a, b| a.chance.total_cmp(&b.chance));
+    told.retain(|inconclusive| inconclusive.maybe_before || inconclusive.p_value < TOLD);
+    told.retain(|inconclusive| {
+        of.set.iter().all(|g| !same(&candidates[*g], &inconclusive.candidate))
+    });
+    told.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
     (of, told)
 }
 
-/// Whether two groups are one effect at one place.
-fn same(a: &Group, b: &Group) -> bool {
-    a.meaning == b.meaning && a.site == b.site
+/// Whether two candidates are one effect at one place.
+fn same(a: &Candidate, b: &Candidate) -> bool {
+    a.kind == b.kind && a.location == b.location
 }
 
 /// Effects that may have been there before.
 #[derive(Default)]
-pub(crate) struct LeftOpen {
+pub(crate) struct ReferenceUncertainty {
     /// of laws
-    columns: Vec<Blocks>,
+    columns: Vec<JointColumns>,
 }
 
-impl LeftOpen {
-    /// Those of an answer. The everyday terms of joints are free in all recordings anyway; a contact comes and goes; a
+impl ReferenceUncertainty {
+    /// Those of an estimate. The baseline terms of joints are free in all recordings anyway; a contact comes and goes; a
     /// description without a name is none of an effect.
     pub(crate) fn of(
-        evidence: &Evidence<'_>,
+        design: &Design<'_>,
         at: &[Posed<'_>],
-        metric: &Whitened<'_>,
-        of: &Answer,
+        metric: &Marginalised<'_>,
+        of: &Estimate,
     ) -> Self {
-        let throughout = evidence.acting_throughout();
+        let throughout = design.acting_throughout();
         let mut all = throughout.problem_of_arm(at);
         let mut open = Self::default();
         for &g in &of.set {
-            let group = &metric.problem.groups[g];
-            let everyday = EVERYDAY.iter().any(|law| law.law().slug == group.slug());
-            if everyday
-                || group.site.window.is_some()
-                || matches!(group.meaning, Meaning::SmoothDirections(_))
+            let candidate = &metric.problem.candidates[g];
+            let baseline = EVERYDAY.iter().any(|law| law.law().slug == candidate.slug());
+            if baseline
+                || candidate.location.window.is_some()
+                || matches!(candidate.kind, CandidateKind::SmoothDirections(_))
             {
                 continue;
             }
-            if let Some(id) = recreate_lasting(&throughout, at, &mut all, group) {
-                let columns = all.groups[id].columns.iter();
+            if let Some(id) = recreate_lasting(&throughout, at, &mut all, candidate) {
+                let columns = all.candidates[id].columns.iter();
                 open.columns.extend(columns.map(|c| all.columns[*c].clone()));
             }
         }
         open
     }
 
-    /// Chances that groups of an answer are none; a description without a name has none.
-    fn chances(
+    /// Chances that candidates of an estimate are none; a description without a name has none.
+    fn p_values(
         &self,
-        metric: &Whitened<'_>,
-        of: &Answer,
+        metric: &Marginalised<'_>,
+        of: &Estimate,
         point: &OperatingPoint,
     ) -> Vec<(f64, usize)> {
         let mut problem = self.problem(metric, of);
         // how far from nothing is asked of a size as well that is held at 1 elsewhere
-        problem.groups.iter_mut().for_each(|group| group.is_of_size_one = false);
+        problem.candidates.iter_mut().for_each(|candidate| candidate.is_of_size_one = false);
         let named = of.set.iter().enumerate().filter(|(_, g)| {
-            !matches!(metric.problem.groups[**g].meaning, Meaning::SmoothDirections(_))
+            !matches!(metric.problem.candidates[**g].kind, CandidateKind::SmoothDirections(_))
         });
         let Some((opened, fitted)) = fitted(&problem, metric) else {
             return named.map(|(_, g)| (1.0, *g)).collect();
         };
-        let scatter = Scatter::of(&opened, &fitted);
-        let mut told = Scatter::of(metric, of);
+        let jackknife = Jackknife::of(&opened, &fitted);
+        let mut told = Jackknife::of(metric, of);
         self.widen(&mut told, metric, of);
-        let chance = |(k, g): (usize, usize)| {
-            let free = chance(&opened, &fitted, k, &scatter, point).unwrap_or(1.0);
+        let p_value = |(k, g): (usize, usize)| {
+            let free = p_value(&opened, &fitted, k, &jackknife, point).unwrap_or(1.0);
             // nor may the numbers as they are told be none: where the size is held they do not say
-            if metric.problem.groups[g].is_of_size_one {
+            if metric.problem.candidates[g].is_of_size_one {
                 return free;
             }
-            free.max(chance(metric, of, g, &told, point).unwrap_or(1.0))
+            free.max(p_value(metric, of, g, &told, point).unwrap_or(1.0))
         };
-        named.map(|(k, g)| (chance((k, *g)), *g)).collect()
+        named.map(|(k, g)| (p_value((k, *g)), *g)).collect()
     }
 
-    /// How far coefficients of an answer can be trusted where this is free.
-    pub(crate) fn widen(&self, scatter: &mut Scatter, metric: &Whitened<'_>, of: &Answer) {
+    /// How far coefficients of an estimate can be trusted where this is free.
+    pub(crate) fn widen(
+        &self,
+        jackknife: &mut Jackknife,
+        metric: &Marginalised<'_>,
+        of: &Estimate,
+    ) {
         let problem = self.problem(metric, of);
         let Some((opened, fitted)) = fitted(&problem, metric) else { return };
-        for (g, here) in of.set.iter().zip(&problem.groups) {
+        for (g, here) in of.set.iter().zip(&problem.candidates) {
             let covariance = opened.covariance(&fitted.fit, &here.columns);
-            let columns = metric.problem.groups[*g].columns.iter().zip(&here.columns);
+            let columns = metric.problem.candidates[*g].columns.iter().zip(&here.columns);
             for (k, (column, here)) in columns.enumerate() {
                 let change = fitted.fit.coefficient(*here) - of.fit.coefficient(*column);
-                scatter.leave_open(*column, covariance[k][k], change);
+                jackknife.leave_open(*column, covariance[k][k], change);
             }
         }
     }
 
-    /// The problem of an answer's groups, in their order, in which these effects are free in all recordings.
-    fn problem(&self, metric: &Whitened<'_>, of: &Answer) -> Problem {
+    /// The problem of an estimate's candidates, in their order, in which these effects are free in all recordings.
+    fn problem(&self, metric: &Marginalised<'_>, of: &Estimate) -> LinearProblem {
         let problem = metric.problem;
         let (small, _) = problem.restricted(&of.set);
         let rigid = problem.rigid;
-        let mut background = problem.background.clone();
+        let mut link_error_prior = problem.link_error_prior.clone();
         let deviations: Vec<f64> =
             self.columns.iter().map(|c| as_large_as(&problem.effort, c)).collect();
-        background.extend(&deviations);
+        link_error_prior.extend(&deviations);
         let (known, own) = small.columns.split_at(rigid);
         let columns = known.iter().chain(&self.columns).chain(own).cloned().collect();
-        let mut opened =
-            Problem::new(small.rows.clone(), small.effort.clone(), columns, background);
+        let mut opened = LinearProblem::new(
+            small.observations.clone(),
+            small.effort.clone(),
+            columns,
+            link_error_prior,
+        );
         opened.rigid = rigid + self.columns.len();
-        opened.groups = small.groups;
-        for column in opened.groups.iter_mut().flat_map(|group| &mut group.columns) {
+        opened.candidates = small.candidates;
+        for column in opened.candidates.iter_mut().flat_map(|candidate| &mut candidate.columns) {
             *column += self.columns.len();
         }
         opened.known = small.known;
@@ -186,34 +198,37 @@ impl LeftOpen {
 }
 
 /// A problem in which a reference leaves effects open, with links that are no better known than a URDF's, and the fit
-/// of its groups.
-fn fitted<'p>(problem: &'p Problem, metric: &Whitened<'_>) -> Option<(Whitened<'p>, Answer)> {
-    let opened = problem.whitened(metric.scale.max(REFERENCE_SCALE), &metric.wide);
+/// of its candidates.
+fn fitted<'p>(
+    problem: &'p LinearProblem,
+    metric: &Marginalised<'_>,
+) -> Option<(Marginalised<'p>, Estimate)> {
+    let opened = problem.marginalised(metric.scale.max(REFERENCE_SCALE), &metric.inflated);
     // signs are asked of what is named, not of this
-    let (fitted, _) = unnamed(&opened, (0..problem.groups.len()).collect())?;
+    let (fitted, _) = fit_any_sign(&opened, (0..problem.candidates.len()).collect())?;
     Some((opened, fitted))
 }
 
 /// Probability that coefficients of nothing are as far from zero as those of a law: all of them together, or one of
 /// them alone. The size of what the model leaves over is known from the independent samples of the reference. None
 /// where they are numerically dependent.
-fn chance(
-    metric: &Whitened<'_>,
-    of: &Answer,
-    group: usize,
-    scatter: &Scatter,
+fn p_value(
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
+    jackknife: &Jackknife,
     point: &OperatingPoint,
 ) -> Option<f64> {
-    let group = &metric.problem.groups[group];
-    let mut coefficients = of.fit.of_group(group);
-    for (column, amount) in held(group, point) {
-        let place = group.columns.iter().position(|c| *c == column)?;
+    let candidate = &metric.problem.candidates[candidate];
+    let mut coefficients = of.fit.of_candidate(candidate);
+    for (column, amount) in held(candidate, point) {
+        let place = candidate.columns.iter().position(|c| *c == column)?;
         coefficients[place] += amount;
     }
-    let (covariance, _) = scatter.covariance(metric, of, group);
+    let (covariance, _) = jackknife.covariance(metric, of, candidate);
     let count = coefficients.len();
     let cholesky = Cholesky::of(count, |i, j| covariance[i][j])?;
-    let samples = samples_before(metric.problem, group);
+    let samples = samples_before(metric.problem, candidate);
     let tail = |squares: f64, freedom: usize| -> Option<f64> {
         let freedom = freedom as f64;
         Some(FisherSnedecor::new(freedom, samples).ok()?.sf(squares / freedom))
@@ -224,15 +239,16 @@ fn chance(
     Some(tail(together, count)?.min(count as f64 * tail(largest, 1)?))
 }
 
-/// Independent samples of the joints of a group before the change, of the joint that has the fewest.
-fn samples_before(problem: &Problem, group: &Group) -> f64 {
-    let rows = &problem.rows;
+/// Independent samples of the joints of a candidate before the change, of the joint that has the fewest.
+fn samples_before(problem: &LinearProblem, candidate: &Candidate) -> f64 {
+    let rows = &problem.observations;
     let of_joint = |j: usize| {
         let before = &rows.weight(j)[..rows.judged_from()];
-        before.iter().filter(|w| **w > 0.0).count() as f64 * rows.share
+        before.iter().filter(|w| **w > 0.0).count() as f64 * rows.weights.share
     };
-    let everywhere = group.site.joints.is_empty() || group.transform.is_some();
-    let joints = if everywhere { (0..rows.joints()).collect() } else { group.site.joints.clone() };
+    let everywhere = candidate.location.joints.is_empty() || candidate.transform.is_some();
+    let joints =
+        if everywhere { (0..rows.joints()).collect() } else { candidate.location.joints.clone() };
     joints.into_iter().map(of_joint).filter(|n| *n > 0.0).fold(f64::INFINITY, f64::min).max(1.0)
 }
 
@@ -254,32 +270,36 @@ mod tests {
     fn stays(
         before: Signals,
         after: Signals,
-        wanted: impl Fn(&Group) -> bool,
-    ) -> (Vec<Vec<usize>>, Vec<Doubt>) {
+        wanted: impl Fn(&Candidate) -> bool,
+    ) -> (Vec<Vec<usize>>, Vec<Inconclusive>) {
         let chain = ur5();
-        let mut evidence = Evidence::new(&chain, vec![before, after]);
-        evidence.seek_change(1);
-        let point = OperatingPoint::of(evidence.joints());
-        let problem = evidence.problem(&point);
-        let at = evidence.at(&point);
-        let all = (0..problem.groups.len()).filter(|g| wanted(&problem.groups[*g])).collect();
-        let metric = problem.whitened(0.0, &[]);
-        let found = answer(&metric, all).unwrap();
-        let (certain, doubts) = certain(&evidence, &at, &metric, found, &point);
-        let joints = certain.set.iter().map(|g| problem.groups[*g].site.joints.clone());
-        (joints.collect(), doubts)
+        let (design, _) = Design::new(&chain, vec![before, after]).against_reference(1);
+        let point = OperatingPoint::of(design.joints());
+        let problem = design.problem(&point);
+        let at = design.at(&point);
+        let all =
+            (0..problem.candidates.len()).filter(|g| wanted(&problem.candidates[*g])).collect();
+        let metric = problem.marginalised(0.0, &[]);
+        let found = fit_set(&metric, all).unwrap();
+        let (certain, inconclusive) = certain(&design, &at, &metric, found, &point);
+        let joints = certain.set.iter().map(|g| problem.candidates[*g].location.joints.clone());
+        (joints.collect(), inconclusive)
     }
 
-    /// An offset that came stays, and those that are fitted to noise go, whatever else is in the answer.
+    /// An offset that came stays, and those that are fitted to noise go, whatever else is in the estimate.
     #[test]
     fn what_may_be_chance_goes() {
         let chain = ur5();
         let before = swung(&chain, 0.1, |_, _| 0.0);
         let after = swung(&chain, 0.1, |j, _| if j == 2 { 0.3 } else { 0.0 });
-        let (joints, doubts) = stays(before, after, |group| group.slug() == "torque_offset");
+        let (joints, inconclusive) =
+            stays(before, after, |candidate| candidate.slug() == "torque_offset");
         assert_eq!(joints, [[2]]);
-        assert!(doubts.iter().all(|doubt| doubt.chance > 1e-4), "{doubts:?}");
-        assert!(doubts.iter().all(|doubt| !doubt.maybe_before));
+        assert!(
+            inconclusive.iter().all(|inconclusive| inconclusive.p_value > 1e-4),
+            "{inconclusive:?}"
+        );
+        assert!(inconclusive.iter().all(|inconclusive| !inconclusive.maybe_before));
     }
 
     /// Two joints that a transmission couples: a reference full of noise does not say whether they were coupled
@@ -289,15 +309,17 @@ mod tests {
         let chain = ur5();
         let friction = |v: f64| 0.5 * v + 0.5 * v.signum();
         let coupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[4] + v[5]) } else { 0.0 };
-        let is_coupling = |group: &Group| {
-            group.slug() == "joint_coupling" && group.site.joints == [4, 5] && group.shape == [1.0]
+        let is_coupling = |candidate: &Candidate| {
+            candidate.slug() == "joint_coupling"
+                && candidate.location.joints == [4, 5]
+                && candidate.shape == [1.0]
         };
         let after = || swung(&chain, 0.1, coupled);
         let uncoupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[j]) } else { 0.0 };
         for before in [swung(&chain, 50.0, coupled), swung(&chain, 50.0, uncoupled)] {
-            let (joints, doubts) = stays(before, after(), is_coupling);
+            let (joints, inconclusive) = stays(before, after(), is_coupling);
             assert!(joints.is_empty(), "{joints:?}");
-            assert!(doubts[0].maybe_before, "{}", doubts[0].chance);
+            assert!(inconclusive[0].maybe_before, "{}", inconclusive[0].p_value);
         }
         let (joints, _) = stays(swung(&chain, 0.1, uncoupled), after(), is_coupling);
         assert_eq!(joints, [[4, 5]]);
@@ -322,13 +344,12 @@ mod tests {
         }
         let accelerated = after.effort[JOINT].iter_mut().zip(&after.acceleration[JOINT]);
         accelerated.for_each(|(e, a)| *e += MOTOR_INERTIA * a);
-        let mut evidence = Evidence::new(&chain, vec![before, after]);
-        evidence.seek_change(1);
-        let at = evidence.at(&point);
-        let mut problem = evidence.problem(&point);
+        let (design, _) = Design::new(&chain, vec![before, after]).against_reference(1);
+        let at = design.at(&point);
+        let mut problem = design.problem(&point);
         let shape = [transmission.stiffness, transmission.damping];
         let pushed = push_transmission(
-            &evidence,
+            &design,
             &at,
             &mut problem,
             "joint_elasticity",
@@ -336,11 +357,11 @@ mod tests {
             &shape,
             &mut Vec::new(),
         );
-        let group = pushed.unwrap();
-        assert!(problem.groups[group].is_of_size_one);
-        let metric = problem.whitened(0.0, &[]);
-        let found = answer(&metric, vec![group]).unwrap();
-        let (certain, doubts) = certain(&evidence, &at, &metric, found, &point);
-        assert_eq!(certain.set, [group], "{doubts:?}");
+        let candidate = pushed.unwrap();
+        assert!(problem.candidates[candidate].is_of_size_one);
+        let metric = problem.marginalised(0.0, &[]);
+        let found = fit_set(&metric, vec![candidate]).unwrap();
+        let (certain, inconclusive) = certain(&design, &at, &metric, found, &point);
+        assert_eq!(certain.set, [candidate], "{inconclusive:?}");
     }
 }

@@ -1,36 +1,37 @@
-//! From evidence to the answer: search, scans, refinement, operating point.
+//! From design to the estimate: search, scans, refinement, operating point.
 
+use crate::design::observations::Weights;
 use crate::regression::relinearise::{
-    Step, is_settled, is_still, moves, other_links, springs, stride,
+    Step, has_converged, is_settled, moves, other_links, springs, stride,
 };
 use crate::selection::change_significance::{REFERENCE_SCALE, certain};
 use crate::selection::solution::Selection;
 use armident_numeric::dot;
 
-use crate::design::candidate::Group;
+use crate::design::candidate::Candidate;
 use crate::design::contact::ContactColumns;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::recreate;
 use crate::design::ripple::RippleColumns;
-use crate::regression::fit_set::{Answer, answer};
+use crate::regression::fit_set::{Estimate, fit_set};
 use crate::regression::score::PRICE_OF_CHOICE;
 use crate::selection::cross_validation::{
-    confirm, imperfection, with_changes, with_everyday_terms,
+    confirm, imperfection, with_baseline_terms, with_changes,
 };
 use crate::selection::materiality::{held, prune};
-use crate::selection::prior_scale::{Best, ChosenBy, Memory, best_of_scales};
+use crate::selection::prior_scale::{ScaleCriterion, ScaleFit, SearchState, best_of_scales};
 use crate::selection::refine_shape::{fractional_ripples, refine};
-use crate::selection::reversal::with_turns;
-use crate::selection::rivals::{everyday_first, load_first};
-use crate::selection::simulated_candidates::with_hidden_motion;
+use crate::selection::reversal::with_reversal_models;
+use crate::selection::rivals::{baseline_first, load_first};
+use crate::selection::simulated_candidates::with_simulated_candidates;
 use crate::selection::weights::{
-    first_misfits, independent_share, misfits, misfits_after, stuck_weights,
+    discrepancies, discrepancies_after, independent_share, initial_discrepancies, stuck_weights,
 };
 use armident_model::OperatingPoint;
 
-/// Logarithm of the ratio of two misfits that are the same.
-const SAME_MISFIT: f64 = 0.3;
+/// Logarithm of the ratio of two discrepancies that are the same.
+const SAME_DISCREPANCY: f64 = 0.3;
 
 /// Share of the independent samples from which on their number was clearly overrated.
 const FEWER_SAMPLES: f64 = 0.8;
@@ -39,202 +40,225 @@ const FEWER_SAMPLES: f64 = 0.8;
 const PASSES: usize = 8;
 const ALL_FROM: usize = 3;
 
-/// The answer to what the recordings show.
+/// The estimate to what the recordings show.
 ///
 /// How far all links may be off is chosen before the operating point is right and every law was tried, in one of two
-/// ways ([`ChosenBy`]). Where they part, both are walked to their ends, and the shorter description is the answer.
-pub(crate) fn select(owner: &mut Evidence<'_>) -> Option<Selection> {
-    let point = OperatingPoint::of(owner.joints());
-    let ripple = RippleColumns::new(owner, &owner.at(&point));
-    weigh_first(owner, &point)?;
-    let rows = owner.rows.clone();
-    let mut memory = Memory::new(ChosenBy::All);
-    let End { mut found, rests } = walk(owner, &ripple, &mut memory)?;
-    if owner.rows.changed_from > 0 {
-        return Some(found);
+/// ways ([`ScaleCriterion`]). Where they part, both are walked to their ends, and the shorter description is the estimate.
+pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)> {
+    let point = OperatingPoint::of(design.joints());
+    let ripple = RippleColumns::new(design, &design.at(&point));
+    let initial = design.weighted(initial_weights(design, &point)?);
+    let mut state = SearchState::new(ScaleCriterion::All);
+    let mut end = iterate(&initial, &ripple, &mut state)?;
+    if design.observations.comparison.seeks_change() {
+        return Some((end.design, end.found));
     }
-    if memory.ways_part {
-        let rows = std::mem::replace(&mut owner.rows, rows);
-        let other = walk(owner, &ripple, &mut Memory::new(ChosenBy::WhatMatters));
-        let share = rows.share.min(owner.rows.share);
-        // what still moves is no answer where the other one rests
-        let is_better = |other: &End| match (other.rests, rests) {
+    if state.criteria_disagree {
+        let other = iterate(&initial, &ripple, &mut SearchState::new(ScaleCriterion::WhatMatters));
+        // what still moves is no solution where the other one has converged
+        let is_better = |other: &IterationEnd<'_>| match (other.converged, end.converged) {
             (true, false) => true,
             (false, true) => false,
-            _ => other.found.length(share) < found.length(share),
-        };
-        match other.filter(is_better) {
-            Some(other) => found = other.found,
-            None => owner.rows = rows,
-        }
-    }
-    Some(with_turns(owner, &found).unwrap_or(found))
-}
-
-/// Weighs rows and joints by what the believed arm leaves over, before anything is known. None where what is before a
-/// change cannot be fitted.
-fn weigh_first(owner: &mut Evidence<'_>, point: &OperatingPoint) -> Option<()> {
-    let seeks_change = owner.rows.changed_from > 0;
-    let mut first = owner.problem(point);
-    if !seeks_change {
-        let weights = stuck_weights(&first);
-        if weights != owner.rows.stuck_weight {
-            for (j, weight) in weights.into_iter().enumerate() {
-                owner.rows.set_stuck_weight(j, weight);
+            _ => {
+                let shares = [&end.design, &other.design].map(|d| d.observations.weights.share);
+                let share = shares[0].min(shares[1]);
+                other.found.length(share) < end.found.length(share)
             }
-            first = owner.problem(point);
+        };
+        if let Some(other) = other.filter(is_better) {
+            end = other;
         }
     }
-    let misfit = if seeks_change {
-        // what changed must not tell how few samples of the arm's imperfection are independent
-        let left_over = imperfection(&first, REFERENCE_SCALE)?;
-        let reference = &first.rows.starts[..=first.rows.changed_from];
-        let share = independent_share(&left_over, reference, first.rows.rows_hz);
-        owner.rows.share = share.min(owner.rows.share);
-        left_over.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect()
-    } else {
-        first_misfits(owner, &owner.at(point), &first)
-    };
-    for (j, misfit) in misfit.into_iter().enumerate() {
-        owner.rows.set_misfit_before(j, misfit);
-        owner.rows.set_misfit(j, misfit);
-    }
-    Some(())
+    let IterationEnd { design, found, .. } = end;
+    let found = with_reversal_models(&design, &found).unwrap_or(found);
+    Some((design, found))
 }
 
-/// Where a walk ended.
-struct End {
+/// Weights from what the believed arm leaves over on rows and joints, before anything is known. None where what is
+/// before a change cannot be fitted.
+fn initial_weights(design: &Design<'_>, point: &OperatingPoint) -> Option<Weights> {
+    let seeks_change = design.observations.comparison.seeks_change();
+    let mut first = design.problem(point);
+    let mut weights = design.observations.weights.clone();
+    if !seeks_change {
+        let stuck = stuck_weights(&first);
+        if stuck != weights.stuck {
+            weights = design.observations.with_stuck_weights(stuck);
+            first = design.weighted(weights.clone()).problem(point);
+        }
+    }
+    let weighted = design.weighted(weights);
+    if seeks_change {
+        // what changed must not tell how few samples of the arm's discrepancy are independent
+        let left_over = imperfection(&first, REFERENCE_SCALE)?;
+        let rows = &first.observations;
+        let reference = &rows.starts[..=rows.comparison.first_judged()];
+        let share = independent_share(&left_over, reference, rows.rows_hz);
+        let discrepancy: Vec<f64> =
+            left_over.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect();
+        let weights = with_discrepancies(&weighted, discrepancy);
+        let share = share.min(weights.share);
+        return Some(weights.with_share(share));
+    }
+    let discrepancy = initial_discrepancies(&weighted, &weighted.at(point), &first);
+    Some(with_discrepancies(&weighted, discrepancy))
+}
+
+/// Weights for these discrepancies before a change and after it.
+fn with_discrepancies(design: &Design<'_>, discrepancy: Vec<f64>) -> Weights {
+    let before = design.observations.with_discrepancy_before(discrepancy.clone());
+    design.observations.weighted(before).with_discrepancy(discrepancy)
+}
+
+/// Where an iteration ended.
+struct IterationEnd<'a> {
+    /// with the weights it ended with
+    design: Design<'a>,
     found: Selection,
     /// whether nothing moved any more
-    rests: bool,
+    converged: bool,
 }
 
-/// From the believed arm to where the operating point, the weights and the answer no longer move.
-fn walk(owner: &mut Evidence<'_>, ripple: &RippleColumns, memory: &mut Memory) -> Option<End> {
-    let mut point = OperatingPoint::of(owner.joints());
-    let seeks_change = owner.rows.changed_from > 0;
+/// From the believed arm to where the operating point, the weights and the estimate no longer move.
+fn iterate<'a>(
+    initial: &Design<'a>,
+    ripple: &RippleColumns,
+    state: &mut SearchState,
+) -> Option<IterationEnd<'a>> {
+    let mut weighted = initial.weighted(initial.observations.weights.clone());
+    let mut point = OperatingPoint::of(weighted.joints());
+    let seeks_change = initial.observations.comparison.seeks_change();
     let mut last = None;
     let mut last_step = None;
     let mut is_right = false;
     for pass in 0..PASSES {
-        let evidence: &Evidence<'_> = owner;
-        let at = evidence.at(&point);
-        let contact = ContactColumns::new(evidence, &at);
-        let mut problem = evidence.problem_at(&at);
-        let start: Vec<usize> = memory
-            .groups
+        let design = &weighted;
+        let at = design.at(&point);
+        let contact = ContactColumns::new(design, &at);
+        let mut problem = design.problem_at(&at);
+        let start: Vec<usize> = state
+            .candidates
             .iter()
-            .filter_map(|g| recreate(evidence, &at, &contact, &mut problem, g))
+            .filter_map(|g| recreate(design, &at, &contact, &mut problem, g))
             .collect();
         let (mut best, starts) =
-            best_of_scales(evidence, &at, ripple, &contact, &mut problem, start, &point, memory)?;
-        best.answer = with_held(&problem, &best, &point);
+            best_of_scales(design, &at, ripple, &contact, &mut problem, start, &point, state)?;
+        best.estimate = with_operating_terms(&problem, &best, &point);
         // what is dear to try waits until the configuration is right
-        let metric = problem.whitened(best.scale, &best.wide);
-        let pruned = prune(&metric, best.answer.clone(), &point);
+        let metric = problem.marginalised(best.scale, &best.inflated);
+        let pruned = prune(&metric, best.estimate.clone(), &point);
         // beside wrong links a spring that was found may look like none until it is polished again
         let all = is_right
             || !point.springs.is_empty()
-            || is_still(&moves(&problem, &pruned, &point), &point)
+            || has_converged(&moves(&problem, &pruned, &point), &point)
             || pass >= ALL_FROM;
         if all {
-            best = with_hidden_motion(
-                evidence,
+            best = with_simulated_candidates(
+                design,
                 &at,
                 (ripple, &contact),
                 &mut problem,
                 starts,
-                memory,
+                state,
                 best,
             );
-            best.answer = with_held(&problem, &best, &point);
+            best.estimate = with_operating_terms(&problem, &best, &point);
         }
-        let Best { scale, wide, answer: found } = best;
-        let found = prune(&problem.whitened(scale, &wide), found, &point);
+        let ScaleFit { scale, inflated, estimate: found } = best;
+        let found = prune(&problem.marginalised(scale, &inflated), found, &point);
         let rough = found.score;
-        let metric = (scale, &wide[..]);
-        let found = refine(evidence, &at, &contact, &mut problem, metric, memory, found, |_| true);
+        let metric = (scale, &inflated[..]);
+        let found = refine(design, &at, &contact, &mut problem, metric, state, found, |_| true);
         let polished = rough - found.score > PRICE_OF_CHOICE;
-        let found = prune(&problem.whitened(scale, &wide), found, &point);
-        let mut doubtful = Vec::new();
-        let mut found = confirm(&problem.whitened(scale, &wide), found, &point);
+        let found = prune(&problem.marginalised(scale, &inflated), found, &point);
+        let mut inconclusive = Vec::new();
+        let mut found = confirm(&problem.marginalised(scale, &inflated), found, &point);
         // simpler relatives that came in need to matter as well
         if !seeks_change {
-            found = prune(&problem.whitened(scale, &wide), found, &point);
+            found = prune(&problem.marginalised(scale, &inflated), found, &point);
         }
         if seeks_change {
-            let metric = problem.whitened(scale, &wide);
+            let metric = problem.marginalised(scale, &inflated);
             found = load_first(&metric, with_changes(&metric, found));
             found = prune(&metric, found, &point);
-            (found, doubtful) = certain(evidence, &at, &metric, found, &point);
+            (found, inconclusive) = certain(design, &at, &metric, found, &point);
         } else {
-            found = everyday_first(&problem.whitened(scale, &wide), found, &point);
+            found = baseline_first(&problem.marginalised(scale, &inflated), found, &point);
         }
-        let fractional = fractional_ripples(evidence, &problem, &found);
-        let groups: Vec<Group> = found.set.iter().map(|g| problem.groups[*g].clone()).collect();
-        let settled = groups.iter().all(|g| is_settled(g, &memory.groups, &point));
-        memory.groups = groups;
+        let fractional = fractional_ripples(design, &problem, &found);
+        let candidates: Vec<Candidate> =
+            found.set.iter().map(|g| problem.candidates[*g].clone()).collect();
+        let settled = candidates.iter().all(|g| is_settled(g, &state.candidates, &point));
+        state.candidates = candidates;
         let again = !fractional.is_empty();
-        memory.no_ripple.extend(fractional);
+        state.no_ripple.extend(fractional);
         if again {
-            memory.groups.retain(|g| {
-                g.slug() != "torque_ripple" || !memory.no_ripple.contains(&g.site.joints[0])
+            state.candidates.retain(|g| {
+                g.slug() != "torque_ripple" || !state.no_ripple.contains(&g.location.joints[0])
             });
         }
         let mut target = moves(&problem, &found, &point);
-        let metric = problem.whitened(scale, &wide);
+        let metric = problem.marginalised(scale, &inflated);
         let links = other_links(&metric, &found);
         // the links behind a transmission were found beside it, and it beside those of the pass before
-        let still =
-            is_still(&target, &point) && (links.is_none() || (point.links.is_some() && settled));
+        let still = has_converged(&target, &point)
+            && (links.is_none() || (point.links.is_some() && settled));
         // a spring that went must not shape the columns of the next pass
         target.springs = if links.is_some() { springs(&metric, &found, &at) } else { Vec::new() };
         target.links = links;
         let step = Step { from: point.springs.clone(), to: target.springs.clone() };
         stride(&mut target, &point, last_step.replace(step).as_ref());
-        let (misfit, share) = if seeks_change {
-            (misfits_after(&metric, &found), problem.rows.share)
+        let (discrepancy, share) = if seeks_change {
+            (discrepancies_after(&metric, &found), problem.observations.weights.share)
         } else {
-            // of what no term of a plain identification explains: a short answer must not look like few samples
-            let residual = with_everyday_terms(&metric, &found);
-            let share = independent_share(&residual, &problem.rows.starts, problem.rows.rows_hz);
-            (misfits(&metric, &found), share.min(problem.rows.share))
+            // of what no term of a plain identification explains: a short estimate must not look like few samples
+            let residual = with_baseline_terms(&metric, &found);
+            let share = independent_share(
+                &residual,
+                &problem.observations.starts,
+                problem.observations.rows_hz,
+            );
+            (discrepancies(&metric, &found), share.min(problem.observations.weights.share))
         };
-        let differs = |(new, old): (&f64, &f64)| (new / old).ln().abs() > SAME_MISFIT;
+        let differs = |(new, old): (&f64, &f64)| (new / old).ln().abs() > SAME_DISCREPANCY;
         // what was not tried yet must not make a joint unimportant
-        let reweighted = share < FEWER_SAMPLES * problem.rows.share
-            || ((all || !seeks_change) && misfit.iter().zip(&problem.rows.misfit).any(differs));
+        let reweighted = share < FEWER_SAMPLES * problem.observations.weights.share
+            || ((all || !seeks_change)
+                && discrepancy.iter().zip(&problem.observations.weights.discrepancy).any(differs));
         // moves that were not confirmed must not end the search before all was tried
         // beside a law on the wrong size others were chosen, and how far links may be off, that took its part
         is_right = still && !again && !reweighted && !polished;
-        let rests = is_right && all;
+        let converged = is_right && all;
         // with other weights or sizes another scale may be right; a reference holds its own
-        memory.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
+        state.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
         let point_now = point.clone();
-        let found = Selection { problem, answer: found, scale, wide, point: point_now, doubtful };
-        last = Some(End { found, rests });
-        if rests || pass + 1 == PASSES {
+        let found =
+            Selection { problem, estimate: found, scale, inflated, point: point_now, inconclusive };
+        last = Some((found, converged));
+        if converged || pass + 1 == PASSES {
             break;
         }
         point = target;
         if reweighted || !seeks_change {
-            for (j, misfit) in misfit.into_iter().enumerate() {
-                owner.rows.set_misfit(j, misfit);
-            }
-        }
-        if reweighted {
-            owner.rows.share = share;
+            let weights = design.observations.with_discrepancy(discrepancy);
+            weighted =
+                design.weighted(if reweighted { weights.with_share(share) } else { weights });
         }
     }
-    last
+    let (found, converged) = last?;
+    Some(IterationEnd { design: weighted, found, converged })
 }
 
-/// The answer with what the operating point holds: at the right one nothing is left to add.
-fn with_held(problem: &Problem, best: &Best, point: &OperatingPoint) -> Answer {
-    let held = (0..problem.groups.len())
-        .filter(|g| !held(&problem.groups[*g], point).is_empty())
-        .filter(|g| !best.answer.set.contains(g));
-    let set: Vec<usize> = best.answer.set.iter().copied().chain(held).collect();
-    let metric = problem.whitened(best.scale, &best.wide);
-    answer(&metric, set).unwrap_or_else(|| best.answer.clone())
+/// The estimate with what the operating point holds: at the right one nothing is left to add.
+fn with_operating_terms(
+    problem: &LinearProblem,
+    best: &ScaleFit,
+    point: &OperatingPoint,
+) -> Estimate {
+    let held = (0..problem.candidates.len())
+        .filter(|g| !held(&problem.candidates[*g], point).is_empty())
+        .filter(|g| !best.estimate.set.contains(g));
+    let set: Vec<usize> = best.estimate.set.iter().copied().chain(held).collect();
+    let metric = problem.marginalised(best.scale, &best.inflated);
+    fit_set(&metric, set).unwrap_or_else(|| best.estimate.clone())
 }

@@ -2,28 +2,29 @@
 //! matters, not when it is merely significant. With some thousand independent samples everything is
 //! significant, the imperfection of the model first.
 
-use crate::regression::fit_set::{Answer, admissible_part, unnamed};
+use crate::design::comparison::Comparison;
+use crate::regression::fit_set::{Estimate, admissible_part, fit_any_sign};
 use armident_effects::effect;
 use rayon::prelude::*;
 
-use crate::design::candidate::{Group, Meaning};
-use crate::design::linear_problem::Problem;
-use crate::design::observations::Blocks;
-use crate::regression::marginalised::Whitened;
-use crate::selection::surrogate_threshold::Chance;
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::linear_problem::LinearProblem;
+use crate::design::observations::JointColumns;
+use crate::regression::marginalised::Marginalised;
+use crate::selection::surrogate_threshold::SurrogateThreshold;
 use armident_model::OperatingPoint;
 
 /// Least root mean square effort, in standard deviations of one recorded sample, that must come back
 /// when an effect is removed and all others are fitted again: a sixth more error of prediction, what is worth a name.
-/// What comes about by chance on these recordings ([`Chance`]) may ask for more.
+/// What comes about by threshold on these recordings ([`SurrogateThreshold`]) may ask for more.
 pub(crate) const LEAST: f64 = 0.6;
 /// The same of a change, 8 % more error of prediction: what a model of the arm is imperfect by is known from the
 /// reference, and how sure a change is asks [`crate::selection::change_significance::certain`] of it.
 const LEAST_CHANGE: f64 = 0.4;
 /// What a joint's own leftover hides: nothing smaller is named there, for it may be of what is left.
 const SHARE_OF_EXCESS: f64 = 0.9;
-/// The same for a change: an imperfect model is imperfect before and after, and a change must hold in stretch
-/// after stretch (`crossval::least_gain`).
+/// The same for a change: an imperfect model is imperfect before and after, and a change must hold in block
+/// after block (`crossval::least_gain`).
 const SHARE_FOR_CHANGE: f64 = 0.3;
 
 /// How much an effect matters, on the joint where it matters most.
@@ -43,12 +44,12 @@ impl Materiality {
 }
 
 /// What is left on each joint beyond its noise, in standard deviations of one recorded sample.
-pub(crate) fn excess(problem: &Problem, residual: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn excess(problem: &LinearProblem, residual: &[Vec<f64>]) -> Vec<f64> {
     // 1.1: what the estimate of the noise is uncertain by
     const UNCERTAINTY: f64 = 1.1;
     (0..residual.len())
         .map(|j| {
-            let left = problem.rows.in_sample_noise(j, &residual[j]);
+            let left = problem.observations.in_sample_noise(j, &residual[j]);
             let noise = band_noise(problem, j);
             (left * left - UNCERTAINTY * noise * noise).max(0.0).sqrt()
         })
@@ -56,32 +57,38 @@ pub(crate) fn excess(problem: &Problem, residual: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// Noise in the band, in standard deviations of one recorded sample.
-pub(crate) fn band_noise(problem: &Problem, joint: usize) -> f64 {
-    let rows = &problem.rows;
-    // in_sample_noise divides by the weights, misfit and all
+pub(crate) fn band_noise(problem: &LinearProblem, joint: usize) -> f64 {
+    let rows = &problem.observations;
+    // in_sample_noise divides by the weights, discrepancy and all
     let weighted = rows.weight(joint).iter().zip(&rows.deviation[joint]).map(|(w, d)| w * d);
     rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
 
-/// What an answer asks of a name.
+/// What an estimate asks of a name.
 struct Asked<'a> {
-    problem: &'a Problem,
-    chance: &'a Chance,
+    problem: &'a LinearProblem,
+    threshold: &'a SurrogateThreshold,
     /// what is left on each joint beyond its noise
     left: Vec<f64>,
 }
 
 impl<'a> Asked<'a> {
-    fn of(problem: &'a Problem, chance: &'a Chance, residual: &[Vec<f64>]) -> Self {
-        Self { problem, chance, left: excess(problem, residual) }
+    fn of(
+        problem: &'a LinearProblem,
+        threshold: &'a SurrogateThreshold,
+        residual: &[Vec<f64>],
+    ) -> Self {
+        Self { problem, threshold, left: excess(problem, residual) }
     }
 
-    /// Least that is named of a group of so many columns on a joint.
+    /// Least that is named of a candidate of so many columns on a joint.
     fn least(&self, joint: usize, columns: usize) -> f64 {
         let left = self.left[joint];
-        match self.problem.rows.changed_from {
-            0 => LEAST.max(SHARE_OF_EXCESS * left).max(self.chance.least(joint, columns)),
-            _ => LEAST_CHANGE.max(SHARE_FOR_CHANGE * left),
+        match self.problem.observations.comparison {
+            Comparison::AgainstModel => {
+                LEAST.max(SHARE_OF_EXCESS * left).max(self.threshold.least(joint, columns))
+            }
+            Comparison::AgainstReference { .. } => LEAST_CHANGE.max(SHARE_FOR_CHANGE * left),
         }
     }
 
@@ -99,7 +106,7 @@ impl<'a> Asked<'a> {
 
     /// The same on one joint.
     fn of_effort_on(&self, terms: &[(usize, f64)], joint: usize) -> Materiality {
-        let rows = &self.problem.rows;
+        let rows = &self.problem.observations;
         let mut effort = vec![0.0; rows.len()];
         for &(column, coefficient) in terms {
             for (e, x) in effort.iter_mut().zip(&self.problem.columns[column][joint]) {
@@ -113,34 +120,34 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// How much a group of an answer matters: against the answer without it, its simpler relative in its
+/// How much a candidate of an estimate matters: against the estimate without it, its simpler relative in its
 /// place.
 pub(crate) fn materiality(
-    metric: &Whitened<'_>,
-    of: &Answer,
-    group: usize,
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
     point: &OperatingPoint,
-    chance: &Chance,
-) -> (Materiality, Option<Answer>) {
-    materiality_beside(metric, of, &metric.residual(&of.fit), group, point, chance)
+    threshold: &SurrogateThreshold,
+) -> (Materiality, Option<Estimate>) {
+    materiality_beside(metric, of, &metric.residual(&of.fit), candidate, point, threshold)
 }
 
-/// The same with what the answer leaves.
+/// The same with what the estimate leaves.
 fn materiality_beside(
-    metric: &Whitened<'_>,
-    of: &Answer,
-    with: &Blocks,
-    group: usize,
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    with: &JointColumns,
+    candidate: usize,
     point: &OperatingPoint,
-    chance: &Chance,
-) -> (Materiality, Option<Answer>) {
+    threshold: &SurrogateThreshold,
+) -> (Materiality, Option<Estimate>) {
     let problem = metric.problem;
-    let asked = Asked::of(problem, chance, with);
-    let without = reduced(metric, of, group, point);
-    let columns = &problem.groups[group].columns;
+    let asked = Asked::of(problem, threshold, with);
+    let without = reduced(metric, of, candidate, point);
+    let columns = &problem.candidates[candidate].columns;
     let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
-    let absorbed = metric.scale > 0.0 && problem.rows.changed_from == 0;
-    if absorbed && problem.groups[group].transform.is_some() {
+    let absorbed = metric.scale > 0.0 && !problem.observations.comparison.seeks_change();
+    if absorbed && problem.candidates[candidate].transform.is_some() {
         // uncertain inertias would take the place of a load: what counts is its own effort
         let terms: Vec<(usize, f64)> =
             columns.iter().map(|&c| (c, of.fit.coefficient(c))).collect();
@@ -148,9 +155,9 @@ fn materiality_beside(
     }
     if let Some((_, rest)) = &without {
         for j in 0..with.len() {
-            let square = |r: &[f64]| problem.rows.in_sample_noise(j, r).powi(2);
+            let square = |r: &[f64]| problem.observations.in_sample_noise(j, r).powi(2);
             let in_band = (square(&rest[j]) - square(&with[j])).max(0.0).sqrt();
-            let value = in_band * problem.groups[group].above_band;
+            let value = in_band * problem.candidates[candidate].above_band;
             let found = Materiality { value, least: asked.least(j, columns.len()), joint: j };
             if found.ratio() > worst.ratio() {
                 worst = found;
@@ -160,94 +167,109 @@ fn materiality_beside(
     (worst, without.map(|w| w.0))
 }
 
-/// What the operating point holds of a group's effect: its columns and their amounts.
-pub(crate) fn held(group: &Group, point: &OperatingPoint) -> Vec<(usize, f64)> {
-    let amounts = match group.slug() {
+/// What the operating point holds of a candidate's effect: its columns and their amounts.
+pub(crate) fn held(candidate: &Candidate, point: &OperatingPoint) -> Vec<(usize, f64)> {
+    let amounts = match candidate.slug() {
         "gravity_direction" => point.tilt.to_vec(),
         "time_delay" => vec![point.delay_s],
-        "encoder_offset" => vec![point.offset[group.site.joints[0]]],
+        "encoder_offset" => vec![point.offset[candidate.location.joints[0]]],
         _ => return Vec::new(),
     };
-    group.columns.iter().copied().zip(amounts).filter(|(_, a)| *a != 0.0).collect()
+    candidate.columns.iter().copied().zip(amounts).filter(|(_, a)| *a != 0.0).collect()
 }
 
-/// A set without a group, its simpler relatives in its place.
-pub(crate) fn unnamed_rest(problem: &Problem, set: &[usize], group: usize) -> Vec<usize> {
-    let groups = &problem.groups;
-    let contained = match groups[group].meaning {
-        Meaning::Law(slug) => effect(slug).map_or(&[][..], |law| law.law().contains),
-        Meaning::SmoothDirections(_) => &[],
+/// A set without a candidate, its simpler relatives in its place.
+pub(crate) fn set_without(problem: &LinearProblem, set: &[usize], candidate: usize) -> Vec<usize> {
+    let candidates = &problem.candidates;
+    let contained = match candidates[candidate].kind {
+        CandidateKind::Law(slug) => effect(slug).map_or(&[][..], |law| law.law().contains),
+        CandidateKind::SmoothDirections(_) => &[],
     };
-    let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != group).collect();
-    let free = |g: &usize, rest: &[usize]| rest.iter().all(|r| !groups[*r].excludes(&groups[*g]));
-    for (slug, joint) in
-        contained.iter().flat_map(|slug| groups[group].site.joints.iter().map(move |j| (slug, j)))
+    let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != candidate).collect();
+    let free =
+        |g: &usize, rest: &[usize]| rest.iter().all(|r| !candidates[*r].excludes(&candidates[*g]));
+    for (slug, joint) in contained
+        .iter()
+        .flat_map(|slug| candidates[candidate].location.joints.iter().map(move |j| (slug, j)))
     {
-        let relative = (0..groups.len()).find(|&g| {
-            groups[g].slug() == *slug
-                && groups[g].site.joints == [*joint]
-                && groups[g].site.window.is_none()
+        let relative = (0..candidates.len()).find(|&g| {
+            candidates[g].slug() == *slug
+                && candidates[g].location.joints == [*joint]
+                && candidates[g].location.window.is_none()
         });
         rest.extend(relative.filter(|g| free(g, &rest)));
     }
     // a link takes on a load more often than it is exchanged: as a change, it must beat the load
-    if problem.rows.changed_from > 0 && groups[group].is_of_link() {
-        let load = (0..groups.len()).find(|&g| {
-            groups[g].is_of_link()
-                && groups[g].site.joints == groups[group].site.joints
-                && groups[g].columns.len() < groups[group].columns.len()
+    if problem.observations.comparison.seeks_change() && candidates[candidate].is_of_link() {
+        let load = (0..candidates.len()).find(|&g| {
+            candidates[g].is_of_link()
+                && candidates[g].location.joints == candidates[candidate].location.joints
+                && candidates[g].columns.len() < candidates[candidate].columns.len()
         });
         rest.extend(load.filter(|g| free(g, &rest)));
     }
     rest
 }
 
-/// The answer without a group, its simpler relatives in its place where these are admissible.
-pub(crate) fn answer_without(metric: &Whitened<'_>, of: &Answer, group: usize) -> Option<Answer> {
-    let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
-    admissible_part(metric, unnamed_rest(metric.problem, &of.set, group), &rest)
+/// The estimate without a candidate, its simpler relatives in its place where these are admissible.
+pub(crate) fn estimate_without(
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
+) -> Option<Estimate> {
+    let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != candidate).collect();
+    admissible_part(metric, set_without(metric.problem, &of.set, candidate), &rest)
 }
 
-/// The answer without a group, its simpler relative in its place where that is admissible, and what it
-/// leaves. What the operating point holds of the group is put back into the efforts first.
+/// The estimate without a candidate, its simpler relative in its place where that is admissible, and what it
+/// leaves. What the operating point holds of the candidate is put back into the efforts first.
 fn reduced(
-    metric: &Whitened<'_>,
-    of: &Answer,
-    group: usize,
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
     point: &OperatingPoint,
-) -> Option<(Answer, Blocks)> {
-    let groups = &metric.problem.groups;
-    let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != group).collect();
-    let held = held(&groups[group], point);
+) -> Option<(Estimate, JointColumns)> {
+    let candidates = &metric.problem.candidates;
+    let rest: Vec<usize> = of.set.iter().copied().filter(|g| *g != candidate).collect();
+    let held = held(&candidates[candidate], point);
     if !held.is_empty() {
         let moved = metric.problem.with_added(&held);
-        let metric = moved.whitened(metric.scale, &metric.wide);
-        return unnamed(&metric, rest);
+        let metric = moved.marginalised(metric.scale, &metric.inflated);
+        return fit_any_sign(&metric, rest);
     }
-    let with_relatives = answer_without(metric, of, group)
+    let with_relatives = estimate_without(metric, of, candidate)
         .map(|found| (metric.residual(&found.fit), found))
         .map(|(residual, found)| (found, residual));
-    with_relatives.or_else(|| unnamed(metric, rest))
+    with_relatives.or_else(|| fit_any_sign(metric, rest))
 }
 
-/// What comes back by chance, beside an answer; what changed asks more of its names elsewhere ([`crate::selection::change_significance::certain`]).
-pub(crate) fn chance_beside(metric: &Whitened<'_>, of: &Answer) -> Chance {
-    match metric.problem.rows.changed_from {
-        0 => Chance::beside(metric, of),
-        _ => Chance::none(metric.problem.rows.joints()),
+/// What comes back by threshold, beside an estimate; what changed asks more of its names elsewhere ([`crate::selection::change_significance::certain`]).
+pub(crate) fn surrogate_threshold_beside(
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+) -> SurrogateThreshold {
+    match metric.problem.observations.comparison {
+        Comparison::AgainstModel => SurrogateThreshold::beside(metric, of),
+        Comparison::AgainstReference { .. } => {
+            SurrogateThreshold::none(metric.problem.observations.joints())
+        }
     }
 }
 
 /// Removes what does not matter, the least first.
-pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoint) -> Answer {
-    let chance = chance_beside(metric, &of);
+pub(crate) fn prune(
+    metric: &Marginalised<'_>,
+    mut of: Estimate,
+    point: &OperatingPoint,
+) -> Estimate {
+    let threshold = surrogate_threshold_beside(metric, &of);
     loop {
         let with = metric.residual(&of.fit);
-        let sizes: Vec<(f64, Answer)> = of
+        let sizes: Vec<(f64, Estimate)> = of
             .set
             .par_iter()
             .filter_map(|&g| {
-                let (size, without) = materiality_beside(metric, &of, &with, g, point, &chance);
+                let (size, without) = materiality_beside(metric, &of, &with, g, point, &threshold);
                 without.map(|without| (size.ratio(), without))
             })
             .collect();
@@ -261,33 +283,35 @@ pub(crate) fn prune(metric: &Whitened<'_>, mut of: Answer, point: &OperatingPoin
 
 /// Effort of the inertial errors of one link, on the joint where it is largest.
 pub(crate) fn link_materiality(
-    metric: &Whitened<'_>,
-    of: &Answer,
+    metric: &Marginalised<'_>,
+    of: &Estimate,
     link: usize,
-    chance: &Chance,
+    threshold: &SurrogateThreshold,
 ) -> Materiality {
     let errors = metric.inertial_errors(&of.fit);
     let terms: Vec<(usize, f64)> = (10 * link..10 * (link + 1)).map(|p| (p, errors[p])).collect();
-    Asked::of(metric.problem, chance, &metric.residual(&of.fit)).of_effort(&terms)
+    Asked::of(metric.problem, threshold, &metric.residual(&of.fit)).of_effort(&terms)
 }
 
 /// Joints on which the inertial errors of all links together matter.
-pub(crate) fn joints_of_inertial_errors(metric: &Whitened<'_>, of: &Answer) -> Vec<usize> {
+pub(crate) fn joints_of_inertial_errors(metric: &Marginalised<'_>, of: &Estimate) -> Vec<usize> {
     let problem = metric.problem;
-    if metric.scale == 0.0 || problem.rows.changed_from > 0 {
+    if metric.scale == 0.0 || problem.observations.comparison.seeks_change() {
         return Vec::new();
     }
     let terms: Vec<(usize, f64)> =
         metric.inertial_errors(&of.fit).into_iter().enumerate().collect();
-    let chance = chance_beside(metric, of);
-    let asked = Asked::of(problem, &chance, &metric.residual(&of.fit));
-    (0..problem.rows.joints()).filter(|j| asked.of_effort_on(&terms, *j).ratio() >= 1.0).collect()
+    let threshold = surrogate_threshold_beside(metric, of);
+    let asked = Asked::of(problem, &threshold, &metric.residual(&of.fit));
+    (0..problem.observations.joints())
+        .filter(|j| asked.of_effort_on(&terms, *j).ratio() >= 1.0)
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_arms::{evidence, ur5};
+    use crate::test_arms::{design, ur5};
 
     /// A joint whose dry friction falls with speed, called a coupling: without it the dry friction stays, viscous friction
     /// of the wrong sign does not take it along.
@@ -295,25 +319,26 @@ mod tests {
     fn a_law_gives_way_to_the_relatives_that_hold() {
         const JOINT: usize = 1;
         let chain = ur5();
-        let evidence = evidence(&chain, &chain, |j, v| match j {
+        let design = design(&chain, &chain, |j, v| match j {
             JOINT => 4.0 * v.signum() - 1.5 * v,
             _ => 0.0,
         });
-        let point = OperatingPoint::of(evidence.joints());
-        let at = evidence.at(&point);
-        let mut problem = evidence.problem(&point);
+        let point = OperatingPoint::of(design.joints());
+        let at = design.at(&point);
+        let mut problem = design.problem(&point);
         let law = effect("joint_coupling").unwrap();
-        let coupling = evidence.push_pair_law(&mut problem, &at, law, JOINT, &[1.0]);
-        let metric = problem.whitened(0.0, &[]);
-        let (coupled, _) = unnamed(&metric, vec![coupling]).unwrap();
-        let without = answer_without(&metric, &coupled, coupling).unwrap();
+        let coupling = design.push_pair_law(&mut problem, &at, law, JOINT, &[1.0]);
+        let metric = problem.marginalised(0.0, &[]);
+        let (coupled, _) = fit_any_sign(&metric, vec![coupling]).unwrap();
+        let without = estimate_without(&metric, &coupled, coupling).unwrap();
         let there = |slug: &str| {
-            let groups = without.set.iter().map(|g| &problem.groups[*g]);
-            groups.filter(|g| g.slug() == slug && g.site.joints == [JOINT]).count()
+            let candidates = without.set.iter().map(|g| &problem.candidates[*g]);
+            candidates.filter(|g| g.slug() == slug && g.location.joints == [JOINT]).count()
         };
         assert_eq!((there("coulomb_friction"), there("viscous_friction")), (1, 0));
-        let place = without.set.iter().position(|g| problem.groups[*g].site.joints == [JOINT]);
-        let level = without.fit.of_group(&problem.groups[without.set[place.unwrap()]])[0];
+        let place =
+            without.set.iter().position(|g| problem.candidates[*g].location.joints == [JOINT]);
+        let level = without.fit.of_candidate(&problem.candidates[without.set[place.unwrap()]])[0];
         // what is left of the falling part is taken from the level
         assert!((2.0..4.0).contains(&level), "{level}");
     }

@@ -1,70 +1,70 @@
-//! The result of a selection, and all that gives it a meaning.
+//! The result of a selection, and all that gives it a kind.
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
-use crate::regression::elimination::WrongBody;
-use crate::regression::fit_set::Answer;
-use crate::regression::marginalised::Whitened;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
 use crate::regression::relinearise::moves;
-use crate::selection::change_significance::Doubt;
+use crate::selection::change_significance::Inconclusive;
 use armident_model::OperatingPoint;
 use armident_numeric::dot;
 use std::cell::OnceCell;
-/// The answer of the selection, and all it stands on.
+/// The estimate of the selection, and all it stands on.
 pub(crate) struct Selection {
-    pub(crate) problem: Problem,
-    pub(crate) answer: Answer,
+    pub(crate) problem: LinearProblem,
+    pub(crate) estimate: Estimate,
     /// relative inertial error
     pub(crate) scale: f64,
     /// links with a wrong body
-    pub(crate) wide: Vec<WrongBody>,
+    pub(crate) inflated: Vec<InflatedLink>,
     /// where the columns were formed
     pub(crate) point: OperatingPoint,
     /// changes that are not certain
-    pub(crate) doubtful: Vec<Doubt>,
+    pub(crate) inconclusive: Vec<Inconclusive>,
 }
 
 impl Selection {
-    pub(crate) fn metric(&self) -> Whitened<'_> {
-        self.problem.whitened(self.scale, &self.wide)
+    pub(crate) fn metric(&self) -> Marginalised<'_> {
+        self.problem.marginalised(self.scale, &self.inflated)
     }
 
     /// Description length with so many independent samples a row, what is left on each joint in units of its own size:
     /// the score of selections that weighed joints differently.
     pub(crate) fn length(&self, share: f64) -> f64 {
-        let (metric, rows, fit) = (self.metric(), &self.problem.rows, &self.answer.fit);
+        let (metric, rows, fit) = (self.metric(), &self.problem.observations, &self.estimate.fit);
         let residual = metric.residual(fit);
         let squares: Vec<f64> = residual.iter().map(|r| dot(r, r)).collect();
-        let misfit = |(j, square): (usize, &f64)| -> f64 {
+        let discrepancy = |(j, square): (usize, &f64)| -> f64 {
             let samples = rows.effective_on(j);
             if samples == 0.0 {
                 return 0.0;
             }
             // nothing is explained better than to the noise
-            samples * (square * rows.misfit[j].powi(2) / samples).max(1.0).ln()
+            samples * (square * rows.weights.discrepancy[j].powi(2) / samples).max(1.0).ln()
         };
-        let left: f64 = squares.iter().enumerate().map(misfit).sum();
+        let left: f64 = squares.iter().enumerate().map(discrepancy).sum();
         let of_links = fit.sum_of_squares - squares.iter().sum::<f64>();
-        let columns = metric.columns_of(&self.answer.set).len();
-        share * left + rows.share * of_links + metric.price(columns, &self.answer.set)
+        let columns = metric.columns_of(&self.estimate.set).len();
+        share * left + rows.weights.share * of_links + metric.price(columns, &self.estimate.set)
     }
 
-    /// The answer; the metric is that of the selection.
-    pub(crate) fn view<'a, 'e>(
+    /// The estimate; the metric is that of the selection.
+    pub(crate) fn solution<'a, 'e>(
         &'a self,
-        evidence: &'a Evidence<'e>,
-        metric: &'a Whitened<'a>,
-    ) -> View<'a, 'e> {
-        View::new(evidence, metric, &self.answer, &self.point)
+        design: &'a Design<'e>,
+        metric: &'a Marginalised<'a>,
+    ) -> Solution<'a, 'e> {
+        Solution::new(design, metric, &self.estimate, &self.point)
     }
 }
 
-/// An answer with all that gives it a meaning.
-pub(crate) struct View<'a, 'e> {
-    pub(crate) evidence: &'a Evidence<'e>,
-    pub(crate) metric: &'a Whitened<'a>,
-    pub(crate) answer: &'a Answer,
+/// An estimate with all that gives it a kind.
+pub(crate) struct Solution<'a, 'e> {
+    pub(crate) design: &'a Design<'e>,
+    pub(crate) metric: &'a Marginalised<'a>,
+    pub(crate) estimate: &'a Estimate,
     /// where the columns were formed
     pub(crate) point: &'a OperatingPoint,
     /// of each joint's effort channel
@@ -73,19 +73,19 @@ pub(crate) struct View<'a, 'e> {
     at: OnceCell<Vec<Posed<'a>>>,
 }
 
-impl<'a, 'e> View<'a, 'e> {
+impl<'a, 'e> Solution<'a, 'e> {
     pub(crate) fn new(
-        evidence: &'a Evidence<'e>,
-        metric: &'a Whitened<'a>,
-        answer: &'a Answer,
+        design: &'a Design<'e>,
+        metric: &'a Marginalised<'a>,
+        estimate: &'a Estimate,
         point: &'a OperatingPoint,
     ) -> Self {
-        let gain = moves(metric.problem, answer, point).gain;
-        Self { evidence, metric, answer, point, gain, at: OnceCell::new() }
+        let gain = moves(metric.problem, estimate, point).gain;
+        Self { design, metric, estimate, point, gain, at: OnceCell::new() }
     }
 
     /// The recordings where the columns were formed.
     pub(crate) fn at(&self) -> &[Posed<'a>] {
-        self.at.get_or_init(|| self.evidence.at(self.point))
+        self.at.get_or_init(|| self.design.at(self.point))
     }
 }

@@ -1,76 +1,77 @@
 //! Friction that grows more slowly than the speed, beside what was named.
 //!
 //! Names and their numbers are found with a line over the speed. A line through friction that bends errs at low and at high
-//! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from stretch to stretch,
-//! and stretches that were not fitted are explained no worse: as `identify` chooses it.
+//! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from block to block,
+//! and blocks that were not fitted are explained no worse: as `identify` chooses it.
 
 use armident_effects::SublinearViscousFriction;
 use armident_ident::student_t_975;
 
-use crate::design::candidate::{Group, Meaning};
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
-use crate::regression::elimination::WrongBody;
-use crate::regression::fit_set::{Answer, admissible_part, answer as answer_of};
-use crate::regression::folds::{LEFT_OUT_PER_RECORDING, errors_left_out, stretches};
-use crate::regression::marginalised::Whitened;
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
+use crate::regression::folds::{LEFT_OUT_PER_RECORDING, fold_errors, time_blocks};
+use crate::regression::marginalised::Marginalised;
 use crate::selection::cross_validation::Predictor;
 use crate::selection::solution::Selection;
-use crate::uncertainty::jackknife::Scatter;
+use crate::uncertainty::jackknife::Jackknife;
 
-/// What predicts best with bends on the joints that show one, and the problem that has their groups behind those of the
+/// What predicts best with bends on the joints that show one, and the problem that has their candidates behind those of the
 /// selection; none where no joint does.
-pub(crate) fn with_bends(
-    evidence: &Evidence<'_>,
+pub(crate) fn with_sublinear_friction(
+    design: &Design<'_>,
     selection: &Selection,
     best: &Predictor,
-) -> Option<(Problem, Predictor)> {
-    let Predictor { answer, scale } = best;
+) -> Option<(LinearProblem, Predictor)> {
+    let Predictor { estimate, scale } = best;
     let scale = *scale;
-    let at = evidence.at(&selection.point);
-    let push = |problem: &mut Problem, joint: usize| {
-        evidence.push_joint_law(problem, &at, &SublinearViscousFriction, joint, &[])
+    let at = design.at(&selection.point);
+    let push = |problem: &mut LinearProblem, joint: usize| {
+        design.push_joint_law(problem, &at, &SublinearViscousFriction, joint, &[])
     };
-    let of = |problem: &Problem, answer: &Answer, bends: &[usize]| {
-        beside(&problem.whitened(scale, &selection.wide), answer, bends)
+    let of = |problem: &LinearProblem, estimate: &Estimate, bends: &[usize]| {
+        beside(&problem.marginalised(scale, &selection.inflated), estimate, bends)
     };
     let joints = {
-        let (mut small, set) = selection.problem.restricted(&answer.set);
-        let answer = answer_of(&small.whitened(scale, &selection.wide), set)?;
+        let (mut small, set) = selection.problem.restricted(&estimate.set);
+        let estimate = fit_set(&small.marginalised(scale, &selection.inflated), set)?;
         let recorded: Vec<usize> =
-            (0..evidence.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
+            (0..design.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
         let bends: Vec<usize> =
             recorded.into_iter().filter_map(|joint| push(&mut small, joint)).collect();
-        joints_that_bend(&small, &answer, &bends, (scale, &selection.wide))?
+        sublinear_joints(&small, &estimate, &bends, (scale, &selection.inflated))?
     };
     let mut problem = selection.problem.clone();
     let bends: Vec<usize> = joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
-    let answer = of(&problem, answer, &bends)?;
-    Some((problem, Predictor { answer, scale }))
+    let estimate = of(&problem, estimate, &bends)?;
+    Some((problem, Predictor { estimate, scale }))
 }
 
-/// Joints of bends that are shown beside an answer.
-fn joints_that_bend(
-    problem: &Problem,
-    answer: &Answer,
+/// Joints of bends that are shown beside an estimate.
+fn sublinear_joints(
+    problem: &LinearProblem,
+    estimate: &Estimate,
     bends: &[usize],
-    (scale, wide): (f64, &[WrongBody]),
+    (scale, inflated): (f64, &[InflatedLink]),
 ) -> Option<Vec<usize>> {
-    let metric = problem.whitened(scale, wide);
-    let with = |bends: &[usize]| beside(&metric, answer, bends);
-    let is_possible = |bend: &usize| may_bend(problem, answer, *bend) && with(&[*bend]).is_some();
+    let metric = problem.marginalised(scale, inflated);
+    let with = |bends: &[usize]| beside(&metric, estimate, bends);
+    let is_possible =
+        |bend: &usize| may_be_sublinear(problem, estimate, *bend) && with(&[*bend]).is_some();
     let possible: Vec<usize> = bends.iter().copied().filter(is_possible).collect();
     let all = with(&possible)?;
-    let scatter = Scatter::of(&metric, &all);
-    let starts = &problem.rows.starts;
-    let quantile = student_t_975(stretches(starts, LEFT_OUT_PER_RECORDING).len() as f64 - 1.0);
-    let errors = |set: &[usize]| errors_left_out(problem, set, scale, wide);
-    let (before, after) = (errors(&answer.set), errors(&all.set));
+    let jackknife = Jackknife::of(&metric, &all);
+    let starts = &problem.observations.starts;
+    let quantile = student_t_975(time_blocks(starts, LEFT_OUT_PER_RECORDING).len() as f64 - 1.0);
+    let errors = |set: &[usize]| fold_errors(problem, set, scale, inflated);
+    let (before, after) = (errors(&estimate.set), errors(&all.set));
     let shown = |bend: &usize| {
-        let group = &problem.groups[*bend];
-        let (covariance, _) = scatter.covariance(&metric, &all, group);
-        let in_errors = all.fit.of_group(group)[0] / covariance[0][0].sqrt();
-        let joint = group.site.joints[0];
+        let candidate = &problem.candidates[*bend];
+        let (covariance, _) = jackknife.covariance(&metric, &all, candidate);
+        let in_errors = all.fit.of_candidate(candidate)[0] / covariance[0][0].sqrt();
+        let joint = candidate.location.joints[0];
         let gain: f64 = before.iter().zip(&after).map(|(b, a)| (b[joint] / a[joint]).ln()).sum();
         (in_errors > quantile && gain > 0.0).then_some(joint)
     };
@@ -79,34 +80,34 @@ fn joints_that_bend(
     (!joints.is_empty()).then_some(joints)
 }
 
-/// The answer with bends that have the right sign, in the place of viscous friction where that has the wrong one beside
+/// The estimate with bends that have the right sign, in the place of viscous friction where that has the wrong one beside
 /// them; none where something else has.
-fn beside(metric: &Whitened<'_>, answer: &Answer, bends: &[usize]) -> Option<Answer> {
-    let groups = &metric.problem.groups;
+fn beside(metric: &Marginalised<'_>, estimate: &Estimate, bends: &[usize]) -> Option<Estimate> {
+    let candidates = &metric.problem.candidates;
     let gives_way = |g: &usize| {
-        groups[*g].slug() == "viscous_friction"
-            && bends.iter().any(|bend| groups[*bend].site == groups[*g].site)
+        candidates[*g].slug() == "viscous_friction"
+            && bends.iter().any(|bend| candidates[*bend].location == candidates[*g].location)
     };
-    let stays: Vec<usize> = answer.set.iter().copied().filter(|g| !gives_way(g)).collect();
-    admissible_part(metric, [&answer.set[..], bends].concat(), &stays)
+    let stays: Vec<usize> = estimate.set.iter().copied().filter(|g| !gives_way(g)).collect();
+    admissible_part(metric, [&estimate.set[..], bends].concat(), &stays)
 }
 
-/// Whether friction of the joint may bend beside an answer: what is named may have its place, and Stribeck friction bends
+/// Whether friction of the joint may bend beside an estimate: what is named may have its place, and Stribeck friction bends
 /// at a speed of its own.
-fn may_bend(problem: &Problem, answer: &Answer, bend: usize) -> bool {
-    let bend = &problem.groups[bend];
-    let bends_by_itself = |other: &Group| {
-        let is_description = matches!(other.meaning, Meaning::SmoothDirections(_));
-        other.site == bend.site && (other.slug() == "stribeck_friction" || is_description)
+fn may_be_sublinear(problem: &LinearProblem, estimate: &Estimate, bend: usize) -> bool {
+    let bend = &problem.candidates[bend];
+    let bends_by_itself = |other: &Candidate| {
+        let is_description = matches!(other.kind, CandidateKind::SmoothDirections(_));
+        other.location == bend.location && (other.slug() == "stribeck_friction" || is_description)
     };
-    let mut others = answer.set.iter().map(|g| &problem.groups[*g]);
+    let mut others = estimate.set.iter().map(|g| &problem.candidates[*g]);
     !others.any(|other| other.excludes(bend) || bends_by_itself(other))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_arms::{evidence, ur5};
+    use crate::test_arms::{design, ur5};
     use armident_model::OperatingPoint;
     use armident_model::is_bend;
 
@@ -115,43 +116,43 @@ mod tests {
     fn friction_that_bends_is_told_from_a_line() {
         const BENDS: usize = 0;
         let chain = ur5();
-        let evidence = evidence(&chain, &chain, |j, v| match j {
+        let design = design(&chain, &chain, |j, v| match j {
             BENDS => 2.0 * v.signum() + 3.0 * v.signum() * v.abs().sqrt(),
             1 => 2.0 * v.signum() + 3.0 * v,
             _ => 0.0,
         });
-        let point = OperatingPoint::of(evidence.joints());
-        let problem = evidence.problem(&point);
+        let point = OperatingPoint::of(design.joints());
+        let problem = design.problem(&point);
         let of = |slug: &str, joint: usize| {
-            let is = |g: &Group| g.slug() == slug && g.site.joints == [joint];
-            problem.groups.iter().position(is).unwrap()
+            let is = |g: &Candidate| g.slug() == slug && g.location.joints == [joint];
+            problem.candidates.iter().position(is).unwrap()
         };
         let named = ["viscous_friction", "coulomb_friction"];
         let set = named.iter().flat_map(|slug| [of(slug, 0), of(slug, 1)]).collect();
         let viscous = of("viscous_friction", BENDS);
-        let answer = answer_of(&problem.whitened(0.0, &[]), set).unwrap();
-        let best = Predictor { answer: answer.clone(), scale: 0.0 };
-        let (wide, doubtful) = (Vec::new(), Vec::new());
-        let selection = Selection { problem, answer, scale: 0.0, wide, point, doubtful };
+        let estimate = fit_set(&problem.marginalised(0.0, &[]), set).unwrap();
+        let best = Predictor { estimate: estimate.clone(), scale: 0.0 };
+        let (inflated, inconclusive) = (Vec::new(), Vec::new());
+        let selection = Selection { problem, estimate, scale: 0.0, inflated, point, inconclusive };
 
-        let (problem, bent) = with_bends(&evidence, &selection, &best).unwrap();
-        let bends: Vec<&Group> = bent
-            .answer
+        let (problem, sublinear) = with_sublinear_friction(&design, &selection, &best).unwrap();
+        let bends: Vec<&Candidate> = sublinear
+            .estimate
             .set
             .iter()
-            .map(|g| &problem.groups[*g])
+            .map(|g| &problem.candidates[*g])
             .filter(|g| is_bend(g.slug()))
             .collect();
         let [bend] = bends[..] else { panic!("{bends:?}") };
-        assert_eq!(bend.site.joints, [BENDS]);
-        let coefficient = bent.answer.fit.of_group(bend)[0];
+        assert_eq!(bend.location.joints, [BENDS]);
+        let coefficient = sublinear.estimate.fit.of_candidate(bend)[0];
         assert!((coefficient - 3.0).abs() < 0.05, "{coefficient}");
 
         // without the friction that was named its bend goes as well
-        let metric = problem.whitened(0.0, &[]);
-        let rest = selection.answer.set.iter().copied().filter(|g| *g != viscous).collect();
-        let without = answer_of(&metric, rest).unwrap();
-        let model = bent.beside(&metric, &selection.answer, &without).unwrap();
-        assert!(model.set.iter().all(|g| !is_bend(problem.groups[*g].slug())));
+        let metric = problem.marginalised(0.0, &[]);
+        let rest = selection.estimate.set.iter().copied().filter(|g| *g != viscous).collect();
+        let without = fit_set(&metric, rest).unwrap();
+        let model = sublinear.beside(&metric, &selection.estimate, &without).unwrap();
+        assert!(model.set.iter().all(|g| !is_bend(problem.candidates[*g].slug())));
     }
 }

@@ -8,9 +8,9 @@ use armident_numeric::dot;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::design::candidate::{Group, Meaning};
-use crate::regression::fit_set::Answer;
-use crate::regression::marginalised::Whitened;
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
 use crate::selection::levels::CHANCE;
 
 /// Wrong terms a joint: their mean is then known to a fifth.
@@ -19,25 +19,25 @@ const TERMS: usize = 40;
 const GOLDEN: f64 = 0.618_033_988_75;
 
 /// What wrong terms explain.
-pub(crate) struct Chance {
+pub(crate) struct SurrogateThreshold {
     /// `[joint]`: mean square effort that a column explains, in squared standard deviations of one recorded sample
     square: Vec<f64>,
-    /// groups that there were to choose from
+    /// candidates that there were to choose from
     choices: usize,
 }
 
-impl Chance {
+impl SurrogateThreshold {
     /// None explains anything.
     pub(crate) fn none(joints: usize) -> Self {
         Self { square: vec![0.0; joints], choices: 1 }
     }
 
-    /// Of wrong terms beside an answer.
-    pub(crate) fn beside(metric: &Whitened<'_>, of: &Answer) -> Self {
+    /// Of wrong terms beside an estimate.
+    pub(crate) fn beside(metric: &Marginalised<'_>, of: &Estimate) -> Self {
         let problem = metric.problem;
         let (mut small, ids) = problem.restricted(&of.set);
         let first = small.columns.len();
-        let joints = problem.rows.joints();
+        let joints = problem.observations.joints();
         let mut joint_of = Vec::new();
         for j in 0..joints {
             let shifted = shifted_columns(metric, j);
@@ -50,16 +50,18 @@ impl Chance {
             small.push_columns(blocks.collect());
         }
         let mut square = vec![0.0; joints];
-        let whitened = small.whitened(metric.scale, &metric.wide);
-        let Some(fit) = whitened.fit(whitened.columns_of(&ids)) else { return Self::none(joints) };
+        let marginalised = small.marginalised(metric.scale, &metric.inflated);
+        let Some(fit) = marginalised.fit(marginalised.columns_of(&ids)) else {
+            return Self::none(joints);
+        };
         let explained: Vec<f64> = joint_of
             .par_iter()
             .enumerate()
             .map(|(k, &j)| {
                 let column = &small.columns[first + k][j];
                 let in_metric = dot(column, column).max(f64::MIN_POSITIVE);
-                let size = small.rows.in_sample_noise(j, column).powi(2);
-                whitened.gain(&fit, &[first + k]) * size / in_metric
+                let size = small.observations.in_sample_noise(j, column).powi(2);
+                marginalised.gain(&fit, &[first + k]) * size / in_metric
             })
             .collect();
         for (j, square) in square.iter_mut().enumerate() {
@@ -71,10 +73,10 @@ impl Chance {
                 .collect();
             *square = of_joint.iter().sum::<f64>() / of_joint.len().max(1) as f64;
         }
-        Self { square, choices: problem.groups.len() }
+        Self { square, choices: problem.candidates.len() }
     }
 
-    /// What a group of so many columns explains on a joint by chance once in a hundred recordings, however many groups
+    /// What a candidate of so many columns explains on a joint by chance once in a hundred recordings, however many candidates
     /// there are to choose from; in standard deviations of one recorded sample.
     pub(crate) fn least(&self, joint: usize, columns: usize) -> f64 {
         let tail = CHANCE / self.choices as f64;
@@ -84,22 +86,22 @@ impl Chance {
 }
 
 /// Columns of laws on a joint, each shifted in time within its recording.
-fn shifted_columns(metric: &Whitened<'_>, joint: usize) -> Vec<Vec<f64>> {
+fn shifted_columns(metric: &Marginalised<'_>, joint: usize) -> Vec<Vec<f64>> {
     let problem = metric.problem;
-    let starts = &problem.rows.starts;
-    let is_law = |group: &&Group| {
-        matches!(group.meaning, Meaning::Law(_))
-            && group.site.joints == [joint]
-            && group.site.window.is_none()
-            && group.transform.is_none()
-            && !group.moves_its_link()
-            && group.slug() != "torque_offset"
+    let starts = &problem.observations.starts;
+    let is_law = |candidate: &&Candidate| {
+        matches!(candidate.kind, CandidateKind::Law(_))
+            && candidate.location.joints == [joint]
+            && candidate.location.window.is_none()
+            && candidate.transform.is_none()
+            && !candidate.moves_its_link()
+            && candidate.slug() != "torque_offset"
     };
     let mut columns: Vec<usize> = problem
-        .groups
+        .candidates
         .iter()
         .filter(is_law)
-        .flat_map(|group| group.columns.iter().copied())
+        .flat_map(|candidate| candidate.columns.iter().copied())
         .collect();
     columns.sort_unstable();
     columns.dedup();
@@ -125,8 +127,8 @@ fn shifted_columns(metric: &Whitened<'_>, joint: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::design::Evidence;
-    use crate::regression::fit_set::answer;
+    use crate::design::design::Design;
+    use crate::regression::fit_set::fit_set;
     use crate::selection::materiality::{LEAST, band_noise};
     use crate::test_arms::{swung, ur5};
     use armident_model::OperatingPoint;
@@ -149,11 +151,12 @@ mod tests {
                 *effort += 0.1 * (drawn(t) - 0.5) + lasting_nm * (drawn(1_000_000 + t / 100) - 0.5);
             }
             // the noise that the arm was recorded with has as much power, but next to nothing in the band
-            let evidence = Evidence::new(&chain, vec![recorded]);
-            let problem = evidence.problem(&OperatingPoint::of(evidence.joints()));
-            let metric = problem.whitened(0.0, &[]);
-            let found = Chance::beside(&metric, &answer(&metric, Vec::new()).unwrap());
-            let independent = problem.rows.share * problem.rows.len() as f64;
+            let design = Design::new(&chain, vec![recorded]);
+            let problem = design.problem(&OperatingPoint::of(design.joints()));
+            let metric = problem.marginalised(0.0, &[]);
+            let found = SurrogateThreshold::beside(&metric, &fit_set(&metric, Vec::new()).unwrap());
+            let independent =
+                problem.observations.weights.share * problem.observations.len() as f64;
             let share = found.square[JOINT] * independent / band_noise(&problem, JOINT).powi(2);
             (share, found.least(JOINT, 1), found.least(JOINT, 2))
         };

@@ -4,21 +4,21 @@ use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use crate::design::smooth;
-use crate::regression::fit_set::Answer;
-use crate::regression::marginalised::Whitened;
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
 
 /// A joint that leaves over more than this many times its noise has an imperfect model, which then
-/// weighs less; and changes of its misfit (logarithm) that no longer matter.
-const CLEAR_MISFIT: f64 = 1.5;
+/// weighs less; and changes of its discrepancy (logarithm) that no longer matter.
+const CLEAR_DISCREPANCY: f64 = 1.5;
 
 /// What all columns of the library together leave over on each joint, each joint by itself, and how much of
 /// the sample is left beside so many columns.
-fn left_by_all(problem: &Problem) -> Vec<Option<(Vec<f64>, f64)>> {
+fn left_by_all(problem: &LinearProblem) -> Vec<Option<(Vec<f64>, f64)>> {
     const HOLD: f64 = 1e-6;
-    (0..problem.rows.joints())
+    (0..problem.observations.joints())
         .into_par_iter()
         .map(|j| {
             let blocks: Vec<&[f64]> = problem
@@ -41,7 +41,7 @@ fn left_by_all(problem: &Problem) -> Vec<Option<(Vec<f64>, f64)>> {
                     *r -= x / n * c;
                 }
             }
-            let samples = effort.len() as f64 * problem.rows.share;
+            let samples = effort.len() as f64 * problem.observations.weights.share;
             // each column takes one independent sample
             let free = (1.0 - blocks.len() as f64 / samples).max(0.1);
             Some((residual, free))
@@ -50,35 +50,35 @@ fn left_by_all(problem: &Problem) -> Vec<Option<(Vec<f64>, f64)>> {
 }
 
 /// Weights of the rows in which joints stick, from what all columns of the library together leave there.
-pub(crate) fn stuck_weights(problem: &Problem) -> Vec<f64> {
+pub(crate) fn stuck_weights(problem: &LinearProblem) -> Vec<f64> {
     let left = left_by_all(problem);
     let weight = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| match left {
-        Some((residual, _)) => problem.rows.stuck_weight_for(j, residual),
-        None => problem.rows.stuck_weight[j],
+        Some((residual, _)) => problem.observations.stuck_weight_for(j, residual),
+        None => problem.observations.weights.stuck[j],
     };
     left.iter().enumerate().map(weight).collect()
 }
 
 /// What all columns of the library together and a description without a name leave over on each joint, each
-/// joint by itself, in units of its noise: less is not in the reach of any answer. Clearly more than 1 where
+/// joint by itself, in units of its noise: less is not in the reach of any estimate. Clearly more than 1 where
 /// efforts were smoothed before they were recorded, so that the noise above the band says nothing about the
 /// band, and where the joint moves by what is not in its own recording.
-pub(crate) fn first_misfits(
-    evidence: &Evidence<'_>,
+pub(crate) fn initial_discrepancies(
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    problem: &Problem,
+    problem: &LinearProblem,
 ) -> Vec<f64> {
-    let misfit = |(j, left): (usize, Option<(Vec<f64>, f64)>)| {
+    let discrepancy = |(j, left): (usize, Option<(Vec<f64>, f64)>)| {
         let Some((residual, free)) = left else { return 1.0 };
-        let left = problem.rows.in_band_noise(j, &residual) / free.sqrt();
-        if left <= CLEAR_MISFIT {
+        let left = problem.observations.in_band_noise(j, &residual) / free.sqrt();
+        if left <= CLEAR_DISCREPANCY {
             return 1.0;
         }
         // weighed down by what only a description explains, the joint would not be worth describing
-        let left = left * smooth::least_left(evidence, at, j, &residual).sqrt();
-        if left > CLEAR_MISFIT { left } else { 1.0 }
+        let left = left * smooth::least_left(design, at, j, &residual).sqrt();
+        if left > CLEAR_DISCREPANCY { left } else { 1.0 }
     };
-    left_by_all(problem).into_iter().enumerate().map(misfit).collect()
+    left_by_all(problem).into_iter().enumerate().map(discrepancy).collect()
 }
 
 /// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
@@ -104,23 +104,23 @@ pub(crate) fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz
 }
 
 /// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
-pub(crate) fn misfits(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
+pub(crate) fn discrepancies(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
     let residual = metric.residual(&found.fit);
     (0..residual.len())
         .map(|j| {
-            let left = metric.problem.rows.in_band_noise(j, &residual[j]);
-            // only downward: what an answer has not yet explained must not make it unimportant
-            let left = if left > CLEAR_MISFIT { left } else { 1.0 };
-            left.min(metric.problem.rows.misfit[j])
+            let left = metric.problem.observations.in_band_noise(j, &residual[j]);
+            // only downward: what an estimate has not yet explained must not make it unimportant
+            let left = if left > CLEAR_DISCREPANCY { left } else { 1.0 };
+            left.min(metric.problem.observations.weights.discrepancy[j])
         })
         .collect()
 }
 
 /// The same where a change is sought: what is left over after it may be more than the model of the reference is
 /// imperfect by, and a joint on which it is must not decide about the others.
-pub(crate) fn misfits_after(metric: &Whitened<'_>, found: &Answer) -> Vec<f64> {
-    let rows = &metric.problem.rows;
+pub(crate) fn discrepancies_after(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
+    let rows = &metric.problem.observations;
     let residual = metric.residual(&found.fit);
     let left = residual.iter().enumerate().map(|(j, residual)| rows.in_band_noise(j, residual));
-    left.zip(&rows.misfit_before).map(|(left, before)| left.max(*before)).collect()
+    left.zip(&rows.weights.discrepancy_before).map(|(left, before)| left.max(*before)).collect()
 }

@@ -10,8 +10,8 @@ use armident_model::{ArmModel, DiagnosedModel};
 use armident_numeric::dot;
 use serde::Serialize;
 
-use crate::regression::fit_set::Answer;
-use crate::regression::marginalised::Whitened;
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
 
 /// 97.5 % quantile of the normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
@@ -48,12 +48,12 @@ pub struct ConstantEstimates {
     pub correlation: Vec<Vec<Option<f64>>>,
 }
 
-/// The constants of an answer; none where inertias were not in question or the set cannot be determined.
+/// The constants of an estimate; none where inertias were not in question or the set cannot be determined.
 pub(crate) fn constants(
     believed: &ArmModel,
     found: &DiagnosedModel,
-    metric: &Whitened<'_>,
-    answer: &Answer,
+    metric: &Marginalised<'_>,
+    estimate: &Estimate,
 ) -> Option<ConstantEstimates> {
     let arm = RigidArm::from_chain(&believed.chain);
     let set = MinimalSet::of(&arm).ok()?;
@@ -77,7 +77,7 @@ pub(crate) fn constants(
         spread.iter().map(of).collect()
     };
     // factors of the covariances: rows whose outer products add up
-    let posterior = through(&metric.link_factors(&answer.set, &answer.fit)?);
+    let posterior = through(&metric.link_factors(&estimate.set, &estimate.fit)?);
     let prior = through(&metric.prior_factors()?);
     let covariance =
         |rows: &[Vec<f64>], a: usize, b: usize| -> f64 { rows.iter().map(|r| r[a] * r[b]).sum() };
@@ -112,23 +112,24 @@ pub(crate) fn constants(
     Some(ConstantEstimates { constants, correlation })
 }
 
-impl Whitened<'_> {
-    /// Rows whose outer products add up to the posterior covariance of all links' parameters, laws fitted
+impl Marginalised<'_> {
+    /// Observations whose outer products add up to the posterior covariance of all links' parameters, laws fitted
     /// along. None without inertial errors.
     pub(crate) fn link_factors(
         &self,
         set: &[usize],
-        fit: &crate::regression::marginalised::Fit,
+        fit: &crate::regression::marginalised::LeastSquaresFit,
     ) -> Option<Vec<Vec<f64>>> {
         let [mut rows, sensitivity] = self.inertial_posterior(fit)?;
         // what the coefficients of laws do to the links: through the errors, and of themselves
         let mut by_column = sensitivity;
-        for group in set.iter().map(|g| &self.problem.groups[*g]) {
-            let (Some(transform), Some(&joint)) = (&group.transform, group.site.joints.first())
+        for candidate in set.iter().map(|g| &self.problem.candidates[*g]) {
+            let (Some(transform), Some(&joint)) =
+                (&candidate.transform, candidate.location.joints.first())
             else {
                 continue;
             };
-            for (column, t) in group.columns.iter().zip(transform) {
+            for (column, t) in candidate.columns.iter().zip(transform) {
                 let Some(k) = fit.columns.iter().position(|c| c == column) else { continue };
                 for (p, t) in t.iter().enumerate() {
                     by_column[k][InertialParameters::COUNT * joint + p] += t;

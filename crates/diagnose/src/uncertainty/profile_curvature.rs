@@ -1,4 +1,4 @@
-//! What the searched constants of a law are uncertain by: the curvature of the misfit over them, all coefficients fitted
+//! What the searched constants of a law are uncertain by: the curvature of the discrepancy over them, all coefficients fitted
 //! again.
 
 use std::collections::BTreeMap;
@@ -6,27 +6,27 @@ use std::ops::Range;
 
 use armident_numeric::{Cholesky, dot};
 
-use crate::design::candidate::{Group, Meaning};
+use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
-use crate::design::design::Evidence;
-use crate::design::linear_problem::Problem;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::{continuous, formed};
-use crate::regression::fit_set::Answer;
-use crate::regression::folds::{LEFT_OUT_PER_RECORDING, stretches};
-use crate::regression::marginalised::{Fit, Whitened};
+use crate::regression::fit_set::Estimate;
+use crate::regression::folds::{LEFT_OUT_PER_RECORDING, time_blocks};
+use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 
 /// Steps towards a standard deviation; near enough to the curvature once the first one was that.
 const ROUNDS: usize = 3;
 
-/// What the shape constants of a group are uncertain by, and what the coefficients are by that.
+/// What the shape constants of a candidate are uncertain by, and what the coefficients are by that.
 #[derive(Debug, Clone)]
-pub(crate) struct ShapeScatter {
-    /// the group
-    pub(crate) group: usize,
-    /// which of its constants; of the others the misfit has no bottom
+pub(crate) struct ProfileCurvature {
+    /// the candidate
+    pub(crate) candidate: usize,
+    /// which of its constants; of the others the discrepancy has no bottom
     pub(crate) constants: Vec<usize>,
-    /// covariance of these, from the curvature of the misfit with all coefficients fitted again, or where that is more
-    /// from how much stretches of the recordings disagree: what a simulated link is off by lasts longer than noise
+    /// covariance of these, from the curvature of the discrepancy with all coefficients fitted again, or where that is more
+    /// from how much blocks of the recordings disagree: what a simulated link is off by lasts longer than noise
     pub(crate) covariance: Vec<Vec<f64>>,
     /// their change where the efforts are late by a standard deviation of what is not known of it
     pub(crate) by_lag: Vec<f64>,
@@ -34,24 +34,24 @@ pub(crate) struct ShapeScatter {
     pub(crate) slopes: BTreeMap<usize, Vec<f64>>,
 }
 
-/// Of a group of an answer; none where it has no shape, or the misfit no bottom. `late`: the problem of the answer's
-/// groups with late efforts. `least_wider`: by what coefficients of the group scatter more than the curvature says, 1 or
+/// Of a candidate of an estimate; none where it has no shape, or the discrepancy no bottom. `late`: the problem of the estimate's
+/// candidates with late efforts. `least_wider`: by what coefficients of the candidate jackknife more than the curvature says, 1 or
 /// more.
-pub(crate) fn shape_scatter(
-    evidence: &Evidence<'_>,
+pub(crate) fn profile_curvature(
+    design: &Design<'_>,
     at: &[Posed<'_>],
-    metric: &Whitened<'_>,
-    of: &Answer,
-    group: usize,
-    late: Option<&Problem>,
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
+    late: Option<&LinearProblem>,
     least_wider: f64,
-) -> Option<ShapeScatter> {
-    let original = &metric.problem.groups[group];
-    let Meaning::Law(slug) = original.meaning else { return None };
-    let place = of.set.iter().position(|g| *g == group)?;
+) -> Option<ProfileCurvature> {
+    let original = &metric.problem.candidates[candidate];
+    let CandidateKind::Law(slug) = original.kind else { return None };
+    let place = of.set.iter().position(|g| *g == candidate)?;
     let (small, set) = metric.problem.restricted(&of.set);
-    let mut trials = Trials { evidence, at, metric, of, slug, original, place, small, set };
-    let middle = trials.moved_by(&[])?.misfit.whole;
+    let mut trials = Trials { design, at, metric, of, slug, original, place, small, set };
+    let middle = trials.moved_by(&[])?.discrepancy.whole;
     let along: Vec<Along> =
         (0..continuous(original)).filter_map(|k| trials.along(k, middle)).collect();
     if along.is_empty() {
@@ -66,8 +66,8 @@ pub(crate) fn shape_scatter(
             times(&inverse, &late.less_slope(&along)?)
         }
     };
-    Some(ShapeScatter {
-        group,
+    Some(ProfileCurvature {
+        candidate,
         covariance: covariance(&inverse, &along, least_wider),
         by_lag,
         slopes: slopes_of_coefficients(&along),
@@ -75,31 +75,32 @@ pub(crate) fn shape_scatter(
     })
 }
 
-/// Misfit of a shape: all of it, and that of every stretch.
+/// Misfit of a shape: all of it, and that of every block.
 struct Misfit {
     whole: f64,
     by_stretch: Vec<f64>,
 }
 
 impl Misfit {
-    fn of(metric: &Whitened<'_>, fit: &Fit) -> Self {
-        let rows = &metric.problem.rows;
+    fn of(metric: &Marginalised<'_>, fit: &LeastSquaresFit) -> Self {
+        let rows = &metric.problem.observations;
         let residual = metric.residual(fit);
         let in_stretch = |inside: Range<usize>| -> f64 {
             let squares = residual.iter().map(|r| dot(&r[inside.clone()], &r[inside.clone()]));
-            rows.share * squares.sum::<f64>()
+            rows.weights.share * squares.sum::<f64>()
         };
-        let stretches = stretches(&rows.starts[rows.changed_from..], LEFT_OUT_PER_RECORDING);
+        let blocks =
+            time_blocks(&rows.starts[rows.comparison.first_judged()..], LEFT_OUT_PER_RECORDING);
         Self {
-            whole: rows.share * fit.sum_of_squares,
-            by_stretch: stretches.into_iter().map(in_stretch).collect(),
+            whole: rows.weights.share * fit.sum_of_squares,
+            by_stretch: blocks.into_iter().map(in_stretch).collect(),
         }
     }
 }
 
-/// A fit with the shape of a group moved.
+/// A fit with the shape of a candidate moved.
 struct Moved {
-    misfit: Misfit,
+    discrepancy: Misfit,
     /// by column of the problem
     coefficients: BTreeMap<usize, f64>,
 }
@@ -120,19 +121,19 @@ impl Along {
     }
 }
 
-/// Trials of the shape of one group of an answer, all coefficients fitted again.
+/// Trials of the shape of one candidate of an estimate, all coefficients fitted again.
 struct Trials<'a, 'e> {
-    evidence: &'a Evidence<'e>,
+    design: &'a Design<'e>,
     at: &'a [Posed<'e>],
-    metric: &'a Whitened<'a>,
-    of: &'a Answer,
+    metric: &'a Marginalised<'a>,
+    of: &'a Estimate,
     slug: &'static str,
-    original: &'a Group,
-    /// place of the group in the answer
+    original: &'a Candidate,
+    /// place of the candidate in the estimate
     place: usize,
-    /// problem of the answer's groups alone
-    small: Problem,
-    /// these in the order of the answer
+    /// problem of the estimate's candidates alone
+    small: LinearProblem,
+    /// these in the order of the estimate
     set: Vec<usize>,
 }
 
@@ -142,18 +143,18 @@ impl Trials<'_, '_> {
         let mut moved = self.original.clone();
         steps.iter().for_each(|(k, step)| moved.shape[*k] += step);
         let mut set = self.set.clone();
-        set[self.place] = formed(self.evidence, self.at, &mut self.small, self.slug, &moved)?;
-        let metric = self.small.whitened(self.metric.scale, &self.metric.wide);
+        set[self.place] = formed(self.design, self.at, &mut self.small, self.slug, &moved)?;
+        let metric = self.small.marginalised(self.metric.scale, &self.metric.inflated);
         let fit = metric.fit(metric.columns_of(&set))?;
         let pairs = self.of.set.iter().zip(&set).flat_map(|(&g, &here)| {
-            let columns = self.metric.problem.groups[g].columns.iter();
-            columns.copied().zip(self.small.groups[here].columns.iter().copied())
+            let columns = self.metric.problem.candidates[g].columns.iter();
+            columns.copied().zip(self.small.candidates[here].columns.iter().copied())
         });
         let coefficients = pairs.map(|(column, here)| (column, fit.coefficient(here))).collect();
-        Some(Moved { misfit: Misfit::of(&metric, &fit), coefficients })
+        Some(Moved { discrepancy: Misfit::of(&metric, &fit), coefficients })
     }
 
-    /// Along a constant; none where the misfit has no bottom.
+    /// Along a constant; none where the discrepancy has no bottom.
     fn along(&mut self, constant: usize, middle: f64) -> Option<Along> {
         let size = self.original.shape[constant].abs();
         let mut step = 1e-2 * size.max(f64::MIN_POSITIVE);
@@ -162,7 +163,7 @@ impl Trials<'_, '_> {
             let mut side = |step: f64| self.moved_by(&[(constant, step)]);
             let (Some(below), Some(above)) = (side(-step), side(step)) else { break };
             let sides = [below, above];
-            let [below, above] = sides.each_ref().map(|side| side.misfit.whole);
+            let [below, above] = sides.each_ref().map(|side| side.discrepancy.whole);
             let curvature = (above + below - 2.0 * middle) / (step * step);
             if curvature <= 0.0 {
                 break;
@@ -174,7 +175,7 @@ impl Trials<'_, '_> {
         found
     }
 
-    /// Second derivatives of the misfit.
+    /// Second derivatives of the discrepancy.
     fn hessian(&mut self, along: &[Along], middle: f64) -> Option<Vec<Vec<f64>>> {
         let count = along.len();
         let mut hessian = vec![vec![0.0; count]; count];
@@ -185,11 +186,14 @@ impl Trials<'_, '_> {
                 let mut corner = |sign: f64| -> Option<f64> {
                     let steps =
                         [(one.constant, sign * one.step), (other.constant, sign * other.step)];
-                    Some(self.moved_by(&steps)?.misfit.whole)
+                    Some(self.moved_by(&steps)?.discrepancy.whole)
                 };
                 let corners = corner(-1.0)? + corner(1.0)?;
-                let on_axes: f64 =
-                    [one, other].iter().flat_map(|a| &a.sides).map(|side| side.misfit.whole).sum();
+                let on_axes: f64 = [one, other]
+                    .iter()
+                    .flat_map(|a| &a.sides)
+                    .map(|side| side.discrepancy.whole)
+                    .sum();
                 let mixed = (corners - on_axes + 2.0 * middle) / (2.0 * one.step * other.step);
                 hessian[a][b] = mixed;
                 hessian[b][a] = mixed;
@@ -198,25 +202,27 @@ impl Trials<'_, '_> {
         Some(hessian)
     }
 
-    /// By how much less the misfit rises here along each constant.
+    /// By how much less the discrepancy rises here along each constant.
     fn less_slope(&mut self, along: &[Along]) -> Option<Vec<f64>> {
         let mut slopes = Vec::new();
         for along in along {
             let mut side = |sign: f64| -> Option<f64> {
-                Some(self.moved_by(&[(along.constant, sign * along.step)])?.misfit.whole)
+                Some(self.moved_by(&[(along.constant, sign * along.step)])?.discrepancy.whole)
             };
             let here = (side(1.0)? - side(-1.0)?) / (2.0 * along.step);
-            slopes.push(along.slope(|side| side.misfit.whole) - here);
+            slopes.push(along.slope(|side| side.discrepancy.whole) - here);
         }
         Some(slopes)
     }
 }
 
-/// Covariance of the constants, each widened by how much stretches disagree about the slope of the misfit.
+/// Covariance of the constants, each widened by how much blocks disagree about the slope of the discrepancy.
 fn covariance(inverse: &[Vec<f64>], along: &[Along], least_wider: f64) -> Vec<Vec<f64>> {
     let count = along.len();
-    let by_stretch: Vec<Vec<f64>> = (0..along[0].sides[0].misfit.by_stretch.len())
-        .map(|k| along.iter().map(|along| along.slope(|side| side.misfit.by_stretch[k])).collect())
+    let by_stretch: Vec<Vec<f64>> = (0..along[0].sides[0].discrepancy.by_stretch.len())
+        .map(|k| {
+            along.iter().map(|along| along.slope(|side| side.discrepancy.by_stretch[k])).collect()
+        })
         .collect();
     let mean = |k: usize| by_stretch.iter().map(|s| s[k]).sum::<f64>() / by_stretch.len() as f64;
     let means: Vec<f64> = (0..count).map(mean).collect();
@@ -273,31 +279,32 @@ mod tests {
     use armident_effects::effect;
 
     use super::*;
-    use crate::regression::fit_set::answer;
+    use crate::regression::fit_set::fit_set;
     use crate::test_arms::{RUBBING_JOINT as JOINT, STRIBECK, rubbing, stribeck, ur5};
     use armident_model::OperatingPoint;
 
-    /// With the speed as one more coefficient, of the derivative of the efforts by it, the linear answer has the
+    /// With the speed as one more coefficient, of the derivative of the efforts by it, the linear estimate has the
     /// covariance that trials of the speed give.
     #[test]
     fn a_searched_constant_is_as_uncertain_as_a_coefficient_would_be() {
         let chain = ur5();
-        let evidence = rubbing(&chain, 0.0);
-        let point = OperatingPoint::of(evidence.joints());
-        let at = evidence.at(&point);
-        let mut problem = evidence.problem_without_trials(&point);
+        let design = rubbing(&chain, 0.0);
+        let point = OperatingPoint::of(design.joints());
+        let at = design.at(&point);
+        let mut problem = design.problem_without_trials(&point);
         let speed = STRIBECK[2];
-        let id = stribeck(&evidence, &at, &mut problem, speed);
-        let sides = [0.999, 1.001].map(|by| stribeck(&evidence, &at, &mut problem, by * speed));
-        let metric = problem.whitened(0.0, &[]);
-        let found = answer(&metric, vec![id]).unwrap();
-        let scatter = shape_scatter(&evidence, &at, &metric, &found, id, None, 1.0).unwrap();
+        let id = stribeck(&design, &at, &mut problem, speed);
+        let sides = [0.999, 1.001].map(|by| stribeck(&design, &at, &mut problem, by * speed));
+        let metric = problem.marginalised(0.0, &[]);
+        let found = fit_set(&metric, vec![id]).unwrap();
+        let jackknife = profile_curvature(&design, &at, &metric, &found, id, None, 1.0).unwrap();
 
-        let columns = problem.groups[id].columns.clone();
-        let levels = found.fit.of_group(&problem.groups[id]);
+        let columns = problem.candidates[id].columns.clone();
+        let levels = found.fit.of_candidate(&problem.candidates[id]);
         let efforts = sides.map(|side| -> Vec<f64> {
-            let columns = problem.groups[side].columns.iter().map(|c| &problem.columns[*c][JOINT]);
-            let mut sum = vec![0.0; problem.rows.len()];
+            let columns =
+                problem.candidates[side].columns.iter().map(|c| &problem.columns[*c][JOINT]);
+            let mut sum = vec![0.0; problem.observations.len()];
             for (column, level) in columns.zip(&levels) {
                 sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += level * x);
             }
@@ -312,15 +319,15 @@ mod tests {
             .collect();
         let gram: Vec<Vec<f64>> = all
             .iter()
-            .map(|a| all.iter().map(|b| problem.rows.share * dot(a, b)).collect())
+            .map(|a| all.iter().map(|b| problem.observations.weights.share * dot(a, b)).collect())
             .collect();
         let covariance = inverse(&gram).unwrap();
         let variance = covariance[2][2];
-        // stretches may disagree by more than the curvature says, never by less
-        let found_variance = scatter.covariance[0][0];
+        // blocks may disagree by more than the curvature says, never by less
+        let found_variance = jackknife.covariance[0][0];
         assert!((0.9..3.0).contains(&(found_variance / variance)), "{found_variance} {variance}");
         for (k, column) in columns.iter().enumerate() {
-            let [expected, got] = [covariance[k][2] / variance, scatter.slopes[column][0]];
+            let [expected, got] = [covariance[k][2] / variance, jackknife.slopes[column][0]];
             assert!((got - expected).abs() < 0.05 * expected.abs(), "{k}: {got} {expected}");
         }
     }
@@ -329,15 +336,15 @@ mod tests {
     #[test]
     fn of_a_ripple_the_order_is_uncertain() {
         let chain = ur5();
-        let evidence = rubbing(&chain, 0.0);
-        let point = OperatingPoint::of(evidence.joints());
-        let at = evidence.at(&point);
-        let mut problem = evidence.problem_without_trials(&point);
+        let design = rubbing(&chain, 0.0);
+        let point = OperatingPoint::of(design.joints());
+        let at = design.at(&point);
+        let mut problem = design.problem_without_trials(&point);
         let law = effect("torque_ripple").unwrap();
-        let id = evidence.push_joint_law(&mut problem, &at, law, JOINT, &[7.0, 2.0]).unwrap();
-        let metric = problem.whitened(0.0, &[]);
-        let found = answer(&metric, vec![id]).unwrap();
-        let scatter = shape_scatter(&evidence, &at, &metric, &found, id, None, 1.0);
-        assert!(scatter.is_none_or(|scatter| scatter.constants == [0]));
+        let id = design.push_joint_law(&mut problem, &at, law, JOINT, &[7.0, 2.0]).unwrap();
+        let metric = problem.marginalised(0.0, &[]);
+        let found = fit_set(&metric, vec![id]).unwrap();
+        let jackknife = profile_curvature(&design, &at, &metric, &found, id, None, 1.0);
+        assert!(jackknife.is_none_or(|jackknife| jackknife.constants == [0]));
     }
 }
