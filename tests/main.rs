@@ -43,6 +43,8 @@ mod diagnose;
 mod export;
 /// a law added from outside the crates
 mod extend;
+/// a log format of another crate
+mod extend_format;
 /// MCAP compared with CSV
 mod formats;
 /// pages of results in a browser

@@ -1,27 +1,17 @@
-//! From columns that are known by name to a checked recording: what is repaired on reading, and
-//! what is refused.
+//! From named channels to a checked recording: repairs on reading, and faults.
 
-use crate::error::{Fault, RecordingError};
-use crate::finding::{Action, Finding, FindingKind, percent, places, spans_of};
+use crate::error::{Fault, RecordingError, plural};
+use crate::finding::{Action, Finding, FindingKind, Span, percent};
 use crate::interpolation::{BRIDGED_STEPS, Interpolation};
+use crate::limits::{
+    LONGEST_STEP_S, MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE, SHORTEST_STEP_S,
+};
+use crate::quantity::Quantity;
 use crate::raw::RawColumns;
-use crate::recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
+use crate::recording::{JointChannels, Recording};
 use crate::timing::Timing;
 use crate::unwrap::unwrap_turns;
 use crate::velocity_check;
-
-/// Most NaN in a row that are filled in. The cubic through two samples on either side spans five
-/// steps then, which a motion sampled ten times per period still follows to about 1 %.
-pub const MISSING_RUN: usize = 3;
-/// Largest share of NaN in a channel that is filled in: more is a fault of the logging, not a lost
-/// value now and then.
-pub const MISSING_SHARE: f64 = 0.01;
-/// Share of samples that may repeat the stamp before them.
-pub const REPEATED_SHARE: f64 = 0.01;
-/// Median steps at and above this cannot be seconds \[s\].
-const LONGEST_STEP_S: f64 = 0.5;
-/// Median steps at and below this cannot be seconds \[s\].
-const SHORTEST_STEP_S: f64 = 1e-6;
 
 /// A channel as read.
 struct Channel {
@@ -38,8 +28,8 @@ impl Channel {
     }
 }
 
-/// A recording that is not checked yet: stamps may repeat, values may be NaN.
-pub(crate) struct Draft {
+/// A recording before the checks: stamps may repeat, values may be NaN.
+pub(crate) struct Import {
     raw: RawColumns,
     time_column: usize,
     time_s: Vec<f64>,
@@ -55,8 +45,8 @@ pub(crate) struct Draft {
     pub(crate) sort: bool,
 }
 
-impl Draft {
-    /// Time stamps in seconds and no channel yet. `raw` tells lines, names and texts.
+impl Import {
+    /// Time stamps in seconds and no channel yet. `raw` has lines, names and texts for messages.
     pub(crate) fn new(raw: RawColumns, time_column: usize, time_s: Vec<f64>) -> Self {
         Self {
             raw,
@@ -91,7 +81,7 @@ impl Draft {
         }
         self.sort_rows()?;
         let rows = self.time_s.len();
-        if let Some(error) = self.missing_at_length() {
+        if let Some(error) = self.too_many_missing() {
             return Err(error);
         }
         let too_few = |found| Fault::TooFewSamples { found, required: MIN_SAMPLES };
@@ -104,7 +94,7 @@ impl Draft {
         }
         let timing = Timing::of(&self.time_s);
         self.check_seconds(&timing)?;
-        self.fill_in_missing(&timing);
+        self.interpolate_missing(&timing);
         self.unwrap_angles();
 
         let (source, by_mapping) = (self.raw.source, self.by_mapping);
@@ -190,7 +180,7 @@ impl Draft {
         (columns().map(of).sum(), columns().map(<[f64]>::len).sum())
     }
 
-    /// Brings rows into the order of time if that was asked for, else refuses stamps that go back.
+    /// Sorts rows by time if requested, else refuses decreasing stamps.
     fn sort_rows(&mut self) -> Result<(), RecordingError> {
         let steps_back: Vec<usize> =
             (1..self.time_s.len()).filter(|k| self.time_s[*k] < self.time_s[k - 1]).collect();
@@ -205,7 +195,7 @@ impl Draft {
         order.sort_by(|a, b| self.time_s[*a].total_cmp(&self.time_s[*b]));
         let sorted = |values: &[f64]| order.iter().map(|k| values[*k]).collect::<Vec<f64>>();
         let runs: Vec<(usize, usize)> = steps_back.iter().map(|k| (*k, *k)).collect();
-        let spans = spans_of(&self.time_s, &runs);
+        let spans = Span::of_runs(&self.time_s, &runs);
         self.time_s = sorted(&self.time_s);
         for channel in &mut self.channels {
             channel.values = sorted(&channel.values);
@@ -214,20 +204,19 @@ impl Draft {
             self.raw.lines = order.iter().map(|k| self.raw.lines[*k]).collect();
         }
         let message = format!(
-            "the time went backwards {count} time{} in {total} samples, first to t = {} s: rows sorted by \
-             time",
-            crate::error::plural(count),
+            "time stamps decrease {count} time{} in {total} samples, first to t = {} s; rows sorted",
+            plural(count),
             spans[0].from_s
         );
         let share = count as f64 / total as f64;
         let finding =
             Finding::of_stamps(FindingKind::UnsortedRows, Action::Repaired, share).at(spans);
-        self.findings.push(finding.saying(message));
+        self.findings.push(finding.with_message(message));
         Ok(())
     }
 
-    /// NaN that are too many or too close together to be filled in.
-    fn missing_at_length(&self) -> Option<RecordingError> {
+    /// NaN beyond the limits of interpolation.
+    fn too_many_missing(&self) -> Option<RecordingError> {
         let total = self.time_s.len();
         let refused = |channel: &&Channel| {
             let runs = runs_of_nan(&channel.values);
@@ -248,7 +237,7 @@ impl Draft {
         Some(self.fault_at(fault, row, channel.column, &channel.name()))
     }
 
-    fn fill_in_missing(&mut self, timing: &Timing) {
+    fn interpolate_missing(&mut self, timing: &Timing) {
         for channel in &mut self.channels {
             let runs = runs_of_nan(&channel.values);
             if runs.is_empty() {
@@ -267,13 +256,13 @@ impl Draft {
                 channel.values[*k] = value;
             }
             let share = missing.len() as f64 / channel.values.len() as f64;
-            let spans = spans_of(&self.time_s, &runs);
+            let spans = Span::of_runs(&self.time_s, &runs);
             let message = format!(
-                "{} of {} values were NaN ({}) and were interpolated, {}",
+                "{} of {} values are NaN ({}), {}; interpolated",
                 missing.len(),
                 channel.values.len(),
                 percent(share),
-                places(&spans)
+                Span::describe(&spans)
             );
             self.findings.push(
                 Finding::of_channel(
@@ -284,7 +273,7 @@ impl Draft {
                     share,
                 )
                 .at(spans)
-                .saying(message),
+                .with_message(message),
             );
         }
     }
@@ -299,10 +288,10 @@ impl Draft {
             return Err(self.time_fault(Fault::RepeatedStamps { count, total }, Some(first)));
         }
         let runs: Vec<(usize, usize)> = repeated.iter().map(|k| (*k, *k)).collect();
-        let spans = spans_of(&self.time_s, &runs);
+        let spans = Span::of_runs(&self.time_s, &runs);
         let message = format!(
-            "{count} of {total} samples repeated the time stamp before them and were dropped, the \
-             first at t = {} s",
+            "{count} duplicate time stamp{} in {total} samples, first at t = {} s; dropped",
+            plural(count),
             self.time_s[first]
         );
         let keep: Vec<bool> =
@@ -316,7 +305,7 @@ impl Draft {
         self.time_s = kept(&self.time_s);
         let share = count as f64 / total as f64;
         let finding = Finding::of_stamps(FindingKind::RepeatedStamps, Action::Repaired, share);
-        self.findings.push(finding.at(spans).saying(message));
+        self.findings.push(finding.at(spans).with_message(message));
         Ok(())
     }
 
@@ -341,12 +330,11 @@ impl Draft {
                 continue;
             }
             let runs: Vec<(usize, usize)> = jumps.iter().map(|k| (*k, *k)).collect();
-            let spans = spans_of(&self.time_s, &runs);
+            let spans = Span::of_runs(&self.time_s, &runs);
             let message = format!(
-                "the angle jumped by a full turn {} time{} in {} samples and was made continuous, first \
-                 at t = {:.3} s",
+                "angle wraps {} time{} in {} samples, first at t = {:.3} s; unwrapped",
                 jumps.len(),
-                crate::error::plural(jumps.len()),
+                plural(jumps.len()),
                 channel.values.len(),
                 spans[0].from_s
             );
@@ -360,13 +348,13 @@ impl Draft {
                     share,
                 )
                 .at(spans)
-                .saying(message),
+                .with_message(message),
             );
         }
     }
 }
 
-/// First and last sample of each stretch of NaN.
+/// First and last sample of each run of NaN.
 fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for k in (0..values.len()).filter(|k| values[*k].is_nan()) {
@@ -378,7 +366,7 @@ fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Unit of stamps with this median step, and the factor that makes them seconds.
+/// Apparent unit of stamps with this median step, and the factor to seconds; none for seconds.
 fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
     match median_step {
         step if step >= 5e5 => Some(("nanoseconds", 1e-9)),

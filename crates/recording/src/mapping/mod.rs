@@ -1,6 +1,7 @@
-//! Mapping files: what the columns of a foreign file mean.
+//! Mapping files: the meaning of the columns of other loggers' files.
 
 mod coupling;
+mod header;
 mod plan;
 mod reader;
 mod rules;
@@ -8,39 +9,41 @@ mod rules;
 use std::fs;
 use std::path::Path;
 
-use crate::draft::Draft;
 use crate::error::{Fault, RecordingError, listed};
-use crate::raw::RawColumns;
-use crate::recording::{Quantity, Recording};
+use crate::import::Import;
+use crate::quantity::Quantity;
+use crate::raw::{RawColumn, RawColumns};
+use crate::recording::Recording;
 use crate::units::{Base, Unit, units_of};
 
+pub(crate) use header::Header;
 use plan::{Claim, Plan};
 use reader::Reader;
 use rules::{PerJoint, Rules};
 
-/// What the columns of a file mean, from a small TOML file.
+/// Meaning of the columns of a file, from a TOML file.
 ///
 /// # Format
 ///
 /// ```toml
-/// [time]                      # may be left out: then `t`, `__time` or `time`, in s
+/// [time]                      # optional: `t`, `__time` or `time`, in s
 /// column = "stamp_ms"
 /// unit = "ms"                 # s, ms, us, ns
-/// sort = true                 # put rows into the order of time; otherwise that is a fault
+/// sort = true                 # sort rows by time; otherwise decreasing stamps are an error
 ///
 /// [[channel]]
 /// column = "q1_deg"           # name in the file
 /// joint = "joint_1"           # name in the URDF
-/// quantity = "position"       # of Quantity; may be left out where the column ends with it: a/position
-/// unit = "deg"                # may be left out: SI
+/// quantity = "position"       # a Quantity; optional if the column ends with it: a/position
+/// unit = "deg"                # optional: SI
 /// sign = -1                   # 1 or -1
 /// offset = 1.5707963          # in SI, after unit and sign
 ///
 /// [[coupling]]                # motors that move several joints
 /// joints = ["joint_5", "joint_6"]
-/// motors = ["m5", "m6"]       # names that channels above have as `joint`
+/// motors = ["m5", "m6"]       # `joint` names of channels above
 /// matrix = [[45, 0], [32, 32]]
-/// offset = [0, 0]             # may be left out
+/// offset = [0, 0]             # optional
 /// ```
 ///
 /// | quantity | units | other keys |
@@ -56,25 +59,24 @@ use rules::{PerJoint, Rules};
 /// | temperature | `degC` `K` | |
 ///
 /// `gain` is a factor everywhere: SI unit of the quantity per unit of the column. `gear_ratio` is
-/// motor turns per joint turn. Other columns are ignored and noted.
+/// motor turns per joint turn. Other columns are ignored, with a note.
 ///
-/// **Whole arms.** `{joint}` in a column stands for any joint's name, `{quantity}` for any
-/// quantity, and `joint = "arm_{joint}"` makes the joint's name from the part found. Numbers may be
-/// one per joint: `gain = { shoulder = 13.6, elbow = -8.7 }`; then the channel is of these joints
-/// only (`sign` and `offset` of the others are 1 and 0). A channel that names its column comes
-/// before channels with placeholders, these come in the order of the file, and a column is taken
-/// once by them.
+/// **Whole arms.** `{joint}` in a column matches any joint name, `{quantity}` any quantity, and
+/// `joint = "arm_{joint}"` builds the joint name from the matched part. Numbers may be given per
+/// joint: `gain = { shoulder = 13.6, elbow = -8.7 }`; the channel is then restricted to these joints
+/// (`sign` and `offset` default to 1 and 0). Channels that name a column take precedence over
+/// channels with placeholders, which apply in file order; each column matches once.
 ///
 /// **Voltage.** A drive voltage u gives `effort = sign · gear · kt / R · u - (gear · kt)² / R · velocity`.
-/// The second term, the back-EMF, is viscous friction in all but name. It is left to the viscous
-/// friction that is identified, since recorded velocities are noisy or late; that coefficient then
-/// contains (gear · kt)² / R, and a note says how much. With `back_emf = true` the term is formed
-/// from the recorded velocity. Either holds only while the bridge drives the motor: with the bridge
-/// off there is no back-EMF.
+/// The second term, the back-EMF, is equivalent to viscous friction. By default it is part of the
+/// identified viscous friction, since recorded velocities are noisy or delayed; that coefficient then
+/// contains (gear · kt)² / R, which a note reports. With `back_emf = true` the term is computed from
+/// the recorded velocity. Both hold only while the bridge drives the motor: with the bridge off there
+/// is no back-EMF.
 ///
 /// **Coupling.** `q_motor = R q_joint + const` with one row of R per motor, so velocities and
-/// accelerations alike, and by the principle of virtual work `tau_joint = Rᵀ tau_motor`. Quantities
-/// that are recorded for all motors of a coupling become those of its joints.
+/// accelerations likewise, and by the principle of virtual work `tau_joint = Rᵀ tau_motor`.
+/// Quantities that are recorded for all motors of a coupling become those of its joints.
 ///
 /// # Examples
 ///
@@ -105,7 +107,7 @@ use rules::{PerJoint, Rules};
 /// # Ok::<(), armident_recording::RecordingError>(())
 /// ```
 ///
-/// A servo of which only the drive voltage is known:
+/// A servo with a drive voltage only:
 ///
 /// ```
 /// # use armident_recording::{Mapping, read_csv_mapped_from};
@@ -153,17 +155,17 @@ impl Mapping {
     /// Reads the text of a mapping file; `source` names it in messages.
     ///
     /// # Errors
-    /// No TOML; unknown keys, quantities or units; numbers that make no sense.
+    /// Invalid TOML; unknown keys, quantities or units; invalid or contradictory numbers.
     pub fn parse(text: &str, source: &str) -> Result<Self, RecordingError> {
         Ok(Self { source: source.to_owned(), rules: Reader::rules(text, source)? })
     }
 
-    /// Where it comes from.
+    /// Origin: a path, or a description.
     pub fn source(&self) -> &str {
         &self.source
     }
 
-    /// Which of the named columns of a file are read.
+    /// Which of the named columns of a file are needed.
     pub(crate) fn reads(
         &self,
         names: &[String],
@@ -181,8 +183,8 @@ impl Mapping {
     /// The recording that the columns hold.
     ///
     /// # Errors
-    /// Columns that the mapping names are not there, two columns for one channel, coupled motors of
-    /// which some are missing; or the signals are faulty in a way that is not repaired on reading.
+    /// Missing columns, two columns for one channel, incomplete coupled motors, or signals with
+    /// defects that are not repaired on reading.
     pub fn apply(&self, raw: &RawColumns) -> Result<Recording, RecordingError> {
         let names = raw.names();
         let plan = Plan::new(&self.rules, &names, &self.source, &raw.source)?;
@@ -214,24 +216,24 @@ impl Mapping {
             source: raw.source.clone(),
             columns: names
                 .iter()
-                .map(|name| crate::raw::RawColumn { name: name.clone(), values: None })
+                .map(|name| RawColumn { name: name.clone(), values: None })
                 .collect(),
             lines: raw.lines.clone(),
             notes: Vec::new(),
             first_not_finite: raw.first_not_finite.clone(),
         };
-        let mut draft = Draft::new(header, plan.time, time_s);
-        draft.by_mapping = true;
-        draft.time_unit_is_stated = self.rules.time.unit.is_some();
-        draft.sort = self.rules.time.sort;
-        draft.notes = self.notes(&plan);
-        draft.notes.extend(back_emf_notes);
-        draft.ignored = plan.ignored.iter().map(|index| shown(&names, *index)).collect();
-        if !draft.ignored.is_empty() {
-            draft.notes.push(format!("columns not read: {}", draft.ignored.join(", ")));
+        let mut import = Import::new(header, plan.time, time_s);
+        import.by_mapping = true;
+        import.time_unit_is_stated = self.rules.time.unit.is_some();
+        import.sort = self.rules.time.sort;
+        import.notes = self.notes(&plan);
+        import.notes.extend(back_emf_notes);
+        import.ignored = plan.ignored.iter().map(|index| shown(&names, *index)).collect();
+        if !import.ignored.is_empty() {
+            import.notes.push(format!("ignored columns: {}", import.ignored.join(", ")));
         }
-        self.fill(&mut draft, &plan, values)?;
-        draft.finish()
+        self.fill(&mut import, &plan, values)?;
+        import.finish()
     }
 
     fn fault(&self, line: u64, what: String, advice: impl Into<String>) -> RecordingError {
@@ -245,7 +247,7 @@ impl Mapping {
         values.iter().map(|value| (value + shift) * factor + offset).collect()
     }
 
-    /// What is added, what is multiplied by then, and what is added last.
+    /// Shift, factor and offset: `(value + shift) * factor + offset`.
     fn scale(&self, claim: &Claim) -> (f64, f64, f64) {
         let rule = &self.rules.channels[claim.rule];
         let number = |values: &Option<PerJoint>, otherwise: f64| {
@@ -270,7 +272,7 @@ impl Mapping {
         (factor, unit.shift / unit.factor, number(&rule.offset, 0.0))
     }
 
-    /// Forms the back-EMF where asked for; otherwise notes how large it is.
+    /// Subtracts the back-EMF if requested; otherwise notes its size.
     fn subtract_back_emf(
         &self,
         plan: &Plan,
@@ -291,8 +293,8 @@ impl Mapping {
             let damping = (gear * torque_constant).powi(2) / number(&rule.resistance_ohm);
             if !rule.back_emf {
                 notes.push(format!(
-                    "effort of {} formed from a voltage without its back-EMF, which acts as viscous \
-                     friction of {damping:.4} N m s/rad",
+                    "effort of {} computed from voltage; back-EMF appears as viscous friction of \
+                     {damping:.4} N m s/rad",
                     claim.joint
                 ));
                 continue;
@@ -301,8 +303,8 @@ impl Mapping {
                 |other: &&Claim| other.quantity == Quantity::Velocity && other.joint == claim.joint;
             let Some(velocity) = plan.claims.iter().position(|other| of_joint(&other)) else {
                 let what = format!("`back_emf` needs a velocity of `{}`", claim.joint);
-                let advice = "map its velocity too, or leave back_emf out: viscous friction \
-                              contains it then";
+                let advice = "map its velocity too, or remove back_emf: viscous friction then \
+                              includes it";
                 return Err(self.fault(rule.line, what, advice).in_column(&names[claim.column]));
             };
             let velocity = values[velocity].clone();
@@ -313,7 +315,7 @@ impl Mapping {
         Ok(notes)
     }
 
-    /// Which joints have efforts that are not recorded as such.
+    /// A note on joints whose effort is computed from a current.
     fn notes(&self, plan: &Plan) -> Vec<String> {
         let of_current: Vec<String> = plan
             .claims
@@ -326,14 +328,14 @@ impl Mapping {
             .collect();
         match of_current[..] {
             [] => Vec::new(),
-            _ => vec![format!("effort formed from the current: {}", of_current.join(", "))],
+            _ => vec![format!("effort computed from current: {}", of_current.join(", "))],
         }
     }
 
-    /// Brings coupled motors to their joints, and everything into the draft.
+    /// Converts coupled motors to their joints and adds all channels to the import.
     fn fill(
         &self,
-        draft: &mut Draft,
+        import: &mut Import,
         plan: &Plan,
         mut values: Vec<Vec<f64>>,
     ) -> Result<(), RecordingError> {
@@ -354,8 +356,8 @@ impl Mapping {
                 if columns.len() < coupling.motors.len() {
                     let lacking = coupling.motors.iter().zip(&found).filter(|(_, k)| k.is_none());
                     let lacking: Vec<String> = lacking.map(|(motor, _)| motor.clone()).collect();
-                    let what = format!("the {quantity} of {} is missing", listed(&lacking));
-                    let advice = "a coupling needs each quantity of all its motors or of none";
+                    let what = format!("missing {quantity} of {}", listed(&lacking));
+                    let advice = "map each quantity for all motors of a coupling, or for none";
                     return Err(self.fault(coupling.line, what, advice));
                 }
                 let Some(joints) = coupling.to_joints(quantity, &columns) else { continue };
@@ -365,7 +367,7 @@ impl Mapping {
                 for (joint, column) in coupling.joints.iter().zip(joints) {
                     if plan.claims.iter().any(|c| c.is(joint, quantity)) {
                         let what =
-                            format!("{joint}/{quantity} is both a column and made of motors");
+                            format!("{joint}/{quantity} is both a column and computed from motors");
                         let advice = "map the motors' encoders as quantity = \"motor_position\"";
                         return Err(self.fault(coupling.line, what, advice));
                     }
@@ -375,10 +377,10 @@ impl Mapping {
         }
         for (k, claim) in plan.claims.iter().enumerate().filter(|(k, _)| !is_done[*k]) {
             let values = std::mem::take(&mut values[k]);
-            draft.push(&claim.joint, claim.quantity, Some(claim.column), values);
+            import.push(&claim.joint, claim.quantity, Some(claim.column), values);
         }
         for (joint, quantity, values) in coupled {
-            draft.push(&joint, quantity, None, values);
+            import.push(&joint, quantity, None, values);
         }
         Ok(())
     }

@@ -1,11 +1,12 @@
-//! The header of a recording: which column is what.
+//! Channels of a file whose columns have standard names: `<joint>/<quantity>`, or those of
+//! PlotJuggler.
 
-use crate::draft::Draft;
 use crate::error::{Fault, RecordingError};
+use crate::import::Import;
+use crate::quantity::Quantity;
 use crate::raw::RawColumns;
-use crate::recording::Quantity;
 
-/// What the columns of a file are.
+/// The columns of a file by their names.
 pub(crate) struct Header {
     /// Index of the column with the time stamps.
     pub(crate) time: usize,
@@ -17,7 +18,7 @@ pub(crate) struct Header {
     pub(crate) columns: Vec<String>,
     /// Names of the columns that are not read.
     pub(crate) ignored: Vec<String>,
-    /// One sentence for each thing the user should look at.
+    /// Notes.
     pub(crate) notes: Vec<String>,
 }
 
@@ -30,7 +31,7 @@ pub(crate) struct Channel {
     pub(crate) quantity: Quantity,
 }
 
-/// Names that people give to these quantities, lower case, without signs.
+/// Usual names of quantities, lower case, without punctuation.
 const SYNONYMS: [(Quantity, &[&str]); 6] = [
     (Quantity::Position, &["position", "positions", "pos", "angle", "angles", "q", "theta"]),
     (
@@ -49,7 +50,7 @@ const SYNONYMS: [(Quantity, &[&str]); 6] = [
     (Quantity::Voltage, &["voltage", "voltages", "volt", "volts", "u"]),
 ];
 
-/// Names that people give to time stamps, lower case, without signs.
+/// Usual names of time stamps, lower case, without punctuation.
 const TIME_NAMES: [&str; 14] = [
     "t",
     "time",
@@ -67,9 +68,9 @@ const TIME_NAMES: [&str; 14] = [
     "elapsed",
 ];
 
-/// Columns that PlotJuggler puts the time stamps in, the preferred first.
+/// Time columns of PlotJuggler, the preferred first.
 const PLOTJUGGLER_TIME: [&str; 2] = ["__time", "time"];
-/// Topic whose joints are taken where several topics have some.
+/// Preferred topic if several have joints.
 const JOINT_STATES: &str = "/joint_states";
 
 impl Header {
@@ -102,15 +103,14 @@ impl Header {
                 };
                 match renamed(name) {
                     Some(better) => notes.push(format!(
-                        "column `{name}` is not read; if it is one of the channels, rename it to \
-                         `{better}`"
+                        "ignored column `{name}`; rename it to `{better}` if it is a channel"
                     )),
                     None => unexplained.push(label.clone()),
                 }
                 ignored.push(label);
                 continue;
             }
-            refuse_twice(&columns, column, source, line)?;
+            refuse_duplicate(&columns, column, source, line)?;
             if let Some((joint, quantity)) = channel {
                 let joint = index_of(&mut joints, joint);
                 channels.push(Channel { column, joint, quantity });
@@ -123,7 +123,7 @@ impl Header {
             return Err(RecordingError::new(fault, source).on_line(line));
         }
         if !unexplained.is_empty() {
-            notes.push(format!("columns not read: {}", unexplained.join(", ")));
+            notes.push(format!("ignored columns: {}", unexplained.join(", ")));
         }
         Ok(Self { time, joints, channels, columns, ignored, notes })
     }
@@ -143,18 +143,18 @@ impl Header {
                 ignored.push(name.clone());
                 continue;
             }
-            refuse_twice(&columns, column, source, line)?;
+            refuse_duplicate(&columns, column, source, line)?;
             if let Some((_, joint, quantity)) = known {
                 let joint = index_of(&mut joints, joint);
                 channels.push(Channel { column, joint, quantity });
             }
         }
         let mut notes = vec![format!(
-            "names as PlotJuggler writes them: time stamps from `{}`, joints of the topic {topic}",
+            "PlotJuggler export: time from `{}`, joints from topic {topic}",
             columns[time]
         )];
         if !ignored.is_empty() {
-            notes.push(format!("columns not read: {}", ignored.join(", ")));
+            notes.push(format!("ignored columns: {}", ignored.join(", ")));
         }
         Ok(Self { time, joints, channels, columns, ignored, notes })
     }
@@ -170,7 +170,7 @@ impl Header {
     }
 
     /// Sorts the columns into time stamps and channels.
-    pub(crate) fn draft(self, mut raw: RawColumns) -> Draft {
+    pub(crate) fn import(self, mut raw: RawColumns) -> Import {
         let mut take = |column: usize| raw.columns[column].values.take().unwrap_or_default();
         let time_s = take(self.time);
         let channels: Vec<(usize, Quantity, Vec<f64>)> = self
@@ -178,18 +178,18 @@ impl Header {
             .iter()
             .map(|channel| (channel.joint, channel.quantity, take(channel.column)))
             .collect();
-        let mut draft = Draft::new(raw, self.time, time_s);
-        draft.notes = self.notes;
-        draft.ignored = self.ignored;
+        let mut import = Import::new(raw, self.time, time_s);
+        import.notes = self.notes;
+        import.ignored = self.ignored;
         for (channel, (joint, quantity, values)) in self.channels.iter().zip(channels) {
-            draft.push(&self.joints[joint], quantity, Some(channel.column), values);
+            import.push(&self.joints[joint], quantity, Some(channel.column), values);
         }
-        draft
+        import
     }
 }
 
-/// A name that occurs for the second time is a fault.
-fn refuse_twice(
+/// Refuses a duplicate name.
+fn refuse_duplicate(
     columns: &[String],
     column: usize,
     source: &str,
@@ -254,7 +254,7 @@ fn joint_channel(column: &str) -> Option<(&str, Quantity)> {
     Quantity::from_suffix(suffix).filter(|_| joint_is_clean).map(|quantity| (joint, quantity))
 }
 
-/// The name that a column would need, if its last part is a usual word for a quantity:
+/// The standard name of a column whose last part is a usual word for a quantity:
 /// `elbow/torque` -> `elbow/effort`, `elbow_pos` -> `elbow/position`.
 fn renamed(column: &str) -> Option<String> {
     let (joint, word) = column.rsplit_once('/').or_else(|| column.rsplit_once(['_', '.', ' ']))?;
@@ -289,7 +289,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_segment_is_the_quantity() {
+    fn last_segment_is_the_quantity() {
         assert_eq!(
             joint_channel("left/arm/elbow/effort"),
             Some(("left/arm/elbow", Quantity::Effort))
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn usual_names_are_recognised() {
+    fn usual_names_get_suggestions() {
         for (found, better) in [
             ("elbow/torque", "elbow/effort"),
             ("elbow/pos", "elbow/position"),

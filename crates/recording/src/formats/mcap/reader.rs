@@ -1,66 +1,33 @@
-//! MCAP, the recordings of ROS 2: joint states of one topic in, and out.
-//!
-//! Only `sensor_msgs/JointState` is read (ROS 2, and ROS 1 as `mcap convert` leaves it); other topics
-//! are listed in a note.
-
-mod joint_state;
+//! Reads the joint states of one topic from MCAP.
 
 use std::collections::BTreeMap;
-use std::io::{Cursor, Read};
+use std::io::{BufReader, Read};
 
 use ::mcap::records::Record;
 use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use ::mcap::{McapError, WriteOptions, parse_record};
+use ::mcap::{McapError, parse_record};
 
-use crate::error::{Fault, RecordingError};
+use super::joint_state::{BadMessage, HELD, JOINT_STATES, JointState, SCHEMA_NAMES};
+use crate::error::{Fault, RecordingError, plural};
+use crate::formats::format::ColumnRequest;
+use crate::quantity::Quantity;
 use crate::raw::{RawColumn, RawColumns};
-use crate::recording::{Quantity, Recording};
-use joint_state::{BadMessage, JointState};
 
-/// Topic that is taken where several have joint states, and that is written.
-const JOINT_STATES: &str = "/joint_states";
-/// Names of the message in ROS 2 and ROS 1.
-const SCHEMA_NAMES: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
-/// Longest record that is believed \[bytes\].
+/// Bytes read at a time.
+const BUFFER_BYTES: usize = 1 << 18;
+/// Longest record accepted \[bytes\].
 const LONGEST_RECORD: usize = 1 << 30;
-/// Stamps after this are those of a clock \[ns\]: they are counted from the whole second of the first.
+/// Stamps above this are clock times \[ns\]; their origin becomes the whole second of the first.
 const CLOCK_NS: i64 = 100_000_000_000_000_000;
-/// Quantities that a joint state holds.
-const HELD: [Quantity; 3] = [Quantity::Position, Quantity::Velocity, Quantity::Effort];
 
-/// Definition of the message, as ROS 2 writes it.
-const SCHEMA: &str = "\
-std_msgs/Header header
-string[] name
-float64[] position
-float64[] velocity
-float64[] effort
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-";
-
-/// How columns are named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Names {
-    /// `t`, `<joint>/<quantity>`
-    Plain,
-    /// `__time`, `<topic>/<joint>/<quantity>`
-    WithTopic,
-}
-
-/// Joint states of one topic as columns, time in seconds.
-pub(crate) fn read_columns(
+/// Joint states of one topic as columns, time in seconds: `t` and `<joint>/<quantity>`, or, for a
+/// mapping, `__time` and `<topic>/<joint>/<quantity>`.
+pub(super) fn read_columns(
     reader: impl Read,
-    source: &str,
-    topic: Option<&str>,
-    names: Names,
+    request: &ColumnRequest<'_>,
 ) -> Result<RawColumns, RecordingError> {
+    let reader = BufReader::with_capacity(BUFFER_BYTES, reader);
+    let (source, topic) = (request.source(), request.topic());
     let mut file = Contents { wanted: topic.map(str::to_owned), ..Contents::default() };
     let ended_early = file.read(reader, source)?;
     let fault = |fault| RecordingError::new(fault, source);
@@ -77,22 +44,22 @@ pub(crate) fn read_columns(
             _ => return Err(fault(Fault::SeveralJointStates { topics })),
         },
     };
-    let mut raw = file.columns(&chosen, source, names)?;
+    let mut raw = file.columns(&chosen, source, request.is_mapped())?;
     raw.notes.insert(0, format!("joint states of the topic {chosen}"));
     let others: Vec<String> = topics.into_iter().filter(|t| *t != chosen).chain(others).collect();
     if !others.is_empty() {
-        raw.notes.push(format!("topics not read: {}", others.join(", ")));
+        raw.notes.push(format!("ignored topics: {}", others.join(", ")));
     }
     if let Some(why) = ended_early {
-        raw.notes.push(format!("the file is not complete ({why}); read up to there"));
+        raw.notes.push(format!("truncated file ({why}); read up to that point"));
     }
     Ok(raw)
 }
 
-/// What a file holds, of joint states alone.
+/// Joint states of a file.
 #[derive(Default)]
 struct Contents {
-    /// the only topic to read
+    /// topic to read; all if none
     wanted: Option<String>,
     /// schema id to name
     schemas: BTreeMap<u16, String>,
@@ -108,12 +75,12 @@ struct Topic {
     names: Vec<Vec<String>>,
     /// index of the names, and the message without them
     states: Vec<(usize, JointState)>,
-    /// messages whose header has no stamp: that of the recorder stands in its place
+    /// messages without header stamp, which have the log time instead
     without_stamp: usize,
 }
 
 impl Contents {
-    /// Reads all; says why when the file ends before its end.
+    /// Reads all records; the reason if the file is truncated.
     fn read(
         &mut self,
         mut reader: impl Read,
@@ -138,7 +105,7 @@ impl Contents {
         Ok(None)
     }
 
-    /// A recorder that was killed leaves a file without its end: what is before counts.
+    /// A killed recorder leaves a truncated file: the messages before the end are kept.
     fn ended(&self, error: &McapError, source: &str) -> Result<Option<String>, RecordingError> {
         if self.topics.is_empty() {
             let what = error.to_string();
@@ -195,7 +162,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Topics with joint states, and the others with their messages' names.
+    /// Topics with joint states, and the others with the names of their messages.
     fn topics(&self) -> (Vec<String>, Vec<String>) {
         let (mut joints, mut others) = (Vec::new(), Vec::new());
         for (topic, schema, _) in self.channels.values() {
@@ -217,7 +184,7 @@ impl Contents {
         &mut self,
         topic: &str,
         source: &str,
-        names: Names,
+        with_topic: bool,
     ) -> Result<RawColumns, RecordingError> {
         let read = self.topics.remove(topic).unwrap_or_default();
         let Some((joints, skipped)) = read.joints() else {
@@ -225,12 +192,13 @@ impl Contents {
         };
         let mut raw = RawColumns::new(source);
         if !skipped.is_empty() {
-            raw.notes.push(format!("messages with other joints are not read: {skipped}"));
+            raw.notes.push(format!("ignored messages with other joints: {skipped}"));
         }
         if read.without_stamp > 0 {
             raw.notes.push(format!(
-                "{} messages have no stamp in their header: the time of the recorder is used",
-                read.without_stamp
+                "{} message{} without header stamp; using log time",
+                read.without_stamp,
+                plural(read.without_stamp)
             ));
         }
         // place of every joint in each list of names; none for lists of other joints
@@ -247,10 +215,10 @@ impl Contents {
         let first = taken.first().map_or(0, |(state, _)| state.stamp_ns);
         let zero = if first > CLOCK_NS { first - first % 1_000_000_000 } else { 0 };
         if zero != 0 {
-            raw.notes.push(format!("time is counted from {} s of the clock", zero / 1_000_000_000));
+            raw.notes.push(format!("time origin: {} s", zero / 1_000_000_000));
         }
         let stamps = taken.iter().map(|(s, _)| (s.stamp_ns - zero) as f64 / 1e9).collect();
-        let time = if names == Names::Plain { "t" } else { "__time" };
+        let time = if with_topic { "__time" } else { "t" };
         raw.columns.push(RawColumn { name: time.to_owned(), values: Some(stamps) });
         for (joint, name) in joints.iter().enumerate() {
             for quantity in HELD {
@@ -261,9 +229,10 @@ impl Contents {
                 if values.iter().all(|v| v.is_nan()) {
                     continue;
                 }
-                let column = match names {
-                    Names::Plain => format!("{name}/{quantity}"),
-                    Names::WithTopic => format!("{topic}/{name}/{quantity}"),
+                let column = if with_topic {
+                    format!("{topic}/{name}/{quantity}")
+                } else {
+                    format!("{name}/{quantity}")
                 };
                 raw = raw.with(column, values);
             }
@@ -273,7 +242,7 @@ impl Contents {
 }
 
 impl Topic {
-    /// The joints of most messages, in the order of the first, and what the other messages hold:
+    /// The joints of most messages, in the order of the first, and a list of the other messages:
     /// grippers and arms may publish under one topic.
     fn joints(&self) -> Option<(Vec<String>, String)> {
         let sorted = |list: &[String]| {
@@ -308,64 +277,4 @@ fn list(state: &JointState, quantity: Quantity) -> &[f64] {
         Quantity::Effort => &state.effort,
         _ => &[],
     }
-}
-
-/// The recording as MCAP: a message `sensor_msgs/msg/JointState` per sample under `/joint_states`,
-/// stamped to the nanosecond. Returns the names of the channels that a joint state has no place for.
-///
-/// Stamps before 0, which ROS does not have, are moved by whole seconds.
-///
-/// # Errors
-/// The recording is inconsistent, or too long for the stamps of ROS.
-pub fn write_mcap_to(
-    bytes: &mut Vec<u8>,
-    recording: &Recording,
-) -> Result<Vec<String>, RecordingError> {
-    recording.check()?;
-    let source = recording.source.as_str();
-    let fault = |error: McapError| {
-        let error = std::io::Error::other(error.to_string());
-        RecordingError::new(Fault::Io { doing: "written", error }, source)
-    };
-    let shift = recording.time_s.first().map_or(0.0, |t| t.min(0.0).floor());
-    let options = WriteOptions::new().profile("ros2").library("armident");
-    let mut out = options.create(Cursor::new(Vec::new())).map_err(fault)?;
-    let schema = out.add_schema(SCHEMA_NAMES[0], "ros2msg", SCHEMA.as_bytes()).map_err(fault)?;
-    let channel = out.add_channel(schema, JOINT_STATES, "cdr", &BTreeMap::new()).map_err(fault)?;
-    let names: Vec<String> = recording.joints.iter().map(|j| j.name.clone()).collect();
-    let columns = |quantity| -> Vec<Option<&[f64]>> {
-        recording.joints.iter().map(|joint| joint.channel(quantity)).collect()
-    };
-    let [position, velocity, effort] = HELD.map(columns);
-    let row = |columns: &[Option<&[f64]>], row: usize| -> Vec<f64> {
-        if columns.iter().all(Option::is_none) {
-            return Vec::new();
-        }
-        columns.iter().map(|c| c.map_or(f64::NAN, |values| values[row])).collect()
-    };
-    for (k, t) in recording.time_s.iter().enumerate() {
-        let stamp_ns = ((t - shift) * 1e9).round() as i64;
-        let state = JointState {
-            stamp_ns,
-            name: names.clone(),
-            position: row(&position, k),
-            velocity: row(&velocity, k),
-            effort: row(&effort, k),
-        };
-        let time = stamp_ns.max(0).unsigned_abs();
-        let header = ::mcap::records::MessageHeader {
-            channel_id: channel,
-            sequence: k as u32,
-            log_time: time,
-            publish_time: time,
-        };
-        out.write_to_known_channel(&header, &state.to_cdr()).map_err(fault)?;
-    }
-    out.finish().map_err(fault)?;
-    *bytes = out.into_inner().into_inner();
-    let lost = recording.joints.iter().flat_map(|joint| {
-        let other = joint.channels().filter(|(quantity, _)| !HELD.contains(quantity));
-        other.map(|(quantity, _)| format!("{}/{quantity}", joint.name))
-    });
-    Ok(lost.collect())
 }

@@ -1,116 +1,68 @@
-//! Reads comma-separated text: our own column names, those of PlotJuggler, or any with a mapping.
+//! Comma-separated text: a column `t` \[s\], then `<joint>/<quantity>`.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::Path;
+use std::io::{self, BufWriter, Read, Write};
 
-use csv::{ByteRecord, ReaderBuilder, Terminator};
+use ::csv::{ByteRecord, ReaderBuilder, Terminator};
 use rayon::prelude::*;
 
+use super::format::{ColumnRequest, EXPORT_CSV, Encoded, FileStart, Format, Input, Support};
 use crate::error::{Fault, RecordingError};
-use crate::header::Header;
-use crate::mapping::Mapping;
 use crate::raw::{RawColumn, RawColumns};
 use crate::recording::Recording;
 
-/// Bytes read at a time,
+/// Bytes of a block that is read at a time.
 const BLOCK_BYTES: u64 = 8 << 20;
-/// bytes looked at together for the end of the last line,
+/// Bytes read at a time to complete the last line of a block.
 const LINE_BYTES: u64 = 1 << 12;
-/// and bytes of the pieces that processors share.
+/// Bytes of a piece of a block; pieces are parsed in parallel.
 const PIECE_BYTES: usize = 1 << 18;
-/// Bytes looked at to tell other formats.
-pub(crate) const START_BYTES: u64 = 4096;
 
-/// Reads a CSV file. `source` of the recording is the path.
-///
-/// # Errors
-/// The file cannot be read, or any of the faults of [`read_csv_from`].
-pub fn read_csv(path: impl AsRef<Path>) -> Result<Recording, RecordingError> {
-    let (file, source) = open(path.as_ref())?;
-    read_csv_from(file, &source)
-}
+/// Comma-separated text.
+#[derive(Debug, Clone, Copy)]
+pub struct Csv;
 
-/// Reads a CSV file whose columns a mapping explains.
-///
-/// # Errors
-/// The file cannot be read, or any of the faults of [`read_csv_mapped_from`].
-pub fn read_csv_mapped(
-    path: impl AsRef<Path>,
-    mapping: &Mapping,
-) -> Result<Recording, RecordingError> {
-    let (file, source) = open(path.as_ref())?;
-    read_csv_mapped_from(file, &source, mapping)
-}
-
-pub(crate) fn open(path: &Path) -> Result<(File, String), RecordingError> {
-    let source = path.display().to_string();
-    if path.is_dir() {
-        return Err(RecordingError::new(Fault::IsDirectory, &source));
+impl Format for Csv {
+    fn name(&self) -> &'static str {
+        "CSV"
     }
-    let file = File::open(path).map_err(|error| {
-        let fault = match error.kind() {
-            io::ErrorKind::NotFound => Fault::NotFound,
-            _ => Fault::Io { doing: "opened", error },
-        };
-        RecordingError::new(fault, &source)
-    })?;
-    Ok((file, source))
-}
 
-/// Reads CSV text; `source` names it in messages.
-///
-/// The first line names the columns: `t` in seconds, then `<joint>/<quantity>` where the quantity
-/// is the part after the last slash and a name of a [`Quantity`](crate::Quantity). Without a column
-/// `t`, the names that PlotJuggler writes are understood: `__time` or `time`, then
-/// `/joint_states/<joint>/<quantity>` or another topic. Other columns are listed in
-/// [`Recording::ignored_columns`] and noted. Byte order marks, CRLF, blank lines and spaces around
-/// fields are accepted. What is repaired on reading is listed in [`Recording::findings`].
-///
-/// # Errors
-/// A file of another kind; a header without time stamps or without a joint column, or with a column
-/// twice; rows with another number of fields; fields that are not numbers; infinite values, and NaN
-/// beyond what is filled in; stamps that go backwards, are not in seconds or repeat in more than
-/// 1 % of the samples; fewer than 8 samples; positions that their velocities show to be in degrees
-/// or millimetres.
-pub fn read_csv_from(reader: impl Read, source: &str) -> Result<Recording, RecordingError> {
-    let mut header = None;
-    let raw = read_columns(reader, source, |columns, line| {
-        let known = header.insert(Header::new(columns.to_vec(), source, line)?);
-        Ok(known.is_read())
-    })?;
-    match header {
-        Some(header) => header.draft(raw).finish(),
-        None => Err(RecordingError::new(Fault::Empty, source)),
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv"]
+    }
+
+    fn support(&self) -> Support {
+        Support::ReadWrite
+    }
+
+    /// Never: text has no magic bytes, CSV is what no other format recognises.
+    fn is_it(&self, _start: &FileStart<'_>) -> bool {
+        false
+    }
+
+    fn read(
+        &self,
+        input: Input,
+        request: &ColumnRequest<'_>,
+    ) -> Result<RawColumns, RecordingError> {
+        read_columns(input.into_reader(), request)
+    }
+
+    fn write(&self, recording: &Recording) -> Result<Encoded, RecordingError> {
+        let mut bytes = Vec::new();
+        write_csv_to(&mut bytes, recording)?;
+        Ok(Encoded { bytes, omitted: Vec::new() })
     }
 }
 
-/// Reads CSV text whose columns a mapping explains; `source` names it in messages. Columns that the
-/// mapping does not mention may hold anything.
-///
-/// # Errors
-/// A mapping that does not fit the columns, or any of the faults of [`read_csv_from`].
-pub fn read_csv_mapped_from(
-    reader: impl Read,
-    source: &str,
-    mapping: &Mapping,
-) -> Result<Recording, RecordingError> {
-    let raw = read_columns(reader, source, |columns, _| mapping.reads(columns, source))?;
-    mapping.apply(&raw)
-}
-
-/// Reads the columns that `choose` marks, given the names of all and the line of the header.
-fn read_columns(
+/// Reads the wanted columns of CSV text; the others may hold anything.
+pub(crate) fn read_columns(
     mut reader: impl Read,
-    source: &str,
-    choose: impl FnOnce(&[String], u64) -> Result<Vec<bool>, RecordingError>,
+    request: &ColumnRequest<'_>,
 ) -> Result<RawColumns, RecordingError> {
+    let source = request.source();
     let fault = |fault| RecordingError::new(fault, source);
     let io_fault = |error| fault(Fault::Io { doing: "read", error });
     let first = read_block(&mut reader, BLOCK_BYTES).map_err(io_fault)?;
-    if let Some(format) = other_format(&first[..first.len().min(START_BYTES as usize)]) {
-        return Err(fault(Fault::NotCsv { format }));
-    }
     let start = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&first);
     let mut rows = rows_of(start.chain(&mut reader));
     let mut row = ByteRecord::new();
@@ -125,15 +77,16 @@ fn read_columns(
     let (line, body) = (rows.position().line() - 1, rows.position().byte() as usize);
     let columns = header_names(&row).ok_or_else(|| fault(Fault::HeaderNotUtf8).on_line(line))?;
     if columns.iter().any(|name| name.contains('\r')) {
-        return Err(fault(Fault::NotCsv { format: "text whose lines end with CR alone" }));
+        let found = "text with CR line ends";
+        return Err(fault(Fault::NotCsv { found, advice: EXPORT_CSV }));
     }
     if let Some(separator) = wrong_separator(&columns) {
         let below = rows.read_byte_record(&mut row).map_err(|e| csv_fault(e, source))?;
         let decimal_commas = below && row.len() > 1;
         return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(line));
     }
-    let chosen = choose(&columns, line)?;
-    let mut table = Table::new(columns, &chosen, source);
+    let wanted = request.wanted(&columns, line)?;
+    let mut table = Table::new(columns, &wanted, source);
     if start.contains(&b'"') {
         // quotes may hold line ends: one row after the other
         table.push_all(&mut rows, 0)?;
@@ -169,7 +122,7 @@ fn read_block(reader: &mut impl Read, bytes: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Rows of text that is at the beginning of a line.
-fn rows_of<'a>(text: impl Read + 'a) -> csv::Reader<impl Read + 'a> {
+fn rows_of<'a>(text: impl Read + 'a) -> ::csv::Reader<impl Read + 'a> {
     // a line always ends with LF here, CR is trimmed off the last field: then the reader's line
     // count after a record is exactly one more than the record's line
     ReaderBuilder::new()
@@ -180,9 +133,9 @@ fn rows_of<'a>(text: impl Read + 'a) -> csv::Reader<impl Read + 'a> {
         .from_reader(text.chain(b"\n".as_slice()))
 }
 
-fn csv_fault(error: csv::Error, source: &str) -> RecordingError {
+fn csv_fault(error: ::csv::Error, source: &str) -> RecordingError {
     let error = match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
+        ::csv::ErrorKind::Io(error) => error,
         other => io::Error::other(format!("{other:?}")),
     };
     RecordingError::new(Fault::Io { doing: "read", error }, source)
@@ -195,11 +148,11 @@ struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    fn new(names: Vec<String>, chosen: &[bool], source: &'a str) -> Self {
+    fn new(names: Vec<String>, wanted: &[bool], source: &'a str) -> Self {
         let columns = names
             .into_iter()
-            .zip(chosen)
-            .map(|(name, chosen)| RawColumn { name, values: chosen.then(Vec::new) })
+            .zip(wanted)
+            .map(|(name, wanted)| RawColumn { name, values: wanted.then(Vec::new) })
             .collect();
         Self { source, raw: RawColumns { columns, ..RawColumns::new(source) } }
     }
@@ -207,7 +160,7 @@ impl<'a> Table<'a> {
     /// Adds all rows, of which so many lines stand before the first.
     fn push_all<R: Read>(
         &mut self,
-        rows: &mut csv::Reader<R>,
+        rows: &mut ::csv::Reader<R>,
         lines_before: u64,
     ) -> Result<(), RecordingError> {
         let mut row = ByteRecord::new();
@@ -228,7 +181,8 @@ impl<'a> Table<'a> {
 
     /// Adds the rows of whole lines without quotes, on all processors; gives the number of lines.
     ///
-    /// Lines that hold anything but numbers are left to [`Self::push_all`], which knows what to say.
+    /// Lines that hold anything but numbers are left to [`Self::push_all`], which knows what to
+    /// say.
     fn push_block(&mut self, block: &[u8], lines_before: u64) -> Result<u64, RecordingError> {
         let pieces = pieces_of(block);
         let read: Vec<(u64, Option<Piece>)> = pieces
@@ -371,22 +325,43 @@ fn wrong_separator(columns: &[String]) -> Option<&'static str> {
         .find_map(|(sign, name)| only.contains(sign).then_some(name))
 }
 
-/// Formats that are told apart by their first bytes.
-pub(crate) fn other_format(start: &[u8]) -> Option<&'static str> {
-    const FORMATS: [(&[u8], &str); 11] = [
-        (b"\xff\xfe", "UTF-16 text"),
-        (b"\xfe\xff", "UTF-16 text"),
-        (b"\x89MCAP", "an MCAP file"),
-        (b"#ROSBAG", "a ROS 1 bag"),
-        (b"SQLite format 3", "an SQLite file (a ROS 2 bag?)"),
-        (b"PAR1", "a Parquet file"),
-        (b"\x1f\x8b", "a gzip archive"),
-        (b"MATLAB 5.0 MAT-file", "a MATLAB file"),
-        (b"\x93NUMPY", "a NumPy file"),
-        (b"PK\x03\x04", "a ZIP archive or a spreadsheet"),
-        (b"\x89HDF", "an HDF5 file"),
-    ];
-    let known = FORMATS.into_iter().find(|(magic, _)| start.starts_with(magic));
-    let binary = || start.contains(&0).then_some("binary data");
-    known.map(|(_, format)| format).or_else(binary)
+/// Writes CSV text: `t` \[s\] and a column `<joint>/<quantity>` per channel, numbers with as many
+/// digits as restore the same value. Notes and ignored columns are not written.
+///
+/// # Errors
+/// The recording is inconsistent, or the writer fails.
+pub fn write_csv_to(writer: impl Write, recording: &Recording) -> Result<(), RecordingError> {
+    recording.check()?;
+    let channels: Vec<(String, &[f64])> = recording
+        .joints
+        .iter()
+        .flat_map(|joint| {
+            let named = |(quantity, values)| (format!("{}/{quantity}", joint.name), values);
+            joint.channels().map(named)
+        })
+        .collect();
+    let columns: Vec<&[f64]> = [recording.time_s.as_slice()]
+        .into_iter()
+        .chain(channels.iter().map(|(_, values)| *values))
+        .collect();
+    let fault =
+        |error| RecordingError::new(Fault::Io { doing: "written", error }, &recording.source);
+
+    let mut out = BufWriter::with_capacity(1 << 16, writer);
+    let mut names = ::csv::Writer::from_writer(Vec::new());
+    let header = std::iter::once("t").chain(channels.iter().map(|(name, _)| name.as_str()));
+    names.write_record(header).map_err(|error| fault(error.into()))?;
+    let names = names.into_inner().map_err(|error| fault(error.into_error()))?;
+    let mut write_all = || -> io::Result<()> {
+        out.write_all(&names)?;
+        for row in 0..recording.len() {
+            for (index, column) in columns.iter().enumerate() {
+                let separator = if index == 0 { "" } else { "," };
+                write!(out, "{separator}{}", column[row])?;
+            }
+            out.write_all(b"\n")?;
+        }
+        out.flush()
+    };
+    write_all().map_err(fault)
 }

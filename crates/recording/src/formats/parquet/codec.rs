@@ -1,8 +1,8 @@
-//! Apache Parquet: flat columns of numbers in, and out.
+//! Reads and writes flat columns of numbers.
 //!
 //! Columns are named as in CSV. Timestamps (pandas, Polars, DuckDB write them for clocks) become
-//! seconds from the whole second of the first, to a quarter of a microsecond; empty values are NaN; columns that hold no numbers are
-//! not read.
+//! seconds from the whole second of the first, to a quarter of a microsecond; null values become
+//! NaN; columns without numbers are ignored.
 
 use std::fs::File;
 use std::sync::Arc;
@@ -17,15 +17,16 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::{ColumnDescriptor, Type};
 
 use crate::error::{Fault, RecordingError};
+use crate::formats::format::{ColumnRequest, Encoded};
 use crate::raw::{RawColumn, RawColumns};
 use crate::recording::Recording;
 
-/// Reads the columns that `choose` marks, given the names of all.
-pub(crate) fn read_columns(
+/// Reads the wanted columns.
+pub(super) fn read_columns(
     file: File,
-    source: &str,
-    choose: impl FnOnce(&[String]) -> Result<Vec<bool>, RecordingError>,
+    request: &ColumnRequest<'_>,
 ) -> Result<RawColumns, RecordingError> {
+    let source = request.source();
     let broken = |error: ParquetError| {
         let what = error.to_string();
         RecordingError::new(Fault::Broken { format: "Parquet", what }, source)
@@ -33,12 +34,12 @@ pub(crate) fn read_columns(
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let names: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
-    let chosen = choose(&names)?;
+    let wanted = request.wanted(&names, 0)?;
     let mut raw = RawColumns::new(source);
-    for (index, (name, chosen)) in names.into_iter().zip(chosen).enumerate() {
+    for (index, (name, wanted)) in names.into_iter().zip(wanted).enumerate() {
         let description = schema.column(index);
         let mut values = None;
-        if chosen {
+        if wanted {
             if !is_numbers(&description) {
                 let text = format!("{} values", description.physical_type());
                 return Err(
@@ -125,7 +126,7 @@ fn in_seconds(
     for t in &mut column {
         *t = (*t - zero) / per_s;
     }
-    notes.push(format!("`{name}` is counted from {} s of the clock", zero / per_s));
+    notes.push(format!("time origin of `{name}`: {} s", zero / per_s));
     column
 }
 
@@ -133,7 +134,7 @@ fn in_seconds(
 ///
 /// # Errors
 /// The recording is inconsistent.
-pub fn write_parquet_to(bytes: &mut Vec<u8>, recording: &Recording) -> Result<(), RecordingError> {
+pub(super) fn write(recording: &Recording) -> Result<Encoded, RecordingError> {
     recording.check()?;
     let fault = |error: ParquetError| {
         let error = std::io::Error::other(error.to_string());
@@ -152,9 +153,10 @@ pub fn write_parquet_to(bytes: &mut Vec<u8>, recording: &Recording) -> Result<()
     let schema = fields
         .and_then(|fields| Type::group_type_builder("schema").with_fields(fields).build())
         .map_err(fault)?;
+    let mut bytes = Vec::new();
     let write = || -> Result<(), ParquetError> {
         let settings = Arc::new(WriterProperties::builder().build());
-        let mut file = SerializedFileWriter::new(&mut *bytes, Arc::new(schema), settings)?;
+        let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), settings)?;
         let mut group = file.next_row_group()?;
         for (_, values) in &columns {
             if let Some(mut column) = group.next_column()? {
@@ -166,5 +168,6 @@ pub fn write_parquet_to(bytes: &mut Vec<u8>, recording: &Recording) -> Result<()
         file.close()?;
         Ok(())
     };
-    write().map_err(fault)
+    write().map_err(fault)?;
+    Ok(Encoded { bytes, omitted: Vec::new() })
 }

@@ -6,27 +6,40 @@
 //! position, velocity, effort   float64[]
 //! ```
 //!
-//! * ROS 2, encoding `cdr`: four bytes that tell the byte order, then numbers aligned to their size
-//!   (counted from after these bytes; to four bytes in the second version of the format), strings and
-//!   lists behind their length, strings with a zero at their end. Source: OMG, DDS-XTypes 1.3, 7.4.
+//! * ROS 2, encoding `cdr`: a header of four bytes with the byte order, then numbers aligned to their
+//!   size (counted from the end of the header; at most to four bytes in XCDR2), strings and lists
+//!   after their length, strings with a terminating zero. Source: OMG, DDS-XTypes 1.3, 7.4.
 //! * ROS 1, encoding `ros1`: little endian without alignment or zeros.
+//!
+//! Decoded here rather than by a crate: `re_cdr` 0.1 aligns 8-byte numbers to 8 bytes always, so
+//! that it reads the position 2.5 of the XCDR2 message in the tests below as 5e-315, and its serde
+//! reader reports no offset of an error.
+
+use crate::quantity::Quantity;
+
+/// Preferred topic if several have joint states, and the topic that is written.
+pub(super) const JOINT_STATES: &str = "/joint_states";
+/// Names of the message in ROS 2 and ROS 1.
+pub(super) const SCHEMA_NAMES: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
+/// Quantities of a joint state.
+pub(super) const HELD: [Quantity; 3] = [Quantity::Position, Quantity::Velocity, Quantity::Effort];
 
 /// One message.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct JointState {
+pub(super) struct JointState {
     /// Stamp of the header \[ns\].
-    pub(crate) stamp_ns: i64,
-    pub(crate) name: Vec<String>,
-    pub(crate) position: Vec<f64>,
-    pub(crate) velocity: Vec<f64>,
-    pub(crate) effort: Vec<f64>,
+    pub(super) stamp_ns: i64,
+    pub(super) name: Vec<String>,
+    pub(super) position: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+    pub(super) effort: Vec<f64>,
 }
 
 /// Where and why a message cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct BadMessage {
-    pub(crate) offset: usize,
-    pub(crate) what: String,
+pub(super) struct BadMessage {
+    pub(super) offset: usize,
+    pub(super) what: String,
 }
 
 const NS_PER_S: i64 = 1_000_000_000;
@@ -35,7 +48,7 @@ const CDR_LITTLE: [u8; 4] = [0, 1, 0, 0];
 
 impl JointState {
     /// Reads a message of ROS 2.
-    pub(crate) fn from_cdr(bytes: &[u8]) -> Result<Self, BadMessage> {
+    pub(super) fn from_cdr(bytes: &[u8]) -> Result<Self, BadMessage> {
         let bad = |what: String| BadMessage { offset: 0, what };
         let head = bytes.get(..4).ok_or_else(|| bad("it is shorter than its header".to_owned()))?;
         let (little, widest) = match head[..2] {
@@ -53,7 +66,7 @@ impl JointState {
     }
 
     /// Reads a message of ROS 1.
-    pub(crate) fn from_ros1(bytes: &[u8]) -> Result<Self, BadMessage> {
+    pub(super) fn from_ros1(bytes: &[u8]) -> Result<Self, BadMessage> {
         let mut reader = Reader { bytes, at: 0, before: 0, little: true, widest: 1, ros2: false };
         reader.u32()?;
         let (sec, nanosec) = (reader.u32()?, reader.u32()?);
@@ -61,7 +74,7 @@ impl JointState {
     }
 
     /// The message for ROS 2.
-    pub(crate) fn to_cdr(&self) -> Vec<u8> {
+    pub(super) fn to_cdr(&self) -> Vec<u8> {
         let mut writer = Writer { bytes: CDR_LITTLE.to_vec() };
         let sec = self.stamp_ns.div_euclid(NS_PER_S) as i32;
         writer.bytes.extend(sec.to_le_bytes());
