@@ -60,6 +60,8 @@ mod real_data;
 mod figures;
 /// dependencies between crates, and forbidden content of files
 mod flow;
+/// the structure inside crates: rooms, circles, names, sources of methods
+mod rooms;
 /// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;
 /// the vocabulary of text and code
