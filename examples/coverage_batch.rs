@@ -296,7 +296,7 @@ fn true_values(
 ) -> Vec<f64> {
     let constants = set.values(&truth.rigid_arm().constants());
     let of_effect = |joint: usize, effect: usize| {
-        let slug = armident_effects::EVERYDAY[effect].law().slug;
+        let slug = armident_effects::BASELINE[effect].law().slug;
         effects
             .iter()
             .find(|e| e.effect == slug && e.joint == names[joint])

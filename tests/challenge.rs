@@ -58,7 +58,7 @@ fn scoreboard_prints_all_groups() {
         .collect();
     for expected in [
         "clean cases",
-        "pairs: recall 1 of 1 (100.0 %)",
+        "recall 1 of 1 (100.0 %)",
         "false alarms -",
         "located 1 of 1 (100.0 %)",
         "0.8 to 1.0 1.00 1 of 1 (100.0 %)",
@@ -127,7 +127,7 @@ fn wrong_command_lines_fail() {
      hint: omit one of the two options
     ");
     insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @r"
-    error: there is no effect `viscous_friction` to conceal in a case of this kind
+    error: there is no effect `viscous_friction` to hide in a case of this kind
        in: effects of the case
      hint: give a slug of the effect library or `unlisted`; field and change cases have viscous and Coulomb friction anyway, and in a change no other friction law takes their place
     ");

@@ -41,8 +41,12 @@ mod demo;
 mod diagnose;
 /// models as URDF and MJCF, and effects that these formats do not support
 mod export;
+/// a law added from outside the crates
+mod extend;
 /// an estimator from outside the library
 mod extend_estimator;
+/// a log format of another crate
+mod extend_format;
 /// MCAP compared with CSV
 mod formats;
 /// pages of results in a browser
@@ -60,5 +64,7 @@ mod figures;
 mod flow;
 /// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;
+/// the structure inside crates: rooms, circles, names, sources of methods
+mod rooms;
 /// the vocabulary of text and code
 mod words;

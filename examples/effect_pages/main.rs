@@ -1,4 +1,4 @@
-//! Writes the catalogue of effects of the book, a page and a picture an effect:
+//! Writes the catalogue of effects of the book, a page and a picture for each effect:
 //! `cargo run --release --example effect_pages`.
 
 mod pages;

@@ -1,18 +1,19 @@
-//! A page an effect: what `crates/effects` says of it, sizes that were published, and what it does to the
-//! efforts of a simulated UR5.
+//! A page for each effect: its law and catalogue entry from `crates/effects`, and what it does to the efforts of a
+//! simulated UR5.
 
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write;
 use std::path::Path;
 
-use armident_effects::{Admissible, Effect, EffectOnJoint, LIBRARY, Law, Scope, effect};
+use armident_effects::{
+    Admissible, Against, Catalogue, Effect, EffectOnJoint, Law, Library, Scope, effect,
+};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording, read_csv};
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 use plotters::prelude::*;
-use serde::Deserialize;
 
 /// Joint that carries an effect of one joint.
 const ELBOW: usize = 2;
@@ -23,52 +24,17 @@ const SIZE: (u32, u32) = (760, 280);
 const COLOURS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
 const GREY: RGBColor = RGBColor(110, 110, 110);
 
-/// What is written by hand of an effect, in `docs/book/effects.toml`.
-#[derive(Deserialize)]
-struct Prose {
-    /// What it is, in a sentence or two.
-    about: String,
-    /// Sizes that were published, each with its source.
-    sizes: Vec<String>,
-    /// How to look at it.
-    see: String,
-    /// Joint of the picture, and of the command.
-    #[serde(default)]
-    joint: String,
-    /// The second of two neighbours.
-    other_joint: Option<String>,
-    /// Parameters of the picture.
-    parameters: Vec<f64>,
-    /// Seconds of a contact.
-    window_s: Option<[f64; 2]>,
-    /// What its effort is drawn against.
-    against: Against,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-enum Against {
-    Speed,
-    Position,
-    Acceleration,
-    Load,
-    Time,
-}
-
 /// Path below `docs/book/src` and content of every file.
 pub(crate) fn pages() -> Result<BTreeMap<String, String>, Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let prose: BTreeMap<String, Prose> =
-        toml::from_str(&std::fs::read_to_string(root.join("docs/book/effects.toml"))?)?;
     let arm = Arm::load(root)?;
     let mut files = BTreeMap::new();
     let mut table = String::from(INDEX);
-    for effect in LIBRARY {
+    for effect in Library::standard().named() {
         let law = effect.law();
-        let prose =
-            prose.get(law.slug).ok_or_else(|| format!("effects.toml has no [{}]", law.slug))?;
-        files.insert(format!("effects/{}.svg", law.slug), arm.picture(*effect, prose)?);
-        files.insert(format!("effects/{}.md", law.slug), page(law, prose));
+        let entry = law.catalogue.ok_or_else(|| format!("{} has no catalogue entry", law.slug))?;
+        files.insert(format!("effects/{}.svg", law.slug), arm.picture(effect, entry)?);
+        files.insert(format!("effects/{}.md", law.slug), page(law, entry));
         let _ = writeln!(
             table,
             "| [{}]({}.md) | `{}` | {} |",
@@ -85,9 +51,9 @@ pub(crate) fn pages() -> Result<BTreeMap<String, String>, Box<dyn Error>> {
 const INDEX: &str = "\
 # The catalogue of effects
 
-What `diagnose` can name, `simulate` can conceal and `identify` can fit, one page each. The pages are written
-by `cargo run --release --example effect_pages` from the laws themselves (`crates/effects`) and a short text
-beside them; the pictures are what each does to the efforts of the bundled UR5 in its bundled motion.
+The effects that `diagnose` can report, `simulate` can add and `challenge` can hide, one page each. The pages are
+written by `cargo run --release --example effect_pages` from the laws themselves (`crates/effects`); the pictures show
+the effort that each adds to the bundled UR5 in its bundled motion.
 
 Efforts are what the motor supplies: `effort = rigid(q, dq, ddq) + f`. `v` is the joint's velocity.
 
@@ -105,8 +71,9 @@ fn acts_on(scope: Scope) -> &'static str {
     }
 }
 
-fn page(law: &Law, prose: &Prose) -> String {
-    let mut text = format!("# {}\n\n{}\n\n", capital(law.title), prose.about.trim());
+fn page(law: &Law, entry: &Catalogue) -> String {
+    let example = &entry.example;
+    let mut text = format!("# {}\n\n{}\n\n", capital(law.title), entry.about);
     let _ = writeln!(text, "```text\n{}\n```\n", law.formula);
     let _ = writeln!(
         text,
@@ -129,27 +96,25 @@ fn page(law: &Law, prose: &Prose) -> String {
     let _ = writeln!(
         text,
         "\n## Signature\n\n![{}: its effort]({}.svg)\n\n{}\n",
-        law.title,
-        law.slug,
-        prose.see.trim()
+        law.title, law.slug, entry.signature
     );
     // the command line has no place for a time window and for a second joint
-    if prose.window_s.is_none() && prose.other_joint.is_none() {
-        let joint = &prose.joint;
-        let numbers: Vec<String> = prose.parameters.iter().map(ToString::to_string).collect();
+    if example.window_s.is_none() && example.other_joint.is_none() {
+        let joint = example.joint;
+        let numbers: Vec<String> = example.parameters.iter().map(ToString::to_string).collect();
         let _ = writeln!(
             text,
-            "The same in a recording, to try things on:\n\n```console\n$ armident simulate urdf/ur5.urdf \
-             examples/ur5/train.csv -o with.csv --effect {}:{joint}={} -q\nur5: 1 recording of 1200 samples in all, written to with.csv\n\n```\n",
+            "The same effect in a simulated recording:\n\n```console\n$ armident simulate urdf/ur5.urdf \
+             examples/ur5/train.csv -o with.csv --effect {}:{joint}={} -q\nwrote with.csv (1 recording, 1200 samples)\n\n```\n",
             law.slug,
             numbers.join(",")
         );
     }
     text += "## Typical sizes\n\n";
-    for size in &prose.sizes {
-        let _ = writeln!(text, "* {}", size.trim());
+    for size in entry.sizes {
+        let _ = writeln!(text, "* {size}");
     }
-    text += "\n## What it is taken for, and how to tell\n\n| it may be | told apart by |\n| --- | --- |\n";
+    text += "\n## Look-alikes\n\n| look-alike | distinguished by |\n| --- | --- |\n";
     for other in law.look_alikes {
         let name = match effect(other.slug) {
             Some(e) => format!("[{}]({}.md)", e.law().title, other.slug),
@@ -162,21 +127,23 @@ fn page(law: &Law, prose: &Prose) -> String {
             law.contains.iter().map(|slug| format!("[{slug}]({slug}.md)")).collect();
         let _ = writeln!(
             text,
-            "\nIt contains {}: its own name is given only where it beats that.",
+            "\nIt contains {}, and is reported only where it explains the recordings better.",
             names.join(", ")
         );
     }
     let held = match (law.export.urdf, law.export.mjcf) {
         (None, None) => {
-            "Neither URDF nor MJCF has a place for it: `export` says that it is lost.".to_owned()
+            "Neither URDF nor MJCF supports it: `export` omits it, with a note.".to_owned()
         }
         (urdf, mjcf) => {
             let place = |format: &str, attribute: Option<&str>| {
-                attribute
-                    .map_or_else(|| format!("lost in {format}"), |a| format!("`{a}` in {format}"))
+                attribute.map_or_else(
+                    || format!("omitted from {format}"),
+                    |a| format!("`{a}` in {format}"),
+                )
             };
             format!("`export` writes it as {} and {}.", place("URDF", urdf), place("MJCF", mjcf))
-                .replace("as lost in URDF and ", "only as ")
+                .replace("as omitted from URDF and ", "only as ")
         }
     };
     let _ = writeln!(text, "\n## In other formats\n\n{held}");
@@ -223,11 +190,14 @@ impl Arm {
 
     /// The effort that an effect adds: against its variable on the joint that has most of it, and over time
     /// on the three that have most.
-    fn picture(&self, effect: &dyn Effect, prose: &Prose) -> Result<String, Box<dyn Error>> {
+    fn picture(&self, effect: &dyn Effect, entry: &Catalogue) -> Result<String, Box<dyn Error>> {
         let law = effect.law();
-        let mut on_joint = EffectOnJoint::new(law.slug, &prose.joint, prose.parameters.clone());
-        on_joint.window_s = prose.window_s;
-        on_joint.other_joint.clone_from(&prose.other_joint);
+        let example = &entry.example;
+        let on_joint = EffectOnJoint {
+            window_s: example.window_s,
+            other_joint: example.other_joint.map(str::to_owned),
+            ..EffectOnJoint::new(law.slug, example.joint, example.parameters)
+        };
         let arm = SimulatedArm::on_chain(&self.chain, &[on_joint])?;
         let with = efforts(&inverse(&arm, &self.trajectory)?);
         let added: Vec<Vec<f64>> = with
@@ -243,7 +213,7 @@ impl Arm {
             _ => order[0],
         };
         let name = |j: usize| self.chain.joints[j].name.replace('_', " ");
-        let (label, x): (&str, &[f64]) = match prose.against {
+        let (label, x): (&str, &[f64]) = match example.against {
             Against::Speed => ("speed [rad/s]", &self.motion.velocity[most]),
             Against::Position => ("position [rad]", &self.motion.position[most]),
             Against::Acceleration => ("acceleration [rad/s2]", &self.motion.acceleration[most]),

@@ -60,7 +60,8 @@ pub(super) fn parse_rate(text: &str) -> Result<f64, String> {
 pub(super) fn no_effect(text: &str, more: &[&'static str]) -> String {
     /// Similarity by Jaro and Winkler, 0 to 1, which weighs the beginning.
     const SIMILAR: f64 = 0.85;
-    let slugs = armident_effects::LIBRARY.iter().map(|e| e.law().slug).chain(more.iter().copied());
+    let named = armident_effects::Library::standard().named().map(|effect| effect.slug());
+    let slugs = named.chain(more.iter().copied());
     let known: Vec<&str> = slugs.collect();
     let near = known
         .iter()

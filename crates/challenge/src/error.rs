@@ -39,7 +39,7 @@ pub enum ChallengeError {
         reason: String,
     },
     /// An effect that the generator does not have.
-    #[error("there is no effect `{effect}` to conceal in a case of this kind")]
+    #[error("there is no effect `{effect}` to hide in a case of this kind")]
     UnknownEffect {
         /// The slug.
         effect: String,
@@ -110,11 +110,4 @@ impl ChallengeError {
         let path = path.to_owned();
         move |error| Self::Io { doing, path, error }
     }
-}
-
-/// Reads a JSON file.
-pub(crate) fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, ChallengeError> {
-    let text = std::fs::read_to_string(path).map_err(ChallengeError::io("read", path))?;
-    serde_json::from_str(&text)
-        .map_err(|error| ChallengeError::Json { path: path.to_owned(), error })
 }

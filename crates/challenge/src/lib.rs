@@ -1,34 +1,35 @@
-//! Cases with concealed effects made by the simulator, and the score of a diagnosis against the truth.
+//! Cases with hidden effects made by the simulator, and the score of a diagnosis against the truth.
 //!
-//! A *case* is a folder with the believed `robot.urdf`, the recordings `train_1.csv`, `train_2.csv`,
-//! `holdout.csv`, `exam.csv`, and the answer `truth.json` ([`Truth`]). A *result* is a folder of the
+//! A *case* is a folder with the given `robot.urdf`, the recordings `train_1.csv`, `train_2.csv`,
+//! `holdout.csv`, `exam.csv`, and the truth `truth.json` ([`Truth`]). A *result* is a folder of the
 //! same name with what the tool wrote: `out.json` ([`Answer`]) and the prediction `predicted.csv` of
 //! the exam.
 //!
 //! # Making cases
 //!
 //! [`generate`] draws a workspace, four exciting trajectories from rest, sensors, the true inertials and
-//! effects from a seed; drives the true arm along the trajectories by the feed-forward of the believed one
+//! effects from a seed; drives the true arm along the trajectories by the feed-forward of the given one
 //! and a controller of each joint (2 kHz); and records positions by encoders, velocities lagged or noisy,
 //! efforts with coloured noise. A [field](CaseKind::Field) case adds friction on every joint, errors of
 //! every inertial, uneven clocks and lost samples. A [change](CaseKind::Change) case is a field arm with two more
-//! recordings from before what is concealed came, and before it warmed up or cooled down.
+//! recordings from before the hidden effect came, and before it warmed up or cooled down.
 //!
-//! An effect is as large as makes its *naming margin* a number drawn between two and eleven: the RMS of its
-//! torque over noise on the most affected joint, after least squares have taken away what the rigid-body
-//! columns and plain friction explain (of a field case over what stick phases leave of the noise; of a
-//! wrong body over the torque of the other inertial errors instead of the rigid-body columns). Where no
-//! joint shows it between 1.5 and 16 the case is refused ([`ChallengeError::Invisible`]).
+//! An effect is scaled to a *naming margin* drawn between two and eleven: the RMS of its
+//! torque over noise on the most affected joint, after least squares have removed what the rigid-body
+//! columns and baseline friction explain (of a field case over the noise that stick phases add to; of an
+//! inertial error over the torque of the other inertial errors instead of the rigid-body columns). Where no
+//! joint shows it between 1.5 and 16 the case is rejected ([`ChallengeError::Invisible`]). Laws draw their own constants
+//! ([`Effect::draw`](armident_effects::Effect::draw)).
 //!
-//! `truth.json` tells how well one could do: [`Floors`].
+//! `truth.json` has the errors that bound any answer: [`Floors`].
 //!
 //! Not modelled: controllers with integral action, flexible links, temperatures, saturation.
 //!
 //! # A series
 //!
-//! [`Series`] says which cases, [`run`] makes, diagnoses and scores them in memory: the diagnosis gets a
-//! [`Paper`] that holds neither the answer nor the efforts of the exam. A [`Study`] is a series, or several,
-//! with a table of what came out.
+//! [`Series`] lists cases, [`run`] makes, diagnoses and scores them in memory: the diagnosis gets a
+//! [`Task`] that holds neither the truth nor the efforts of the exam. A [`Study`] is a series, or several,
+//! with a table of the results.
 //!
 //! ```
 //! use armident_challenge::{Arm, CaseKind, CaseRequest, generate};
@@ -54,51 +55,37 @@
 //!
 //! [`score_cases`] compares truths and results case by case and sums up in a [`Scoreboard`]. A pair is an
 //! effect at a place ([`Blame`]). Findings below a confidence of 0.5 do not count. What an effect
-//! tolerates is tolerated beside its right name only; a case with more false names than effects is
-//! credited with nothing.
+//! tolerates is tolerated beside its right name only; a case with more false positives than effects
+//! scores zero.
 
-mod accept;
-mod answer;
 mod arms;
-mod background;
-mod case;
-mod draft;
+mod cases;
+mod contract;
 mod error;
-mod exam;
-mod excitation;
-mod floors;
-mod generate;
-mod holdout;
-mod observe;
-mod own_laws;
-mod place;
+mod hidden;
 mod random;
-mod recorder;
-mod robot;
 mod score;
-mod scoreboard;
-mod series;
-mod sitting;
-mod sizes;
-mod study;
-mod text;
-mod truth;
-mod truth_of;
+mod studies;
+mod submission;
 
-pub use answer::{Answer, Estimate, Evidence, Finding, Fit, HoldoutRmse, Verdict};
-pub use arms::Arm;
-pub use case::Case;
-pub use draft::PERTURBED;
-pub use error::ChallengeError;
-pub use exam::{EDGE_S, ExamScore};
-pub use generate::{CaseKind, CaseRequest, case_effects, concealable, generate};
-pub use holdout::HoldoutScore;
-pub use place::{Blame, Place};
-pub use score::{CaseScore, EverydayScore, score_case, score_cases, score_sitting};
-pub use scoreboard::{Bin, EffectRow, GroupScore, Rate, Scoreboard, Spread};
-pub use series::{Order, Outcome, Series, SeriesKind, run};
-pub use sitting::{LearnedFromPaper, Paper, Sitting, sit};
-pub use study::Study;
-pub use truth::{
-    EverydayFriction, Floors, Named, NoiseTruth, SampleRate, TrueEffect, Truth, VelocityTruth,
+pub use arms::bundled::Arm;
+pub use cases::generate::{generate, generate_in};
+pub use cases::request::{CaseRequest, case_effects, hideable};
+pub use contract::answer::{Answer, Estimate, Evidence, Finding, Fit, HoldoutRmse, Verdict};
+pub use contract::case::Case;
+pub use contract::kind::CaseKind;
+pub use contract::truth::{
+    BaselineFriction, EDGE_S, Floors, Named, NoiseTruth, SampleRate, TrueEffect, Truth,
+    VelocityTruth,
 };
+pub use error::ChallengeError;
+pub use hidden::variants::perturbable;
+pub use score::blame::{Blame, Place};
+pub use score::case_score::{BaselineScore, CaseScore};
+pub use score::exam::ExamScore;
+pub use score::holdout::HoldoutScore;
+pub use score::rules::{score_case, score_submission};
+pub use score::scoreboard::{Bin, EffectRow, GroupScore, Rate, Scoreboard, Spread, score_cases};
+pub use studies::series::{Order, Outcome, Series, SeriesKind, run};
+pub use studies::study::Study;
+pub use submission::{Submission, SubmittedModel, Task, solve};

@@ -1,13 +1,14 @@
-//! Numbers by chance, from a seed.
+//! Random numbers from a seed.
 
+use armident_effects::Draw;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 /// A stream of random numbers.
-pub(crate) struct Draw(Pcg64);
+pub(crate) struct RandomStream(Pcg64);
 
-impl Draw {
+impl RandomStream {
     pub(crate) fn new(seed: u64) -> Self {
         Self(Pcg64::seed_from_u64(seed))
     }
@@ -17,38 +18,27 @@ impl Draw {
         Self::new(self.0.random())
     }
 
-    /// Evenly between two numbers.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.random::<f64>()
-    }
-
-    /// Evenly in the logarithm.
+    /// Uniform in the logarithm.
     pub(crate) fn log_between(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    /// Standard normal.
-    pub(crate) fn normal(&mut self) -> f64 {
+    /// One of several.
+    pub(crate) fn choose<T: Copy>(&mut self, values: &[T]) -> T {
+        values[self.index(values.len())]
+    }
+}
+
+impl Draw for RandomStream {
+    fn uniform(&mut self) -> f64 {
+        self.0.random::<f64>()
+    }
+
+    fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// Less than `count`.
-    pub(crate) fn index(&mut self, count: usize) -> usize {
+    fn index(&mut self, count: usize) -> usize {
         self.0.random_range(0..count.max(1))
-    }
-
-    /// One of several.
-    pub(crate) fn one_of<T: Copy>(&mut self, values: &[T]) -> T {
-        values[self.index(values.len())]
-    }
-
-    /// True with this probability.
-    pub(crate) fn chance(&mut self, probability: f64) -> bool {
-        self.0.random::<f64>() < probability
-    }
-
-    /// 1 or -1.
-    pub(crate) fn sign(&mut self) -> f64 {
-        if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 }

@@ -5,8 +5,8 @@
 use std::path::{Path, PathBuf};
 
 use armident_challenge::{
-    Case, CaseKind, CaseRequest, PERTURBED, SampleRate, Series, SeriesKind, case_effects, generate,
-    score_case,
+    Case, CaseKind, CaseRequest, SampleRate, Series, SeriesKind, case_effects, generate,
+    perturbable, score_case,
 };
 use armident_recording::{JointChannels, Recording, read_csv, write_csv};
 use serde_json::json;
@@ -37,7 +37,7 @@ fn law_residual(case: &Case) -> f64 {
 }
 
 #[test]
-fn the_same_request_gives_the_same_case_and_another_seed_another() {
+fn cases_follow_from_their_seed() {
     let make = |seed| generate(&request(CaseKind::Clean, seed, &["coulomb_friction"])).unwrap();
     let (one, again, other) = (make(3), make(3), make(4));
     assert_eq!(one.truth, again.truth);
@@ -46,7 +46,7 @@ fn the_same_request_gives_the_same_case_and_another_seed_another() {
 }
 
 #[test]
-fn a_clean_case_keeps_its_contract() {
+fn clean_case_keeps_its_contract() {
     let mut wanted = request(CaseKind::Clean, 7, &["viscous_friction"]);
     wanted.background = Some(0.0);
     let case = generate(&wanted).unwrap();
@@ -75,12 +75,12 @@ fn a_clean_case_keeps_its_contract() {
 }
 
 #[test]
-fn a_field_case_is_dirty_and_rubs_everywhere() {
+fn field_case_has_friction_and_recording_faults() {
     let case = generate(&request(CaseKind::Field, 11, &["quadratic_drag"])).unwrap();
     let truth = &case.truth;
     assert!(truth.kind() == CaseKind::Field && truth.background_inertial_error >= 0.02);
-    assert_eq!(truth.everyday.len(), 8);
-    assert!(truth.everyday.iter().filter(|term| term.counted).count() >= 3);
+    assert_eq!(truth.baseline.len(), 8);
+    assert!(truth.baseline.iter().filter(|term| term.counted).count() >= 3);
     let dirt = truth.dirt.as_ref().unwrap();
     let steps: Vec<f64> = case.train_1.time_s.windows(2).map(|w| w[1] - w[0]).collect();
     let longest = steps.iter().copied().fold(0.0, f64::max);
@@ -95,24 +95,24 @@ fn a_field_case_is_dirty_and_rubs_everywhere() {
     assert!(dirt["effort_lag_over_noise"].as_f64().unwrap() < 0.5);
 }
 
-/// The arm before has the friction of before and nothing that is concealed; what has changed by itself is in the answer.
+/// The earlier arm has its own friction and no hidden effect; changes of friction are in the truth.
 #[test]
-fn a_change_comes_between_two_sets_of_recordings() {
+fn change_case_has_earlier_recordings() {
     let make = |seed| generate(&request(CaseKind::Change, seed, &["torque_offset"])).unwrap();
-    let warmed = |case: &&Case| !case.truth.everyday.is_empty();
+    let warmed = |case: &&Case| !case.truth.baseline.is_empty();
     let cases: Vec<Case> = (20..28).map(make).collect();
     assert!((1..8).contains(&cases.iter().filter(warmed).count()));
     let case = cases.iter().find(warmed).unwrap();
     let truth = &case.truth;
     assert_eq!((case.before.len(), truth.kind()), (2, CaseKind::Change));
     assert!(truth.background_inertial_error == 0.0 && truth.holdout.urdf_rmse.is_empty());
-    assert_eq!(truth.everyday.len(), 8);
+    assert_eq!(truth.baseline.len(), 8);
     // all warmer or all colder
-    let change = |term: &armident_challenge::EverydayFriction| {
+    let change = |term: &armident_challenge::BaselineFriction| {
         term.parameters.values().next().copied().unwrap()
     };
-    let first = change(&truth.everyday[0]);
-    assert!(first != 0.0 && truth.everyday.iter().all(|term| change(term) * first > 0.0));
+    let first = change(&truth.baseline[0]);
+    assert!(first != 0.0 && truth.baseline.iter().all(|term| change(term) * first > 0.0));
     // an offset is in the mean of the effort after; before and after, gravity pulls a SCARA's first joint nowhere
     let joint = &truth.effects[0].joints[0];
     let offset = truth.effects[0].parameters["offset"];
@@ -131,12 +131,12 @@ fn a_change_comes_between_two_sets_of_recordings() {
 }
 
 #[test]
-fn special_friction_takes_the_place_of_everyday_friction() {
+fn specialised_friction_replaces_baseline_friction() {
     let case = generate(&request(CaseKind::Field, 5, &["presliding_hysteresis"])).unwrap();
     let effect = &case.truth.effects[0];
     let covered: Vec<_> = case
         .truth
-        .everyday
+        .baseline
         .iter()
         .filter(|term| term.covered_by.is_some())
         .map(|term| (term.effect.as_str(), term.joints.clone()))
@@ -146,11 +146,11 @@ fn special_friction_takes_the_place_of_everyday_friction() {
 }
 
 #[test]
-fn effects_that_are_not_there_are_refused() {
+fn unknown_effects_are_rejected() {
     let unknown = generate(&request(CaseKind::Clean, 1, &["magic"])).unwrap_err();
     assert!(unknown.to_string().contains("no effect `magic`"));
-    let everyday = generate(&request(CaseKind::Field, 1, &["coulomb_friction"])).unwrap_err();
-    assert!(everyday.hint().unwrap().contains("anyway"));
+    let baseline = generate(&request(CaseKind::Field, 1, &["coulomb_friction"])).unwrap_err();
+    assert!(baseline.hint().unwrap().contains("anyway"));
     let mut broken = request(CaseKind::Clean, 1, &[]);
     broken.robot_urdf = "<robot".to_owned();
     assert_eq!(generate(&broken).unwrap_err().place(), "robot.urdf");
@@ -159,7 +159,7 @@ fn effects_that_are_not_there_are_refused() {
 
 /// Written, read, answered with the truth and the exam itself, scored: full marks.
 #[test]
-fn a_written_case_is_scored_by_the_same_rules() {
+fn written_case_scores_full_marks_for_its_truth() {
     let case = generate(&request(CaseKind::Clean, 9, &["joint_spring"])).unwrap();
     let folder = folder("generated");
     case.write(&folder).unwrap();
@@ -193,7 +193,7 @@ fn a_written_case_is_scored_by_the_same_rules() {
 
 /// An effect of the size asked for, within the tolerance of the generator.
 #[test]
-fn a_margin_that_is_asked_for_is_kept() {
+fn requested_margin_is_kept() {
     for margin in [1.0, 6.0] {
         let wanted =
             CaseRequest { margin: Some(margin), ..request(CaseKind::Clean, 5, &["torque_ripple"]) };
@@ -228,7 +228,7 @@ fn series_follow_from_their_seed() {
         .collect();
     assert_eq!(kinds[..4], [(false, false), (false, true), (true, false), (true, true)]);
     let perturbed = series(SeriesKind::Mixed, true).orders();
-    assert!(perturbed.iter().all(|order| PERTURBED.contains(&order.effects[0].as_str())));
-    let concealed = |order: &&armident_challenge::Order| order.kind == CaseKind::Field;
-    assert!(perturbed.iter().filter(concealed).all(|order| order.effects[0] != "coulomb_friction"));
+    assert!(perturbed.iter().all(|order| perturbable().contains(&order.effects[0].as_str())));
+    let is_field = |order: &&armident_challenge::Order| order.kind == CaseKind::Field;
+    assert!(perturbed.iter().filter(is_field).all(|order| order.effects[0] != "coulomb_friction"));
 }

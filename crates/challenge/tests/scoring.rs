@@ -66,11 +66,11 @@ fn score(name: &str, truth: &Value, answer: &Value) -> CaseScore {
 }
 
 #[test]
-fn the_right_answer_has_full_marks() {
-    let concealed = effect("rotor_inertia", &["a"], json!({ "inertia": 0.2 }), &["inertia"]);
+fn right_answer_has_full_marks() {
+    let hidden = effect("rotor_inertia", &["a"], json!({ "inertia": 0.2 }), &["inertia"]);
     let mut found = finding("rotor_inertia", &["a"], 0.9);
     found["parameters"] = json!({ "inertia": { "value": 0.21, "stderr": 0.01, "unit": "kg m2" } });
-    let score = score("full", &truth(json!([concealed])), &answer("mismatch", json!([found])));
+    let score = score("full", &truth(json!([hidden])), &answer("mismatch", json!([found])));
     assert_eq!(score.named, ["rotor_inertia(a)"]);
     assert!(score.missed.is_empty() && score.false_names.is_empty());
     assert_eq!((score.detected, score.top1, score.located), (Some(true), Some(true), Some(true)));
@@ -81,7 +81,7 @@ fn the_right_answer_has_full_marks() {
 }
 
 #[test]
-fn nulls_and_confidence() {
+fn null_cases_count_confident_findings() {
     let null = truth(json!([]));
     let found = |confidence| json!([finding("torque_offset", &["a"], confidence)]);
     let alarm = |name: &str, answer: &Value| score(name, &null, answer).false_alarm;
@@ -98,14 +98,14 @@ fn nulls_and_confidence() {
 }
 
 #[test]
-fn more_false_names_than_effects_are_credited_with_nothing() {
-    let concealed = effect("joint_spring", &["a"], json!({}), &[]);
+fn excess_false_positives_score_zero() {
+    let hidden = effect("joint_spring", &["a"], json!({}), &[]);
     let found = |others: &[&str]| {
         let mut all = vec![finding("joint_spring", &["a"], 0.9)];
         all.extend(others.iter().map(|joint| finding("torque_ripple", &[joint], 0.8)));
         answer("mismatch", json!(all))
     };
-    let truth = truth(json!([concealed]));
+    let truth = truth(json!([hidden]));
     let one = score("one_false", &truth, &found(&["b"]));
     assert_eq!((one.named.len(), one.false_names.len(), one.discredited), (1, 1, false));
     assert_eq!(one.located, Some(true));
@@ -115,12 +115,12 @@ fn more_false_names_than_effects_are_credited_with_nothing() {
 }
 
 #[test]
-fn accepted_and_tolerated_findings() {
-    let mut concealed = effect("asymmetric_coulomb_friction", &["a"], json!({}), &[]);
+fn equivalent_findings_are_accepted() {
+    let mut hidden = effect("asymmetric_coulomb_friction", &["a"], json!({}), &[]);
     let named = |slug: &str| json!({ "effect": slug, "joints": ["a"], "link": null });
-    concealed["accept"] = json!([[named("coulomb_friction"), named("torque_offset")]]);
-    concealed["tolerate"] = json!([named("coulomb_friction"), named("torque_offset")]);
-    let truth = truth(json!([concealed]));
+    hidden["accept"] = json!([[named("coulomb_friction"), named("torque_offset")]]);
+    hidden["tolerate"] = json!([named("coulomb_friction"), named("torque_offset")]);
+    let truth = truth(json!([hidden]));
     let of = |name: &str, slugs: &[&str]| {
         let all: Vec<Value> = slugs.iter().map(|slug| finding(slug, &["a"], 0.9)).collect();
         let score = score(name, &truth, &answer("mismatch", json!(all)));
@@ -133,11 +133,11 @@ fn accepted_and_tolerated_findings() {
 }
 
 #[test]
-fn bodies_are_located_by_link_and_one_more_is_tolerated() {
-    let mut concealed = effect("payload", &["c"], json!({}), &[]);
-    concealed["link"] = json!("link_c");
-    concealed["tolerate"] = json!([{ "effect": "link_inertia_error", "joints": [] }]);
-    let truth = truth(json!([concealed]));
+fn bodies_are_located_by_link() {
+    let mut hidden = effect("payload", &["c"], json!({}), &[]);
+    hidden["link"] = json!("link_c");
+    hidden["tolerate"] = json!([{ "effect": "link_inertia_error", "joints": [] }]);
+    let truth = truth(json!([hidden]));
     let mut load = finding("payload", &[], 0.9);
     load["link"] = json!("tool0");
     let more = |joints: &[&str]| {
@@ -152,7 +152,7 @@ fn bodies_are_located_by_link_and_one_more_is_tolerated() {
 }
 
 #[test]
-fn contacts_couplings_and_unlisted_laws() {
+fn contacts_couplings_and_unlisted_laws_are_scored() {
     let mut contact = effect("external_contact", &[], json!({ "force": 3.0 }), &["force"]);
     contact["window"] = json!([2.0, 4.0]);
     contact["recording"] = json!("train_2");
@@ -181,19 +181,19 @@ fn contacts_couplings_and_unlisted_laws() {
 }
 
 #[test]
-fn field_cases_count_everyday_friction_apart() {
+fn field_cases_count_baseline_friction_separately() {
     let mut field = truth(json!([effect("stribeck_friction", &["a"], json!({}), &[])]));
     field["kind"] = json!("field");
     field["background_inertial_error"] = json!(0.03);
-    let everyday = |slug: &str, name: &str, joint: &str, covered: Value, counted: bool| {
+    let baseline = |slug: &str, name: &str, joint: &str, covered: Value, counted: bool| {
         json!({ "effect": slug, "joints": [joint], "parameters": { name: 2.0 },
             "covered_by": covered, "observability": 3.0, "counted": counted })
     };
     field["everyday"] = json!([
-        everyday("coulomb_friction", "level", "a", json!("stribeck_friction"), true),
-        everyday("coulomb_friction", "level", "b", Value::Null, true),
-        everyday("viscous_friction", "coefficient", "b", Value::Null, true),
-        everyday("viscous_friction", "coefficient", "c", Value::Null, false),
+        baseline("coulomb_friction", "level", "a", json!("stribeck_friction"), true),
+        baseline("coulomb_friction", "level", "b", Value::Null, true),
+        baseline("viscous_friction", "coefficient", "b", Value::Null, true),
+        baseline("viscous_friction", "coefficient", "c", Value::Null, false),
     ]);
     let mut level = finding("coulomb_friction", &["b"], 0.9);
     level["parameters"] = json!({ "level": { "value": 4.5 } });
@@ -205,20 +205,20 @@ fn field_cases_count_everyday_friction_apart() {
     let score = score("field", &field, &answer("mismatch", found));
     assert_eq!((score.detected, score.top1), (Some(true), Some(true)));
     assert!(score.false_names.is_empty());
-    let everyday = score.everyday;
-    assert_eq!((everyday.counted, everyday.named), (3, 2));
-    assert_eq!((everyday.with_level, everyday.within_factor_2), (1, 0));
+    let baseline = score.baseline;
+    assert_eq!((baseline.counted, baseline.named), (3, 2));
+    assert_eq!((baseline.with_level, baseline.within_factor_2), (1, 0));
 }
 
 #[test]
-fn the_exam_is_judged_sample_by_sample() {
+fn exam_is_judged_sample_by_sample() {
     let folder = Folder::new("exam");
     let (case, result) = (folder.0.join("cases/c"), folder.0.join("results/c"));
     std::fs::create_dir_all(&case).unwrap();
     std::fs::create_dir_all(&result).unwrap();
-    let mut concealed = truth(json!([effect("torque_offset", &["a"], json!({}), &[])]));
-    concealed["exam"] = json!({ "oracle_rmse": { "a": 0.5 }, "attainable_rmse": { "a": 1.1 } });
-    std::fs::write(case.join("truth.json"), concealed.to_string()).unwrap();
+    let mut hidden = truth(json!([effect("torque_offset", &["a"], json!({}), &[])]));
+    hidden["exam"] = json!({ "oracle_rmse": { "a": 0.5 }, "attainable_rmse": { "a": 1.1 } });
+    std::fs::write(case.join("truth.json"), hidden.to_string()).unwrap();
     let table = |effort: &dyn Fn(f64) -> f64| {
         let rows = (0..200).map(|k| 0.01 * f64::from(k));
         let rows = rows.map(|t| format!("{t},{}\n", effort(t)));
@@ -248,7 +248,7 @@ fn the_exam_is_judged_sample_by_sample() {
 }
 
 #[test]
-fn folders_without_cases_are_said() {
+fn folder_without_cases_is_rejected() {
     let folder = Folder::new("no_cases");
     let error = score_cases(&folder.0, &folder.0).unwrap_err();
     assert_eq!(error.to_string(), "there is no case in this folder");

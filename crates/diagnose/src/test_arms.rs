@@ -6,8 +6,8 @@ use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_u
 use armident_recording::{JointChannels, Recording};
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 use armident_model::{OperatingPoint, PosedRecording};
 use armident_motion::{BAND_HZ, Signals};
 

@@ -23,7 +23,7 @@ pub fn directions(velocity: &[f64]) -> Vec<f64> {
 /// Share of the root mean square speed under which a differentiated encoder has no sure sign.
 pub const LEAST_SPEED_SHARE: f64 = 0.005;
 
-/// How dry friction turns where a joint reverses.
+/// Model of dry friction about a reversal.
 ///
 /// Bristles bend before they slip, so that friction builds up over a travel (Dahl, A solid friction model, 1968); a drive train
 /// that winds up, and an effort that lags, make it one of the speed where reversals are alike.
@@ -39,7 +39,7 @@ impl Turn {
     /// Travels to try, as shares of the standard deviation of the position.
     pub const TRAVEL_SHARES: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
 
-    /// What a dry friction of level 1 has at every sample.
+    /// Dry friction of level 1 at every sample.
     pub fn directions(self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         match self {
             Self::Speed(speed) => directions_with(velocity, speed.max(f64::MIN_POSITIVE)),
@@ -47,7 +47,7 @@ impl Turn {
         }
     }
 
-    /// The speed below which it turns; 0 where it turns over a travel.
+    /// Speed below which it is regularised \[rad/s or m/s\]; 0 for presliding.
     pub fn speed(self) -> f64 {
         match self {
             Self::Speed(speed) => speed,
@@ -55,7 +55,7 @@ impl Turn {
         }
     }
 
-    /// The travel over which it turns; 0 where it turns with the speed.
+    /// Travel of presliding \[rad or m\]; 0 for a regularised sign.
     pub fn travel(self) -> f64 {
         match self {
             Self::Speed(_) => 0.0,
@@ -69,7 +69,7 @@ impl Turn {
     }
 }
 
-/// Deflections of bristles over their saturation, -1 to 1, not deflected at first: exact while a joint does not turn back
+/// Deflections of bristles over their saturation, -1 to 1, not deflected at first: exact while a joint does not reverse
 /// between two samples.
 pub(crate) fn deflections(position: &[f64], saturation: f64) -> Vec<f64> {
     let mut z = 0.0;

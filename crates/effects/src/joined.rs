@@ -1,7 +1,9 @@
 //! Two effects on one joint as one.
 
+use crate::effect::Effect;
 use crate::law::{Admissible, Scope};
-use crate::{Effect, EffectOnJoint, effect};
+use crate::library::effect;
+use crate::on_joint::EffectOnJoint;
 
 /// The one effect that two on the same joint are together: two of one law and of one shape, or a law and one that it
 /// contains. None where no law of the library is both.
@@ -22,9 +24,9 @@ pub fn joined(a: &EffectOnJoint, b: &EffectOnJoint) -> Option<EffectOnJoint> {
         }
         sum.iter_mut().zip(others).for_each(|(x, y)| *x += y);
         law_a.parameters(&shape, &sum)
-    } else if law_a.law().contains.contains(&law_b.law().slug) {
+    } else if law_a.law().contains_law(law_b.law()) {
         with_contained(law_a, &a.parameters, &b.parameters)
-    } else if law_b.law().contains.contains(&law_a.law().slug) {
+    } else if law_b.law().contains_law(law_a.law()) {
         let parameters = with_contained(law_b, &b.parameters, &a.parameters);
         return Some(EffectOnJoint { parameters, ..b.clone() });
     } else {
@@ -41,8 +43,8 @@ fn with_contained(law: &dyn Effect, parameters: &[f64], contained: &[f64]) -> Ve
 }
 
 /// Whether an effect may carry its name: by its own numbers or, where it is less of what is known, by those of both.
-/// What is known is known to a tenth, so that all of it can go. Of a law with a shape of its own there is no less: a
-/// level that falls while another rises is another law, which needs a name for itself.
+/// A known effect is known to a tenth, so that all of it can disappear. A law with a shape has no decrease: a
+/// level that falls while another rises is another law, which must be admitted itself.
 pub fn admitted_beside(known: &[EffectOnJoint], change: &EffectOnJoint) -> bool {
     const KNOWN_TO: f64 = 0.1;
     let admits = |e: &EffectOnJoint| effect(&e.effect).is_some_and(|law| law.admits(&e.parameters));
@@ -120,7 +122,7 @@ mod tests {
 
     /// Joined effects are the sum of both, in either order.
     #[test]
-    fn joined_is_the_sum() {
+    fn joined_effect_is_sum() {
         let pairs = [
             (on("viscous_friction", &[8.0]), on("viscous_friction", &[-5.0])),
             (on("asymmetric_coulomb_friction", &[3.0, 2.0]), on("coulomb_friction", &[-1.0])),
@@ -156,7 +158,7 @@ mod tests {
 
     /// Friction falls as far as there is some.
     #[test]
-    fn what_is_known_may_fall() {
+    fn known_friction_may_decrease() {
         let known = [on("viscous_friction", &[8.0]), on("stribeck_friction", &[5.0, 3.0, 0.1])];
         let may = |slug: &str, parameters: &[f64]| admitted_beside(&known, &on(slug, parameters));
         assert!(may("viscous_friction", &[-5.0]) && may("viscous_friction", &[-8.4]));
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn less_is_said_of_what_falls() {
+    fn decreases_are_recognised() {
         let less = |slug: &str, values: &[(&str, f64)]| {
             is_less(slug, |name| values.iter().find(|(n, _)| *n == name).map(|(_, x)| *x))
         };
@@ -184,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_simulated_arm_has_what_is_left() {
+    fn inadmissible_effects_are_joined() {
         let effects = vec![
             on("viscous_friction", &[8.0]),
             on("coulomb_friction", &[5.0]),

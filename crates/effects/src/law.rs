@@ -1,15 +1,18 @@
-//! What is written once about every effect.
+//! Metadata of a law: everything about an effect that is not computed.
 
-use armident_dynamics::RigidArm;
 use armident_kinematics::JointKind;
-use nalgebra::{Isometry3, Vector3};
+
+use crate::catalogue::Catalogue;
+
+/// Slug of unmodelled dynamics: structure of the residual that no law explains.
+pub const UNMODELLED: &str = "unmodelled";
 
 /// The sign a parameter may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Admissible {
     /// Any finite number.
     Any,
-    /// Zero or more: a fit of the other sign refuses the effect's name.
+    /// Zero or more: a fit of the other sign is not admitted.
     NonNegative,
 }
 
@@ -20,7 +23,7 @@ impl Admissible {
     }
 }
 
-/// One number of a law.
+/// One parameter of a law.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
     /// Name in files and tables.
@@ -31,11 +34,15 @@ pub struct Parameter {
     pub unit_translational: &'static str,
     /// Admissible sign.
     pub admissible: Admissible,
+    /// Whether it is one of those by which an estimate of the effect is judged.
+    pub is_main: bool,
+    /// Value at which the effect has no effort, where that is one: 1 of a gain, else 0.
+    pub neutral: f64,
 }
 
 impl Parameter {
     /// A parameter of any sign.
-    pub(crate) const fn any(
+    pub const fn any(
         name: &'static str,
         rotational: &'static str,
         translational: &'static str,
@@ -45,21 +52,30 @@ impl Parameter {
             unit_rotational: rotational,
             unit_translational: translational,
             admissible: Admissible::Any,
+            is_main: false,
+            neutral: 0.0,
         }
     }
 
     /// A parameter that is zero or more.
-    pub(crate) const fn non_negative(
+    pub const fn non_negative(
         name: &'static str,
         rotational: &'static str,
         translational: &'static str,
     ) -> Self {
-        Self {
-            name,
-            unit_rotational: rotational,
-            unit_translational: translational,
-            admissible: Admissible::NonNegative,
-        }
+        Self { admissible: Admissible::NonNegative, ..Self::any(name, rotational, translational) }
+    }
+
+    /// The same parameter, by whose error an estimate is judged.
+    #[must_use]
+    pub const fn main(self) -> Self {
+        Self { is_main: true, ..self }
+    }
+
+    /// The same parameter with another neutral value.
+    #[must_use]
+    pub const fn neutral(self, neutral: f64) -> Self {
+        Self { neutral, ..self }
     }
 
     /// Unit on a joint of this kind.
@@ -68,7 +84,7 @@ impl Parameter {
     }
 }
 
-/// Another effect that can look the same, and the motion that tells them apart.
+/// Look-alike effect and the motion that distinguishes the two.
 #[derive(Debug, Clone, Copy)]
 pub struct LookAlike {
     /// Slug of the other effect, or a name of a rigid-body constant.
@@ -88,7 +104,7 @@ pub struct Export {
 
 impl Export {
     /// Neither format holds the effect.
-    pub(crate) const NONE: Self = Self { urdf: None, mjcf: None };
+    pub const NONE: Self = Self { urdf: None, mjcf: None };
 }
 
 /// What a law acts on.
@@ -106,15 +122,30 @@ pub enum Scope {
     Arm,
 }
 
-/// Where a law stands among the others on its joint: two laws of one place exclude each other, because
-/// one contains or replaces the other.
+/// What a finding of a law gives as its location.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Location {
+    /// Its joint, or its two neighbours.
+    Joints,
+    /// The link, with the joint that moves it.
+    Link,
+    /// The tip link, without a joint.
+    TipLink,
+    /// All joints.
+    AllJoints,
+    /// No joint: the whole arm.
+    Arm,
+}
+
+/// Role of a law; two laws with the same role on one joint are mutually exclusive, because one contains or
+/// replaces the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Place {
+pub enum Role {
     /// Friction proportional to the speed.
     Viscous,
-    /// Friction that has a direction.
+    /// Dry friction.
     Dry,
-    /// Friction of a higher power of the speed.
+    /// Friction of another power of the speed.
     Drag,
     /// Constant or proportional to the position.
     Constant,
@@ -136,7 +167,7 @@ pub enum Place {
     Time,
     /// Forces of the surroundings.
     Contact,
-    /// Structure without a law.
+    /// Unmodelled dynamics.
     Unnamed,
 }
 
@@ -145,13 +176,96 @@ pub enum Place {
 pub enum Onset {
     /// Bodies are picked up, arms are remounted and homed again, joints wear and warm up.
     Often,
-    /// Often of the last link, whose tool is exchanged; seldom of others, which nobody opens.
+    /// Often of the last link, whose tool is exchanged; seldom of others.
     OftenOfLastLink,
     /// Built in, or a fault of the channel.
     Seldom,
 }
 
-/// Everything about an effect that is not computed.
+/// Whether a diagnosis may report a law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Naming {
+    /// Reported as a finding, and hidden in cases.
+    Named,
+    /// Only fitted beside others, so that predictions are better: it describes a dependence and no cause.
+    PredictionOnly,
+}
+
+/// Baseline terms: the laws of a plain identification, which every joint has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Baseline {
+    /// Viscous friction.
+    Viscous,
+    /// Coulomb friction.
+    Coulomb,
+    /// Constant offset of the effort channel.
+    Offset,
+    /// Inertia of the rotor.
+    RotorInertia,
+}
+
+impl Baseline {
+    /// Whether it is friction.
+    pub fn is_friction(self) -> bool {
+        matches!(self, Self::Viscous | Self::Coulomb)
+    }
+}
+
+/// A quantity about which columns are linearised, and which a law changes: its columns are those of a small change, so a
+/// fit moves the quantity and forms all columns again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OperatingTerm {
+    /// Direction of gravity: two coefficients are added to the tilt \[rad\].
+    Tilt,
+    /// Delay of the efforts: the coefficient is added to it \[s\].
+    Delay,
+    /// Zero of the joint's encoder: the coefficient is added to it \[rad or m\].
+    EncoderZero,
+    /// Gain of the joint's effort channel: the coefficient is what it has beyond 1.
+    Gain,
+}
+
+/// How an estimator finds the shape of a law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scan {
+    /// Columns for each of its [`shapes`](crate::Effect::shapes).
+    Columns,
+    /// A scan of the residual: orders of a ripple, windows of a contact.
+    Residual,
+    /// A simulation of the motion behind a transmission.
+    Simulated(LinkSide),
+}
+
+/// What lies between the motor of a joint and its link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinkSide {
+    /// A spring with a damper.
+    Spring,
+    /// Play between stiff flanks.
+    Play,
+}
+
+/// Where a set of other laws is the same effort as a law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Where {
+    /// On every joint.
+    AnyJoint,
+    /// On the first joint.
+    FirstJoint,
+    /// On the last joint, or on the link it moves.
+    LastJoint,
+}
+
+/// Other laws on the same joint or link that together are the same effort.
+#[derive(Debug, Clone, Copy)]
+pub struct Equivalent {
+    /// Their slugs.
+    pub laws: &'static [&'static str],
+    /// Where they are the same effort.
+    pub on: Where,
+}
+
+/// Everything about an effect that is not computed. A law states what differs from [`Law::BLANK`].
 #[derive(Debug, Clone, Copy)]
 pub struct Law {
     /// Name in files.
@@ -162,256 +276,95 @@ pub struct Law {
     pub formula: &'static str,
     /// What it acts on.
     pub scope: Scope,
-    /// The places it takes on its joint.
-    pub places: &'static [Place],
+    /// What a finding gives as its location.
+    pub location: Location,
+    /// Its roles on its joint.
+    pub roles: &'static [Role],
     /// Parameters in the order of every parameter vector.
     pub parameters: &'static [Parameter],
-    /// The simpler laws on its joints that this one contains: what the name must beat.
+    /// Whether a diagnosis may report it.
+    pub naming: Naming,
+    /// Which of the baseline terms it is, if it is one.
+    pub baseline: Option<Baseline>,
+    /// What it changes of the operating point, if its columns are those of a small change.
+    pub operating: Option<OperatingTerm>,
+    /// How an estimator finds its shape.
+    pub scan: Scan,
+    /// The simpler laws on its joints that this one contains: it is reported only where it is better than these.
     pub contains: &'static [&'static str],
-    /// What it can be confused with.
+    /// Laws beyond [`contains`](Self::contains) that a right diagnosis may report beside it.
+    pub companions: &'static [&'static str],
+    /// Sets of other laws that are the same effort, whatever the motion.
+    pub equivalents: &'static [Equivalent],
+    /// Whether its [`arm_columns`](crate::Effect::arm_columns) alone are its effort to first order, and no other law's:
+    /// then a least-squares fit of them shows whether it passes for another law on given motions.
+    pub fits_alone: bool,
+    /// Its look-alikes.
     pub look_alikes: &'static [LookAlike],
     /// What simulator formats hold of it.
     pub export: Export,
+    /// Its page in the catalogue of effects.
+    pub catalogue: Option<&'static Catalogue>,
 }
 
-/// Motion of one joint over a recording: what columns are formed from. All slices have one length.
-#[derive(Debug, Clone, Copy)]
-pub struct JointMotion<'a> {
-    /// Rotation or translation.
-    pub kind: JointKind,
-    /// Time since the start of the recording \[s\].
-    pub time_s: &'a [f64],
-    /// Position \[rad or m\].
-    pub position: &'a [f64],
-    /// Velocity \[rad/s or m/s\].
-    pub velocity: &'a [f64],
-    /// Acceleration \[rad/s2 or m/s2\].
-    pub acceleration: &'a [f64],
-    /// Direction of motion, -1 to 1: the sign of the velocity where it is resolved; what it is
-    /// between is the maker's choice ([`directions`](crate::directions)).
-    pub direction: &'a [f64],
-    /// Effort of the rigid body at this joint \[N m or N\]; empty where no law needs it.
-    pub rigid_effort: &'a [f64],
-}
+impl Law {
+    /// A law of one joint that states nothing.
+    pub const BLANK: Self = Self {
+        slug: "",
+        title: "",
+        formula: "",
+        scope: Scope::Joint,
+        location: Location::Joints,
+        roles: &[],
+        parameters: &[],
+        naming: Naming::Named,
+        baseline: None,
+        operating: None,
+        scan: Scan::Columns,
+        contains: &[],
+        companions: &[],
+        equivalents: &[],
+        fits_alone: false,
+        look_alikes: &[],
+        export: Export::NONE,
+        catalogue: None,
+    };
 
-/// Size of a joint's motion, from which constants to try are scaled.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionScale {
-    /// Rotation or translation.
-    pub kind: JointKind,
-    /// Root mean square speed \[rad/s or m/s\].
-    pub speed_rms: f64,
-    /// Standard deviation of the position \[rad or m\].
-    pub position_deviation: f64,
-    /// Length of the longest recording \[s\].
-    pub duration_s: f64,
-}
-
-/// Motion of the whole arm over a recording, joint-major.
-#[derive(Debug, Clone, Copy)]
-pub struct ArmMotion<'a> {
-    /// The arm.
-    pub arm: &'a RigidArm,
-    /// Pose of the frame `E_0` in the base link.
-    pub base_from_e0: Isometry3<f64>,
-    /// Origin of the tip link in the frame of the last joint \[m\].
-    pub tip_in_last_m: Vector3<f64>,
-    /// Samples per second.
-    pub rate_hz: f64,
-    /// Positions \[rad or m\].
-    pub position: &'a [Vec<f64>],
-    /// Velocities \[rad/s or m/s\].
-    pub velocity: &'a [Vec<f64>],
-    /// Accelerations \[rad/s2 or m/s2\].
-    pub acceleration: &'a [Vec<f64>],
-    /// Effort of the rigid body for this motion \[N m or N\].
-    pub rigid_effort: &'a [Vec<f64>],
-}
-
-/// State of one joint at an instant of a simulation.
-#[derive(Debug, Clone, Copy)]
-pub struct JointState {
-    /// Rotation or translation.
-    pub kind: JointKind,
-    /// Time since the start of the recording \[s\].
-    pub time_s: f64,
-    /// Position \[rad or m\].
-    pub position: f64,
-    /// Velocity \[rad/s or m/s\].
-    pub velocity: f64,
-    /// Effort that the gear carries, that of the rigid body at this joint \[N m or N\].
-    pub load: f64,
-}
-
-/// Levels of dry friction; at rest the effort is anything between `-backward` and `forward`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct DryFriction {
-    /// Effort it takes to move forward \[N m or N\].
-    pub forward: f64,
-    /// Effort it takes to move backward \[N m or N\], positive.
-    pub backward: f64,
-}
-
-impl DryFriction {
-    /// The same level in both directions.
-    pub fn both(level: f64) -> Self {
-        Self { forward: level, backward: level }
+    /// Whether it has a role.
+    pub fn has_role(&self, role: Role) -> bool {
+        self.roles.contains(&role)
     }
 
-    /// One beside the other.
-    #[must_use]
-    pub fn plus(self, other: Self) -> Self {
-        Self { forward: self.forward + other.forward, backward: self.backward + other.backward }
+    /// Whether it is dry friction on one joint.
+    pub fn is_dry_friction(&self) -> bool {
+        self.has_role(Role::Dry)
     }
 
-    /// The effort while moving at this velocity; zero at rest.
-    pub fn effort(self, velocity: f64) -> f64 {
-        if velocity > 0.0 {
-            self.forward
-        } else if velocity < 0.0 {
-            -self.backward
-        } else {
-            0.0
+    /// Whether it is viscous or Coulomb friction, which every joint has.
+    pub fn is_baseline_friction(&self) -> bool {
+        self.baseline.is_some_and(Baseline::is_friction)
+    }
+
+    /// Whether it contains another law.
+    pub fn contains_law(&self, other: &Law) -> bool {
+        self.contains.contains(&other.slug)
+    }
+
+    /// Whether a right diagnosis may report another law beside this one.
+    pub fn tolerates(&self, slug: &str) -> bool {
+        self.tolerated().any(|other| other == slug)
+    }
+
+    /// Laws that a right diagnosis may report beside this one: those it contains, then its companions.
+    pub fn tolerated(&self) -> impl Iterator<Item = &'static str> + use<> {
+        self.contains.iter().chain(self.companions).copied()
+    }
+
+    /// What lies between motor and link, for laws of a transmission that an estimator must simulate.
+    pub fn link_side(&self) -> Option<LinkSide> {
+        match self.scan {
+            Scan::Simulated(side) => Some(side),
+            Scan::Columns | Scan::Residual => None,
         }
     }
-
-    /// Whether there is none.
-    pub fn is_none(self) -> bool {
-        self.forward == 0.0 && self.backward == 0.0
-    }
-}
-
-/// Columns of the whole arm: `[column][joint][sample]`.
-pub type ArmColumns = Vec<Vec<Vec<f64>>>;
-
-/// One physical effect.
-///
-/// Sign convention: `effort = rigid(q, q̇, q̈) + f`, `f` is what the motor has to supply on top.
-///
-/// A law is linear in its *coefficients* once its *shape* (the constants it is not linear in) is
-/// given: columns are formed for a shape, and shape and coefficients together are the parameters.
-pub trait Effect: Sync {
-    /// What is written once.
-    fn law(&self) -> &'static Law;
-
-    /// Estimator: whether the column of a coefficient jumps between two samples, at a reversal. All do of a law
-    /// of dry friction or of a shared transmission, unless it says otherwise.
-    fn coefficient_jumps(&self, _coefficient: usize) -> bool {
-        let places = self.law().places;
-        places.contains(&Place::Dry) || places.contains(&Place::Shared)
-    }
-
-    /// Whether it comes about between two recordings of one arm; by default seldom.
-    fn onset(&self) -> Onset {
-        Onset::Seldom
-    }
-
-    /// Estimator: shapes to try on a motion of this size; one empty shape for a linear law.
-    fn shapes(&self, _scale: &MotionScale) -> Vec<Vec<f64>> {
-        vec![Vec::new()]
-    }
-
-    /// Estimator, [`Scope::Joint`]: columns whose combination with the coefficients is `f`.
-    fn columns(&self, _shape: &[f64], _motion: &JointMotion<'_>) -> Vec<Vec<f64>> {
-        Vec::new()
-    }
-
-    /// Estimator, [`Scope::Neighbours`]: columns on joints a and b.
-    fn pair_columns(
-        &self,
-        _shape: &[f64],
-        _a: &JointMotion<'_>,
-        _b: &JointMotion<'_>,
-    ) -> Vec<[Vec<f64>; 2]> {
-        Vec::new()
-    }
-
-    /// Estimator, the other scopes: columns on all joints; `joint` is the joint or the link it moves.
-    fn arm_columns(&self, _joint: usize, _motion: &ArmMotion<'_>) -> ArmColumns {
-        Vec::new()
-    }
-
-    /// Which of its columns is the one of the law that it contains.
-    fn contained_column(&self) -> usize {
-        0
-    }
-
-    /// Parameters from a shape and the coefficients of its columns.
-    fn parameters(&self, shape: &[f64], coefficients: &[f64]) -> Vec<f64> {
-        [coefficients, shape].concat()
-    }
-
-    /// Shape and coefficients from the parameters.
-    fn shape_and_coefficients(&self, parameters: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        (Vec::new(), parameters.to_vec())
-    }
-
-    /// Whether these parameters may carry the name; by default each by its own sign.
-    fn admits(&self, parameters: &[f64]) -> bool {
-        let each = self.law().parameters.iter().zip(parameters);
-        each.into_iter().all(|(parameter, &value)| parameter.admissible.allows(value))
-    }
-
-    /// `f` over a motion, [`Scope::Joint`].
-    fn effort(&self, parameters: &[f64], motion: &JointMotion<'_>) -> Vec<f64> {
-        let (shape, coefficients) = self.shape_and_coefficients(parameters);
-        let mut effort = vec![0.0; motion.velocity.len()];
-        for (column, coefficient) in self.columns(&shape, motion).iter().zip(&coefficients) {
-            for (effort, x) in effort.iter_mut().zip(column) {
-                *effort += coefficient * x;
-            }
-        }
-        effort
-    }
-
-    /// Simulator: where the effect acts.
-    fn mechanism(&self, _parameters: &[f64]) -> crate::Mechanism {
-        crate::Mechanism::Joint
-    }
-
-    /// Simulator: the part of `f` that is a smooth function of time, position and velocity.
-    fn smooth_effort(&self, _parameters: &[f64], _state: &JointState) -> f64 {
-        0.0
-    }
-
-    /// Simulator: dry friction at the speed and load of a state.
-    fn dry_friction(&self, _parameters: &[f64], _state: &JointState) -> DryFriction {
-        DryFriction::default()
-    }
-
-    /// Simulator: whether the effect remembers the travel as a deflection.
-    fn has_deflection(&self) -> bool {
-        false
-    }
-
-    /// Simulator: the deflection after a one-way travel of the joint \[rad or m\].
-    fn deflection_after(&self, _parameters: &[f64], deflection: f64, _travel: f64) -> f64 {
-        deflection
-    }
-
-    /// Simulator: the part of `f` that the deflection makes.
-    fn deflection_effort(&self, _parameters: &[f64], _deflection: f64, _velocity: f64) -> f64 {
-        0.0
-    }
-
-    /// Simulator, [`Mechanism::Arm`](crate::Mechanism::Arm): makes the believed arm the true one;
-    /// `joint` is the joint or the link it moves.
-    fn change_arm(
-        &self,
-        _parameters: &[f64],
-        _joint: usize,
-        _frames: &crate::ArmFrames,
-        _arm: &mut RigidArm,
-    ) {
-    }
-
-    /// Simulator: inertia added to the diagonal of `H` \[kg m2 or kg\].
-    fn added_inertia(&self, _parameters: &[f64]) -> f64 {
-        0.0
-    }
-}
-
-/// One column formed sample by sample.
-pub(crate) fn column(samples: usize, f: impl Fn(usize) -> f64) -> Vec<f64> {
-    (0..samples).map(f).collect()
 }

@@ -1,12 +1,14 @@
-//! Physics beyond the rigid body, one file an effect.
+//! Physics beyond the rigid body, one file per law.
 //!
 //! ```text
 //! effort_j = rigid_j(q, q̇, q̈) + Σ f(joint motion; parameters)
 //! ```
 //!
-//! An effect is written once and used three times: the simulator asks where it acts
+//! An effect is written once and used four times: the simulator asks where it acts
 //! ([`Mechanism`]) and for its effort, dry friction, added inertia and memory; the estimator for its
-//! columns; reports for its law, units, admissible signs and look-alikes. Adding one is a new file that implements [`Effect`], and its line in [`LIBRARY`].
+//! columns; reports for its law, units, admissible signs and look-alikes; simulated
+//! cases for a random one. Adding a law is a new file in `laws/` that implements [`Effect`] and states its [`Law`], its `mod`
+//! and its line in the list there; from outside, a law joins a [`Library`].
 //!
 //! ```
 //! use armident_effects::{JointState, effect};
@@ -18,193 +20,40 @@
 //! assert_eq!(viscous.smooth_effort(&[0.5], &state), 1.0);
 //! ```
 
-mod arm_motion;
-mod asymmetric_coulomb_friction;
-mod backlash;
-mod coulomb_friction;
+mod catalogue;
+mod columns;
 mod direction;
-mod encoder_offset;
-mod external_contact;
-mod friction_drift;
-mod gravity_direction;
+mod draw;
+mod effect;
 mod joined;
-mod joint_coupling;
-mod joint_elasticity;
-mod joint_spring;
 mod law;
-mod link_inertia_error;
-mod load_dependent_friction;
+mod laws;
+mod library;
 mod mechanism;
-mod payload;
-mod presliding_hysteresis;
-mod quadratic_drag;
-mod rotor_inertia;
-mod stribeck_friction;
-mod sublinear_viscous_friction;
-mod time_delay;
-mod torque_offset;
-mod torque_ripple;
-mod torque_scale;
-mod viscous_friction;
+mod motion;
+mod on_joint;
+mod transmission;
 
-pub use asymmetric_coulomb_friction::AsymmetricCoulombFriction;
-pub use backlash::Backlash;
-pub use coulomb_friction::CoulombFriction;
+pub use catalogue::{Against, Catalogue, Example};
 pub use direction::{LEAST_SPEED_SHARE, Turn, direction, directions, directions_with};
-pub use encoder_offset::EncoderOffset;
-pub use external_contact::ExternalContact;
-pub use friction_drift::FrictionDrift;
-pub use gravity_direction::{GravityDirection, tilted};
+pub use draw::{Draw, DrawContext, DrawnEffect, JointSize};
+pub use effect::{Effect, ShapeStep};
 pub use joined::{admitted_beside, is_less, joined, joined_where_inadmissible};
-pub use joint_coupling::JointCoupling;
-pub use joint_elasticity::JointElasticity;
-pub use joint_spring::JointSpring;
 pub use law::{
-    Admissible, ArmColumns, ArmMotion, DryFriction, Effect, Export, JointMotion, JointState, Law,
-    LookAlike, MotionScale, Onset, Parameter, Place, Scope,
+    Admissible, Baseline, Equivalent, Export, Law, LinkSide, Location, LookAlike, Naming, Onset,
+    OperatingTerm, Parameter, Role, Scan, Scope, UNMODELLED, Where,
 };
-pub use link_inertia_error::LinkInertiaError;
-pub use load_dependent_friction::LoadDependentFriction;
-pub use mechanism::{ArmFrames, Mechanism, Transmission, tip_jacobian};
-pub use payload::Payload;
-pub use presliding_hysteresis::PreslidingHysteresis;
-pub use quadratic_drag::QuadraticDrag;
-pub use rotor_inertia::RotorInertia;
-pub use stribeck_friction::StribeckFriction;
-pub use sublinear_viscous_friction::SublinearViscousFriction;
-pub use time_delay::TimeDelay;
-pub use torque_offset::TorqueOffset;
-pub use torque_ripple::TorqueRipple;
-pub use torque_scale::TorqueScale;
-pub use viscous_friction::ViscousFriction;
-
-use serde::{Deserialize, Serialize};
-
-/// All effects, in the order in which tables list them.
-pub const LIBRARY: &[&dyn Effect] = &[
-    &ViscousFriction,
-    &CoulombFriction,
-    &TorqueOffset,
-    &RotorInertia,
-    &AsymmetricCoulombFriction,
-    &StribeckFriction,
-    &LoadDependentFriction,
-    &QuadraticDrag,
-    &PreslidingHysteresis,
-    &FrictionDrift,
-    &JointSpring,
-    &TorqueRipple,
-    &TorqueScale,
-    &JointCoupling,
-    &JointElasticity,
-    &Backlash,
-    &EncoderOffset,
-    &Payload,
-    &LinkInertiaError,
-    &GravityDirection,
-    &TimeDelay,
-    &ExternalContact,
-];
-
-/// What every joint has: the terms of a plain identification, in the order of its parameter vectors.
-pub const EVERYDAY: &[&dyn Effect] =
-    &[&ViscousFriction, &CoulombFriction, &TorqueOffset, &RotorInertia];
-
-/// Laws that a fit may have beside the others: they describe how friction grows with the speed, and a diagnosis, which says
-/// what causes an effort, does not name them.
-pub const DESCRIBING: &[&dyn Effect] = &[&SublinearViscousFriction];
-
-/// The effect with a slug.
-pub fn effect(slug: &str) -> Option<&'static dyn Effect> {
-    LIBRARY.iter().chain(DESCRIBING).copied().find(|e| e.law().slug == slug)
-}
-
-/// An effect with numbers and its place: what a simulation is told and a model file holds.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct EffectOnJoint {
-    /// Slug of the effect.
-    pub effect: String,
-    /// Joint name; of a link, the joint that moves it; of two neighbours, the first. Effects of the
-    /// whole arm need none.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub joint: String,
-    /// The second of two neighbours.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub other_joint: Option<String>,
-    /// Start and end of a contact in the time of its recording \[s\]; nothing: all the time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub window_s: Option<[f64; 2]>,
-    /// Parameters in the order of the law.
-    pub parameters: Vec<f64>,
-}
-
-impl EffectOnJoint {
-    /// An effect on one joint.
-    pub fn new(
-        effect: impl Into<String>,
-        joint: impl Into<String>,
-        parameters: impl Into<Vec<f64>>,
-    ) -> Self {
-        Self {
-            effect: effect.into(),
-            joint: joint.into(),
-            parameters: parameters.into(),
-            ..Self::default()
-        }
-    }
-
-    /// Whether each parameter has a sign that it may have.
-    pub fn has_admissible_signs(&self) -> bool {
-        let parameters = effect(&self.effect).map_or(&[][..], |law| law.law().parameters);
-        parameters.iter().zip(&self.parameters).all(|(p, value)| p.admissible.allows(*value))
-    }
-
-    /// The library's entry.
-    ///
-    /// # Errors
-    /// [`UnknownEffect`] when the library has no such slug or the number of parameters is not that
-    /// of the law.
-    pub fn resolve(&self) -> Result<&'static dyn Effect, UnknownEffect> {
-        let known = || {
-            LIBRARY.iter().chain(DESCRIBING).map(|e| e.law().slug).collect::<Vec<_>>().join(", ")
-        };
-        let effect = effect(&self.effect)
-            .ok_or_else(|| UnknownEffect::Slug { found: self.effect.clone(), known: known() })?;
-        let expected = effect.law().parameters;
-        if self.parameters.len() != expected.len() {
-            return Err(UnknownEffect::Parameters {
-                effect: effect.law().slug,
-                expected: expected.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
-                found: self.parameters.len(),
-            });
-        }
-        Ok(effect)
-    }
-}
-
-/// An [`EffectOnJoint`] that the library cannot serve.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum UnknownEffect {
-    /// No effect of this name.
-    #[error("there is no effect `{found}`; known are {known}")]
-    Slug {
-        /// What was asked for.
-        found: String,
-        /// Slugs of the library.
-        known: String,
-    },
-    /// Too few or too many numbers.
-    #[error("effect `{effect}` takes the parameters ({expected}), found {found} numbers")]
-    Parameters {
-        /// The effect.
-        effect: &'static str,
-        /// Names of its parameters.
-        expected: String,
-        /// How many were given.
-        found: usize,
-    },
-}
+pub use laws::*;
+// names of callers that are not renamed yet
+#[doc(hidden)]
+pub use law::Role as Place;
+#[doc(hidden)]
+pub use laws::BASELINE as EVERYDAY;
+pub use library::{Library, effect};
+pub use mechanism::{ArmFrames, Mechanism, tip_jacobian};
+pub use motion::{ArmColumns, ArmMotion, DryFriction, JointMotion, JointState, MotionScale};
+pub use on_joint::{EffectOnJoint, UnknownEffect};
+pub use transmission::{Transmission, resting_links};
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a failed test may panic")]
@@ -214,12 +63,67 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slugs_are_unique_and_every_law_is_complete() {
-        for (i, a) in LIBRARY.iter().enumerate() {
-            assert!(LIBRARY[i + 1..].iter().all(|b| a.law().slug != b.law().slug));
-            assert!(!a.law().parameters.is_empty() && !a.law().look_alikes.is_empty());
-            assert!(a.law().contains.iter().all(|slug| effect(slug).is_some()));
+    fn laws_are_unique_and_complete() {
+        let laws: Vec<&dyn Effect> = Library::standard().all().collect();
+        let known = |slugs: &[&str]| slugs.iter().all(|slug| effect(slug).is_some());
+        for (i, a) in laws.iter().enumerate() {
+            let law = a.law();
+            assert!(laws[i + 1..].iter().all(|b| a.slug() != b.slug()));
+            assert!(!law.parameters.is_empty() && !law.look_alikes.is_empty());
+            assert!(known(law.contains) && known(law.companions), "{}", law.slug);
+            assert!(law.equivalents.iter().all(|set| known(set.laws)), "{}", law.slug);
+            assert_eq!(law.location == Location::Link, law.scope == Scope::Link, "{}", law.slug);
+            let whole = [Location::TipLink, Location::AllJoints, Location::Arm];
+            assert_eq!(whole.contains(&law.location), law.scope == Scope::Arm, "{}", law.slug);
+            let is_named = law.naming == Naming::Named;
+            assert_eq!(law.catalogue.is_some(), is_named, "{}", law.slug);
+            if let Some(page) = law.catalogue {
+                let joint = page.example.joint;
+                assert!(a.admits(page.example.parameters), "{}", law.slug);
+                let is_placed = !matches!(law.scope, Scope::Arm) && law.slug != Payload.slug();
+                assert_eq!(joint.is_empty(), !is_placed, "{}", law.slug);
+            }
         }
+    }
+
+    #[test]
+    fn baseline_terms_lead_the_library() {
+        let standard = Library::standard();
+        let terms = standard.all().filter(|effect| effect.law().baseline.is_some());
+        assert!(terms.map(Effect::slug).eq(BASELINE.iter().map(|effect| effect.slug())));
+        assert!(BASELINE.windows(2).all(|w| w[0].law().baseline < w[1].law().baseline));
+        assert!(standard.named().all(|effect| effect.slug() != SublinearViscousFriction.slug()));
+    }
+
+    #[test]
+    fn library_takes_law_from_outside() {
+        struct Other;
+        const LAW: Law = Law { slug: "other", title: "other", ..Law::BLANK };
+        impl Effect for Other {
+            fn law(&self) -> &'static Law {
+                &LAW
+            }
+        }
+        let library = Library::standard().with(&Other);
+        let placed = EffectOnJoint::new("other", "joint", []);
+        assert!(library.resolve(&placed).is_ok() && placed.resolve().is_err());
+        let count = |library: &Library| library.all().count();
+        assert_eq!(count(&library), count(Library::standard()) + 1);
+        assert_eq!(count(&library.with(&Other)), count(&library));
+    }
+
+    /// Laws whose columns are those of a small change admit no large one.
+    #[test]
+    fn fits_are_admitted_by_their_laws() {
+        assert!(
+            CoulombFriction.admits_fit(&[], &[1.0]) && !CoulombFriction.admits_fit(&[], &[-1.0])
+        );
+        assert!(EncoderOffset.admits_fit(&[], &[-1.5]) && !EncoderOffset.admits_fit(&[], &[1.6]));
+        assert!(Payload.admits_fit(&[], &[0.1]) && !Payload.admits_fit(&[], &[-0.1]));
+        assert!(JointElasticity.admits_fit(&[900.0, 1.0], &[1.0, 0.0]));
+        assert!(!JointElasticity.admits_fit(&[900.0, 1.0], &[2.0, 0.0]));
+        assert!(Backlash.admits_fit(&[], &[2.0, 0.0]) && !Backlash.admits_fit(&[], &[-2.0, 0.0]));
+        assert!(TimeDelay.admits_fit(&[], &[-0.01]));
     }
 
     /// A swing with reversals, sampled finely.
@@ -231,9 +135,9 @@ mod tests {
         [of(&|t| 0.3 * (5.0 * t).sin()), velocity, of(&|t| -7.5 * (5.0 * t).sin()), direction, time]
     }
 
-    /// One effect, three uses: without reversals the columns give what the simulator's parts give.
+    /// Without reversals the columns give what the simulator's parts give.
     #[test]
-    fn columns_agree_with_the_simulators_laws() {
+    fn columns_agree_with_simulated_laws() {
         let [position, velocity, acceleration, direction, time] = swing();
         let motion = JointMotion {
             kind: JointKind::Rotational,
@@ -244,7 +148,8 @@ mod tests {
             direction: &direction,
             rigid_effort: &[],
         };
-        for effect in EVERYDAY.iter().chain(DESCRIBING) {
+        let others: [&dyn Effect; 1] = [&SublinearViscousFriction];
+        for effect in BASELINE.iter().chain(&others) {
             let parameters: Vec<f64> =
                 (0..effect.law().parameters.len()).map(|k| 0.7 + k as f64).collect();
             let effort = effect.effort(&parameters, &motion);
@@ -266,7 +171,7 @@ mod tests {
 
     /// The columns, by coefficients that come from the parameters, are the formula of the law.
     #[test]
-    fn columns_are_the_formulas() {
+    fn columns_follow_formulas() {
         let [position, velocity, acceleration, direction, time] = swing();
         let load: Vec<f64> = time.iter().map(|t| 3.0 * (2.0 * t).sin()).collect();
         let motion = JointMotion {
@@ -322,7 +227,7 @@ mod tests {
 
     /// The recursion for Dahl friction against its exact solution on a one-way travel.
     #[test]
-    fn presliding_saturates_over_its_travel() {
+    fn presliding_saturates_over_travel() {
         let position: Vec<f64> = (0..4000).map(|k| 2.5e-5 * f64::from(k)).collect();
         let none = vec![0.0; position.len()];
         let motion = JointMotion {

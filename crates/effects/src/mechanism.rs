@@ -4,6 +4,8 @@ use armident_dynamics::RigidArm;
 use armident_kinematics::DrivingAxisChain;
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 
+use crate::transmission::Transmission;
+
 /// Where a simulation takes an effect into account; the numbers are those of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mechanism {
@@ -31,41 +33,6 @@ pub enum Mechanism {
     EffortGain(f64),
     /// The effort channels show the true effort of this time before \[s\].
     EffortDelay(f64),
-}
-
-/// Spring, damper and play between the motor of a joint and its link.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transmission {
-    /// Play from flank to flank \[rad or m\].
-    pub gap: f64,
-    /// Stiffness \[N m/rad or N/m\].
-    pub stiffness: f64,
-    /// Damping \[N m s/rad or N s/m\].
-    pub damping: f64,
-    /// Inertia of the motor on the joint side \[kg m2 or kg\].
-    pub motor_inertia: f64,
-}
-
-impl Transmission {
-    /// Effort on the link when the motor is ahead of it by `twist`, growing at `rate`. Flanks with
-    /// play push and do not pull.
-    pub fn effort(&self, twist: f64, rate: f64) -> f64 {
-        if self.gap == 0.0 {
-            return self.stiffness * twist + self.damping * rate;
-        }
-        let beyond = twist.abs() - 0.5 * self.gap;
-        if beyond <= 0.0 {
-            return 0.0;
-        }
-        let side = twist.signum();
-        side * (self.stiffness * beyond + self.damping * rate * side).max(0.0)
-    }
-
-    /// Twist at which the resting transmission carries this effort.
-    pub fn twist_under(&self, effort: f64) -> f64 {
-        let play = if effort == 0.0 { 0.0 } else { 0.5 * self.gap * effort.signum() };
-        effort / self.stiffness + play
-    }
 }
 
 /// Frames of the URDF that some effects are given in.

@@ -1,6 +1,6 @@
 //! Effects by the attributes that hold them.
 
-use armident_effects::{EffectOnJoint, Export, effect};
+use armident_effects::{EffectOnJoint, Export, Library};
 use serde::Serialize;
 
 /// An effect that a format holds.
@@ -31,12 +31,13 @@ pub struct Lost {
 
 /// Effects sorted by whether a format holds them.
 pub(crate) fn sorted(
+    library: &Library,
     effects: &[EffectOnJoint],
     attribute_of: fn(&Export) -> Option<&'static str>,
 ) -> (Vec<Held>, Vec<Lost>) {
     let (mut held, mut lost) = (Vec::new(), Vec::new());
     for on_joint in effects {
-        let law = effect(&on_joint.effect).map(|e| e.law());
+        let law = library.law(&on_joint.effect);
         let reason = match (law.and_then(|l| attribute_of(&l.export)), &on_joint.parameters[..]) {
             (Some(attribute), &[value]) if value >= 0.0 => {
                 held.push(Held {

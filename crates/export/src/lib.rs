@@ -1,4 +1,4 @@
-//! Writes a model as URDF or MJCF and says what these formats cannot hold.
+//! Writes a model as URDF or MJCF and lists what these formats cannot hold.
 //!
 //! Both files have the links and joints of the chain by their names, in the frames of the robot
 //! description: every link frame lies on the axis of the joint that moves it. What was lumped into a
@@ -9,9 +9,9 @@
 //! | links, limits | yes | yes, and a motor per joint |
 //! | viscous friction | `<dynamics damping>` | `damping` |
 //! | Coulomb friction | `<dynamics friction>` | `frictionloss` |
-//! | rotor inertia | lost | `armature` |
-//! | torque offset | lost | lost |
-//! | gravity | lost unless (0, 0, -9.81) | `<option gravity>` |
+//! | rotor inertia | omitted | `armature` |
+//! | torque offset | omitted | omitted |
+//! | gravity | omitted unless (0, 0, -9.81) | `<option gravity>` |
 //!
 //! What holds an effect is written once, in its law ([`armident_effects::Export`]).
 //!
@@ -38,8 +38,8 @@ mod urdf;
 mod xml;
 
 pub use effects::{Held, Lost};
-pub use mjcf::mjcf;
-pub use urdf::urdf;
+pub use mjcf::{mjcf, mjcf_in};
+pub use urdf::{urdf, urdf_in};
 
 /// A model in another format.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +50,6 @@ pub struct Exported {
     pub held: Vec<Held>,
     /// Effects that it cannot hold.
     pub lost: Vec<Lost>,
-    /// What else was left out or made up, a sentence each.
+    /// Other omissions and assumed values, a sentence each.
     pub notes: Vec<String>,
 }

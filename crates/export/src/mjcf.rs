@@ -1,5 +1,6 @@
 //! MJCF, the format of MuJoCo: bodies in one another, joints with armature and losses, motors.
 
+use armident_effects::Library;
 use armident_model::ArmModel;
 use nalgebra::Isometry3;
 
@@ -14,7 +15,12 @@ const WORLD: &str = "world";
 ///
 /// Every joint has a motor of gear 1 (control is the effort), limited where the joint is.
 pub fn mjcf(model: &ArmModel) -> Exported {
-    let (held, lost) = effects::sorted(&model.effects, |export| export.mjcf);
+    mjcf_in(Library::standard(), model)
+}
+
+/// The model as MJCF, whose effects are of this library.
+pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
+    let (held, lost) = effects::sorted(library, &model.effects, |export| export.mjcf);
     let mut said = notes(model);
     let (chain, tip) = moved(model);
     let mut inner = has_own_tip(model)

@@ -1,5 +1,6 @@
 //! URDF: the chain with its inertials, and `<dynamics>`.
 
+use armident_effects::Library;
 use armident_kinematics::{InertialParameters, roll_pitch_yaw};
 use armident_model::ArmModel;
 use nalgebra::{Isometry3, Vector3};
@@ -8,14 +9,19 @@ use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
 use crate::xml::Element;
 use crate::{Exported, Held, effects};
 
-/// Limit that stands where the robot description has none and the format wants one \[SI\].
+/// Limit where the robot description has none and the format requires one \[SI\].
 const NO_LIMIT: f64 = 1e9;
 /// Gravity of every reader of URDF \[m/s2\].
 const USUAL_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// The model as URDF.
 pub fn urdf(model: &ArmModel) -> Exported {
-    let (held, lost) = effects::sorted(&model.effects, |export| export.urdf);
+    urdf_in(Library::standard(), model)
+}
+
+/// The model as URDF, whose effects are of this library.
+pub fn urdf_in(library: &Library, model: &ArmModel) -> Exported {
+    let (held, lost) = effects::sorted(library, &model.effects, |export| export.urdf);
     let mut said = notes(model);
     if (model.chain.gravity_base - USUAL_GRAVITY).norm() > 1e-9 {
         let g = model.chain.gravity_base;

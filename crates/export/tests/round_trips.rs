@@ -48,7 +48,7 @@ fn assert_same_efforts(name: &str, one: &RigidArm, other: &RigidArm) {
 }
 
 #[test]
-fn an_exported_urdf_is_the_same_arm() {
+fn exported_urdf_is_same_arm() {
     for (name, model) in arms() {
         let exported = urdf(&model);
         let robot = parse_urdf(&exported.text, &name).unwrap();
@@ -94,7 +94,7 @@ fn with_effects() -> ArmModel {
 
 /// What a format has no place for is listed, and the rest is where simulators look for it.
 #[test]
-fn effects_are_held_or_said_to_be_lost() {
+fn effects_are_exported_or_listed_as_lost() {
     let model = with_effects();
     let joint = &model.chain.joints[1].name;
     let slugs = |lost: &[armident_export::Lost]| -> Vec<String> {
@@ -119,7 +119,7 @@ fn effects_are_held_or_said_to_be_lost() {
 
 /// Names are whatever the robot description says, and gravity is not always downwards.
 #[test]
-fn names_are_escaped_and_gravity_is_said() {
+fn names_are_escaped_and_gravity_is_noted() {
     let mut model = with_effects();
     model.chain.robot = "left & \"right\" <arm>".to_owned();
     model.chain.gravity_base = nalgebra::Vector3::new(0.0, 9.81, 0.0);
@@ -133,7 +133,7 @@ fn names_are_escaped_and_gravity_is_said() {
 
 /// Links that simulators refuse are said.
 #[test]
-fn links_without_mass_are_said() {
+fn links_without_mass_are_noted() {
     let mut model = with_effects();
     model.chain.joints[2].link = armident_kinematics::InertialParameters::zero();
     let name = format!("`{}`", model.chain.joints[2].child_link);
@@ -147,7 +147,7 @@ fn links_without_mass_are_said() {
 
 /// MuJoCo has a body `world` already: a base of this name is that one.
 #[test]
-fn a_base_called_world_is_the_world_of_mujoco() {
+fn base_named_world_becomes_worldbody() {
     let mut model = with_effects();
     let bodies = mjcf(&model).text.matches("<body ").count();
     model.chain.base_link = "world".to_owned();
@@ -163,7 +163,7 @@ fn a_base_called_world_is_the_world_of_mujoco() {
 
 /// Every body of MJCF stands in the one before, so that opening and closing tags are of one number.
 #[test]
-fn mjcf_is_one_tree() {
+fn mjcf_bodies_form_one_tree() {
     for (name, model) in arms() {
         let text = mjcf(&model).text;
         assert_eq!(text.matches("<body ").count(), model.chain.dof() + 1, "{name}");

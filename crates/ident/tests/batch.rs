@@ -5,7 +5,7 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_effects::{EVERYDAY, Turn};
+use armident_effects::{BASELINE, Turn};
 use armident_ident::{
     BatchEstimate, BatchProblem, BatchSettings, Quantity, StructureSearch, Term, dead_zone_shares,
     used_samples,
@@ -167,14 +167,14 @@ fn prediction_goes_through_dead_zone() {
         ..bench.set.applied_to(bench.model.clone(), &problem.constants(&truth))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
-    let predicted = read.predict(&motion).unwrap();
+    let predicted = read.predict_motion(&motion).unwrap();
     for (predicted, recorded) in predicted.iter().zip(&effort) {
         for t in used_samples(&motion) {
             assert!((predicted[t] - recorded[t]).abs() < 1e-6, "{} {}", predicted[t], recorded[t]);
         }
     }
     let bare = ArmModel { shown: None, ..model };
-    let off = bare.predict(&motion).unwrap()[wrist][500] - effort[wrist][500];
+    let off = bare.predict_motion(&motion).unwrap()[wrist][500] - effort[wrist][500];
     assert!(off.abs() > 0.1, "{off}");
 }
 
@@ -238,7 +238,7 @@ fn inadmissible_sign_is_held_at_zero_without_error() {
     }
     for (k, term) in problem.terms.iter().enumerate() {
         if let Term::Effect { effect, .. } = *term
-            && EVERYDAY[effect].law().slug != "torque_offset"
+            && BASELINE[effect].law().slug != "torque_offset"
         {
             assert!(held.values[k] >= 0.0);
         }
@@ -435,7 +435,7 @@ fn distinguishes_presliding_from_coulomb_friction() {
     let read_turn = read.turns.as_ref().unwrap()[TRAVELS];
     assert!((read_turn.travel() / travel - 1.0).abs() < 1e-12, "{read_turn:?}");
     let error = |model: &ArmModel| {
-        let predicted = &model.predict(&motion).unwrap()[TRAVELS];
+        let predicted = &model.predict_motion(&motion).unwrap()[TRAVELS];
         let used = used_samples(&motion);
         let squares =
             used.clone().map(|t| (predicted[t] - effort[TRAVELS][t]).powi(2)).sum::<f64>();

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use armident_dynamics::{ArmAngles, RigidArm};
-use armident_effects::{ArmMotion, Effect, JointMotion, Place, Turn, tilted};
+use armident_effects::{ArmMotion, Effect, JointMotion, Role, Turn, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
 
@@ -187,7 +187,7 @@ impl<'a> PosedRecording<'a> {
     /// What a law sees of a joint: a gain of the channel sees all that is known of its effort, others the load of the
     /// rigid body with the links that the answer gives it.
     pub fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
-        let seen = match law.law().places.contains(&Place::Gain) {
+        let seen = match law.law().roles.contains(&Role::Gain) {
             true => self.with_known[j].as_deref(),
             false => self.carried(j),
         };

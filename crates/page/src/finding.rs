@@ -156,7 +156,7 @@ impl Canvas<'_> {
 
     fn views(&self, place: &FindingPlace, pairs: &[Pair<'_>]) -> Vec<FindingView> {
         let own = effect(&place.effect)
-            .and_then(|e| e.law().places.first().copied())
+            .and_then(|e| e.law().roles.first().copied())
             .map_or(Abscissa::Position, Abscissa::of_place);
         if own == Abscissa::Gravity {
             return self.gravity_views(place, pairs);

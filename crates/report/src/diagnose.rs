@@ -169,11 +169,11 @@ impl DiagnoseReport {
                 true => SmallTerm::of(chain, diagnosis),
                 false => Vec::new(),
             },
-            friction_fades_below: above_zero(diagnosis, &diagnosis.model.learned.fading_speed),
-            friction_builds_up_over: above_zero(diagnosis, &diagnosis.model.learned.turning_travel),
+            friction_fades_below: above_zero(diagnosis, &diagnosis.model.regularised_below()),
+            friction_builds_up_over: above_zero(diagnosis, &diagnosis.model.presliding_travel()),
             friction_bends: diagnosis
                 .model
-                .friction_bends()
+                .sublinear_friction()
                 .map(|(joint, c)| (joint.to_owned(), c))
                 .collect(),
             beyond_reference: diagnosis.beyond_reference.clone(),

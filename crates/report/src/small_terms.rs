@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use armident_diagnose::Diagnosis;
 use armident_effects::effect;
 use armident_kinematics::DrivingAxisChain;
-use armident_model::is_bend;
+use armident_model::is_sublinear;
 use serde::{Deserialize, Serialize};
 
 use crate::numbers::significant;
@@ -30,9 +30,9 @@ impl SmallTerm {
         let named = |slug: &str, joint: &String| {
             diagnosis.findings.iter().any(|f| f.effect == slug && f.joints.first() == Some(joint))
         };
-        let effects = diagnosis.model.arm.effects.iter();
+        let effects = diagnosis.model.joint_effects();
         effects
-            .filter(|on| !named(&on.effect, &on.joint) && !is_bend(&on.effect))
+            .filter(|on| !named(&on.effect, &on.joint) && !is_sublinear(&on.effect))
             .filter_map(|on| {
                 let law = effect(&on.effect)?.law();
                 let kind = chain.joints.iter().find(|j| j.name == on.joint)?.kind;

@@ -3,7 +3,8 @@
 use armident_effects::UnknownEffect;
 use armident_recording::RecordingError;
 
-use crate::simulated_arm::NEEDS_FRAMES;
+/// Why an effect is refused by an arm that is given without its URDF.
+pub(crate) const NEEDS_FRAMES: &str = "it is given in frames of the URDF, and the arm has none";
 
 /// A simulation that cannot be set up or carried out: what is wrong (`Display`), the
 /// [`place`](Self::place), and a [`hint`](Self::hint).

@@ -174,7 +174,7 @@ mod tests {
 
     /// The way there and back; halving the sample distance quarters the error.
     #[test]
-    fn reproduces_the_trajectory_whose_efforts_drive_it() {
+    fn forward_reproduces_driving_trajectory() {
         let arm = stanford(&[
             effect("viscous_friction", "joint_1", 2.0),
             effect("rotor_inertia", "joint_4", 0.02),
@@ -197,7 +197,7 @@ mod tests {
 
     /// With efforts that really are lines between their samples nothing but the step is left.
     #[test]
-    fn order_of_the_step_and_independence_of_the_output_rate() {
+    fn step_order_is_independent_of_output_rate() {
         let arm = planar(&[]);
         let efforts = efforts(&arm, 101, |t| 0.5 - t);
         let run = |step_s: f64, rate_hz: Option<f64>| {
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_free_swing_keeps_its_energy() {
+    fn free_swing_conserves_energy() {
         let arm = planar(&[]);
         let start = ArmState::at_rest(vec![1.2, 0.8]);
         let swing = efforts(&arm, 1001, |_| 0.0);
@@ -249,7 +249,7 @@ mod tests {
 
     /// A force that grows at 10 N/s moves the mass when it reaches 3 N, not before.
     #[test]
-    fn breaks_away_in_time() {
+    fn joint_breaks_away_at_friction_level() {
         let arm = slider(&[effect("coulomb_friction", "rail", 3.0)]);
         let ramp = efforts(&arm, 101, |t| 10.0 * t);
         let start = ArmState::at_rest(vec![0.0]);
@@ -267,7 +267,7 @@ mod tests {
 
     /// What comes out of a simulation with stick and slip satisfies the equations in every sample.
     #[test]
-    fn samples_satisfy_the_equations_of_motion() {
+    fn samples_satisfy_equations_of_motion() {
         let rubbing = [
             effect("coulomb_friction", "joint_1", 5.0),
             effect("coulomb_friction", "joint_2", 3.0),

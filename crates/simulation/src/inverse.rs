@@ -41,7 +41,7 @@ pub fn inverse(arm: &SimulatedArm, trajectory: &Trajectory) -> Result<Recording,
         let resting = add_joint_effects(arm, j, trajectory, &loads[j], effort);
         if resting > 0 {
             recording.notes.push(format!(
-                "{} rests in {resting} of {} samples: its dry friction is written as zero there",
+                "{} is at rest in {resting} of {} samples; dry friction set to zero there",
                 arm.joints()[j],
                 trajectory.len()
             ));
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_at_rest_is_zero_and_noted() {
+    fn friction_at_rest_is_zero_with_note() {
         let arm = planar(&[effect("coulomb_friction", "joint_2", 5.0)]);
         let mut trajectory = harmonic(arm.joints(), 20, 0.01);
         trajectory.velocity[1].fill(0.0);
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(with.joints, without.joints);
         assert_eq!(
             with.notes,
-            ["joint_2 rests in 20 of 20 samples: its dry friction is written as zero there"]
+            ["joint_2 is at rest in 20 of 20 samples; dry friction set to zero there"]
         );
     }
 }

@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_has_its_deviation_and_is_white_across_joints_seeds_and_time() {
+    fn noise_is_white_with_given_deviation() {
         let (arm, exact) = exact();
         let relative = |seed| Sensors {
             effort_noise: Some(EffortNoise::Relative(0.05)),
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_depends_on_seed_and_own_joint_alone() {
+    fn noise_depends_on_seed_and_joint_only() {
         let (arm, exact) = exact();
         let alone = noise(&arm, &exact, &absolute(&[("joint_3", 0.5)], 7));
         let both = noise(&arm, &exact, &absolute(&[("joint_1", 2.0), ("joint_3", 0.5)], 7));

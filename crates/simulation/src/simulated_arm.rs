@@ -5,12 +5,13 @@ use std::fmt;
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    ArmFrames, DryFriction, Effect, EffectOnJoint, JointState, Mechanism, Scope, Transmission,
+    ArmFrames, DryFriction, Effect, EffectOnJoint, JointState, Library, Mechanism, Scope,
+    Transmission,
 };
 use armident_kinematics::DrivingAxisChain;
 use nalgebra::Vector3;
 
-use crate::error::SimulationError;
+use crate::error::{NEEDS_FRAMES, SimulationError};
 
 /// Rise and fall of a contact \[s\].
 pub const CONTACT_RAMP_S: f64 = 0.08;
@@ -77,7 +78,7 @@ impl SimulatedArm {
         joint_names: &[impl AsRef<str>],
         effects: &[EffectOnJoint],
     ) -> Result<Self, SimulationError> {
-        Self::build(arm, None, joint_names, effects)
+        Self::build(Library::standard(), arm, None, joint_names, effects)
     }
 
     /// The arm of a chain with effects on it, also those that are given in frames of the URDF.
@@ -88,11 +89,25 @@ impl SimulatedArm {
         chain: &DrivingAxisChain,
         effects: &[EffectOnJoint],
     ) -> Result<Self, SimulationError> {
+        Self::on_chain_in(Library::standard(), chain, effects)
+    }
+
+    /// The arm of a chain with effects of this library on it, which may have laws of its own.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn on_chain_in(
+        library: &Library,
+        chain: &DrivingAxisChain,
+        effects: &[EffectOnJoint],
+    ) -> Result<Self, SimulationError> {
+        let arm = RigidArm::from_chain(chain);
         let frames = ArmFrames::of_chain(chain);
-        Self::build(RigidArm::from_chain(chain), Some(frames), &chain.joint_names(), effects)
+        Self::build(library, arm, Some(frames), &chain.joint_names(), effects)
     }
 
     fn build(
+        library: &Library,
         arm: RigidArm,
         frames: Option<ArmFrames>,
         joint_names: &[impl AsRef<str>],
@@ -117,13 +132,13 @@ impl SimulatedArm {
             effort_delay_s: 0.0,
         };
         for given in effects {
-            built.add(given)?;
+            built.add(library, given)?;
         }
         Ok(built)
     }
 
-    fn add(&mut self, given: &EffectOnJoint) -> Result<(), SimulationError> {
-        let effect = given.resolve().map_err(|error| SimulationError::UnknownEffect {
+    fn add(&mut self, library: &Library, given: &EffectOnJoint) -> Result<(), SimulationError> {
+        let effect = library.resolve(given).map_err(|error| SimulationError::UnknownEffect {
             error,
             joint: given.joint.clone(),
         })?;
@@ -258,7 +273,7 @@ impl SimulatedArm {
         })
     }
 
-    /// The rigid body alone: the believed arm with the changes that effects make to it.
+    /// The rigid body alone: the given arm with the changes that effects make to it.
     pub fn rigid(&self) -> &RigidArm {
         &self.rigid
     }
@@ -281,6 +296,11 @@ impl SimulatedArm {
     /// Spring, damper and play before the link of joint `joint`.
     pub fn transmission(&self, joint: usize) -> Option<&Transmission> {
         self.transmissions[joint].as_ref()
+    }
+
+    /// The transmission of each joint that has one.
+    pub(crate) fn transmissions(&self) -> &[Option<Transmission>] {
+        &self.transmissions
     }
 
     /// Whether positions are those of motors with a link of its own behind them.
@@ -376,9 +396,6 @@ impl SimulatedArm {
         }
     }
 }
-
-/// Why an effect is refused by an arm that is given without its URDF.
-pub(crate) const NEEDS_FRAMES: &str = "it is given in frames of the URDF, and the arm has none";
 
 /// Share of a contact force: ramps at the start and the end of the window, one between.
 fn ramp([start, end]: [f64; 2], time_s: f64) -> f64 {

@@ -1,5 +1,6 @@
 //! One step of the motion that efforts cause.
 
+use armident_effects::resting_links;
 use nalgebra::{DMatrix, DVector};
 
 use crate::dry_friction::{RowLevels, solve_dry_friction};
@@ -76,7 +77,7 @@ impl<'a> ForwardStepper<'a> {
         check_numbers("the start position", arm.dof(), &start.position)?;
         check_numbers("the start velocity", arm.dof(), &start.velocity)?;
         let rows = Rows::of(arm);
-        let mut q = crate::transmission::resting_links(arm, &start.position);
+        let mut q = resting_links(arm.rigid(), arm.transmissions(), &start.position);
         let mut v = start.velocity.clone();
         q.resize(rows.count, 0.0);
         v.resize(rows.count, 0.0);
@@ -550,7 +551,7 @@ mod tests {
     /// While no joint changes its direction, Coulomb friction is an offset, which Runge-Kutta can
     /// integrate.
     #[test]
-    fn smooth_sliding_agrees_with_runge_kutta_to_second_order() {
+    fn smooth_sliding_agrees_with_runge_kutta() {
         let rubbing = planar(&[
             effect("coulomb_friction", "joint_1", 1.5),
             effect("coulomb_friction", "joint_2", 0.8),
@@ -581,7 +582,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_above_the_effort_holds_exactly() {
+    fn friction_above_effort_holds_exactly() {
         let arm = planar(&[
             effect("coulomb_friction", "joint_1", 40.0),
             effect("coulomb_friction", "joint_2", 40.0),
@@ -601,7 +602,7 @@ mod tests {
     }
 
     #[test]
-    fn sliding_mass_stops_at_the_right_time_and_place() {
+    fn sliding_mass_stops_at_exact_time_and_place() {
         let (mass, friction, speed) = (2.0, 3.0, 0.7);
         let arm = slider(&[effect("coulomb_friction", "rail", friction)]);
         let start = ArmState { position: vec![0.1], velocity: vec![speed] };
@@ -626,7 +627,7 @@ mod tests {
     /// Bristles of a micrometre, far stiffer than a step can follow: the motion is that of Coulomb friction but for
     /// the travel of the bristle at each reversal.
     #[test]
-    fn stiff_bristles_move_as_dry_friction_does() {
+    fn stiff_bristles_move_like_dry_friction() {
         let (level, travel) = (3.0, 1e-6);
         let run = |law: EffectOnJoint, steps: usize| {
             let arm = slider(&[law]);

@@ -22,10 +22,10 @@ pub struct TrackingGains {
 
 impl TrackingGains {
     /// Critically damped joints of the given bandwidth \[Hz\] for the diagonal of the inertia matrix
-    /// of `believed` at `q`.
-    pub fn of_bandwidth(believed: &RigidArm, q: &[f64], bandwidth_hz: f64) -> Self {
+    /// of `given` at `q`.
+    pub fn of_bandwidth(given: &RigidArm, q: &[f64], bandwidth_hz: f64) -> Self {
         let omega = std::f64::consts::TAU * bandwidth_hz;
-        let inertia = inertia_matrix(believed, q).diagonal();
+        let inertia = inertia_matrix(given, q).diagonal();
         Self {
             proportional: inertia.iter().map(|m| m * omega * omega).collect(),
             derivative: inertia.iter().map(|m| 2.0 * m * omega).collect(),
@@ -33,7 +33,7 @@ impl TrackingGains {
     }
 }
 
-/// Drives the arm along a trajectory: feed-forward of the inverse dynamics of a believed model, plus
+/// Drives the arm along a trajectory: feed-forward of the inverse dynamics of a given model, plus
 /// a controller of each joint.
 ///
 /// The effort is set at every stamp and held until the next one: the rate of the trajectory is that
@@ -42,20 +42,20 @@ impl TrackingGains {
 ///
 /// # Errors
 /// A trajectory that is inconsistent or of other joints, gains that are not one finite number per
-/// joint, a believed model of another number of joints,
+/// joint, a given model of another number of joints,
 /// [`NotPositiveDefinite`](SimulationError::NotPositiveDefinite) and
 /// [`Diverged`](SimulationError::Diverged).
 pub fn track(
     arm: &SimulatedArm,
-    believed: &RigidArm,
+    given: &RigidArm,
     trajectory: &Trajectory,
     gains: &TrackingGains,
 ) -> Result<Recording, SimulationError> {
     trajectory.recording()?;
     let n = arm.dof();
-    if trajectory.joints != arm.joints() || believed.dof() != n {
+    if trajectory.joints != arm.joints() || given.dof() != n {
         return Err(SimulationError::OtherJoints {
-            what: "the trajectory or the believed model",
+            what: "the trajectory or the given model",
             found: trajectory.joints.clone(),
             known: arm.joints().to_vec(),
         });
@@ -67,7 +67,7 @@ pub fn track(
         crate::stepper::check_numbers(what, n, found)?;
     }
     let Trajectory { time_s, position, velocity, acceleration, .. } = trajectory;
-    let planned = inverse_dynamics_of_motion(believed, position, velocity, acceleration);
+    let planned = inverse_dynamics_of_motion(given, position, velocity, acceleration);
     let start = ArmState {
         position: position.iter().map(|column| column[0]).collect(),
         velocity: velocity.iter().map(|column| column[0]).collect(),
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn follows_its_trajectory_and_the_better_the_faster_the_loop() {
+    fn tracking_error_falls_with_bandwidth() {
         let arm = stanford(&[
             effect("coulomb_friction", "joint_2", 4.0),
             effect("viscous_friction", "joint_1", 3.0),
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_model_needs_no_controller() {
+    fn exact_feed_forward_needs_no_controller() {
         let arm = stanford(&[]);
         let trajectory = harmonic(arm.joints(), 1001, 1e-3);
         let none = TrackingGains { proportional: vec![0.0; 6], derivative: vec![0.0; 6] };

@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn takes_what_is_recorded_and_holds_the_rest() {
+    fn unrecorded_joints_are_held() {
         let uneven: Vec<f64> = even(50.0).iter().map(|t| t + 0.003 * (40.0 * t).sin()).collect();
         let recording = recording(uneven, true, true);
         let trajectory = Trajectory::from_recording(&recording, &joints(), &held()).unwrap();
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn derives_what_is_not_recorded_and_says_so() {
+    fn missing_derivatives_are_computed_with_note() {
         for (with_velocity, tolerance) in [(true, 2e-5), (false, 4e-4)] {
             let recording = recording(even(100.0), with_velocity, false);
             let trajectory = Trajectory::from_recording(&recording, &joints(), &held()).unwrap();

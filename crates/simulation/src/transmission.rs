@@ -1,32 +1,13 @@
-//! Links behind springy transmissions and play.
+//! Motion of links behind springs and play, integrated under the motion of their motors.
 
-use armident_dynamics::{gravity_effort, inertia_matrix, inverse_dynamics};
+use armident_dynamics::{inertia_matrix, inverse_dynamics};
+use armident_effects::resting_links;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::SimulationError;
 use crate::simulated_arm::SimulatedArm;
 use crate::stepper::{LONGEST_DECAY, LONGEST_VIBRATION};
 use crate::trajectory::Trajectory;
-
-/// Rounds in which the twist of resting links and their weight agree.
-const RESTING_ROUNDS: usize = 50;
-
-/// Positions of the links at rest when the recorded positions are those of the motors.
-pub(crate) fn resting_links(arm: &SimulatedArm, recorded: &[f64]) -> Vec<f64> {
-    let mut links = recorded.to_vec();
-    if !arm.has_transmissions() {
-        return links;
-    }
-    for _ in 0..RESTING_ROUNDS {
-        let weight: Vec<f64> = gravity_effort(arm.rigid(), &links);
-        for (j, link) in links.iter_mut().enumerate() {
-            if let Some(transmission) = arm.transmission(j) {
-                *link = recorded[j] - transmission.twist_under(weight[j]);
-            }
-        }
-    }
-    links
-}
 
 /// Position, velocity and acceleration of all joints at one time.
 type Instant = [Vec<f64>; 3];
@@ -50,7 +31,7 @@ pub(crate) fn link_motion(
         return Ok(links);
     }
     let driven = Driven { arm, trajectory, sprung: &sprung };
-    let start = resting_links(arm, &driven.sample(0)[0]);
+    let start = resting_links(arm.rigid(), arm.transmissions(), &driven.sample(0)[0]);
     let mut q: DVector<f64> =
         DVector::from_iterator(sprung.len(), sprung.iter().map(|&j| start[j]));
     let mut v =

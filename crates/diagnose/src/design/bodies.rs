@@ -7,8 +7,8 @@ use armident_numeric::{Mat, symmetric_eigen};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::design::candidate::Location;
-use crate::design::design::{Design, push_law};
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::{Design, push_law};
 
 /// Root mean square effort of a direction, as a share of the noise, below which motions do not show it.
 const LEAST_SHOWN: f64 = 0.05;

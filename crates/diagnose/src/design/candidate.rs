@@ -1,6 +1,6 @@
 //! A candidate: one law, body or smooth term at a location, and its columns.
 
-use armident_effects::{Place, Scope, effect};
+use armident_effects::{Role, Scope, effect};
 use armident_model::SmoothBasis;
 /// Where a candidate acts.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -30,7 +30,7 @@ pub(crate) struct Candidate {
     pub(crate) columns: Vec<usize>,
     /// constants that were searched
     pub(crate) searched: usize,
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<Role>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
     /// directions of these that the motions do not show, each as large as one is likely to be
@@ -70,7 +70,7 @@ impl Candidate {
 
     /// Whether it is a load on a link or an error of one, at all times.
     pub(crate) fn is_of_link(&self) -> bool {
-        self.location.window.is_none() && self.places.contains(&Place::Link)
+        self.location.window.is_none() && self.places.contains(&Role::Link)
     }
 
     /// Whether the two exclude each other.

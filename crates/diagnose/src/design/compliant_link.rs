@@ -240,7 +240,7 @@ pub(crate) fn mean_inertia(at: &[Posed<'_>], joint: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::design::Design;
+    use crate::design::training::Design;
     use crate::regression::relinearise::Step;
     use crate::regression::relinearise::stride;
     use crate::selection::iterate::select;

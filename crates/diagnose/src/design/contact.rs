@@ -1,12 +1,12 @@
 //! Windows of time in which a constant force on the tip explains what is left over.
 
-use armident_effects::{ExternalContact, Place};
+use armident_effects::{ExternalContact, Role};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 
 /// Shortest and longest window \[s\], and the grid of its ends.
 const SHORTEST_S: f64 = 0.32;
@@ -121,7 +121,7 @@ impl ContactColumns {
             shape: window.to_vec(),
             columns,
             searched: 2,
-            places: vec![Place::Contact],
+            places: vec![Role::Contact],
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,

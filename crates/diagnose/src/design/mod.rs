@@ -5,7 +5,7 @@ pub(crate) mod candidate;
 pub(crate) mod comparison;
 pub(crate) mod compliant_link;
 pub(crate) mod contact;
-pub(crate) mod design;
+
 pub(crate) mod known_effort;
 pub(crate) mod linear_problem;
 pub(crate) mod link_error_prior;
@@ -13,4 +13,5 @@ pub(crate) mod observations;
 pub(crate) mod rebuild;
 pub(crate) mod ripple;
 pub(crate) mod smooth;
+pub(crate) mod training;
 pub(crate) mod transmission;

@@ -3,9 +3,9 @@
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
 use crate::design::contact::ContactColumns;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::smooth::push_smooth;
+use crate::design::training::Design;
 use crate::design::transmission::push_transmission;
 use armident_effects::{Scope, effect};
 /// The candidate of a new problem that stands for the same.

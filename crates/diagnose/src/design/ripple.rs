@@ -5,8 +5,8 @@ use armident_kinematics::JointKind;
 use armident_numeric::dot;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 
 /// Orders tried on a rotational joint: whole numbers of cycles a turn.
 const HIGHEST_ORDER: usize = 130;

@@ -2,14 +2,14 @@
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
 use crate::design::candidate::{Candidate, CandidateKind, Location, SmoothDirections};
-use armident_effects::Place;
+use armident_effects::Role;
 use armident_model::{AxisQuantity, FactorForm, SmoothAxis, SmoothBasis, SpeedFactor};
 use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 
 /// Knots along the joint's own position, its own velocity, and along each axis of products.
 const POSITION_KNOTS: usize = 64;
@@ -31,17 +31,17 @@ const OFFERED: usize = 2;
 
 /// Places of the laws that these functions contain on their joint: beside the description these
 /// cannot be told apart.
-fn places(basis: &SmoothBasis, joint: &str) -> Vec<Place> {
-    let mut places = vec![Place::Unnamed];
+fn places(basis: &SmoothBasis, joint: &str) -> Vec<Role> {
+    let mut places = vec![Role::Unnamed];
     let own = |name: &str| name == joint;
     if basis.axes.iter().any(|a| own(&a.joint) && a.quantity == AxisQuantity::Velocity) {
-        places.extend([Place::Viscous, Place::Dry, Place::Drag]);
+        places.extend([Role::Viscous, Role::Dry, Role::Drag]);
     }
     if let ([factor], false) = (&basis.factors[..], basis.axes.is_empty()) {
         match factor.form {
-            FactorForm::Linear if own(&factor.joint) => places.push(Place::Viscous),
-            FactorForm::SignedSquare if own(&factor.joint) => places.push(Place::Drag),
-            FactorForm::Direction if own(&factor.joint) => places.push(Place::Dry),
+            FactorForm::Linear if own(&factor.joint) => places.push(Role::Viscous),
+            FactorForm::SignedSquare if own(&factor.joint) => places.push(Role::Drag),
+            FactorForm::Direction if own(&factor.joint) => places.push(Role::Dry),
             _ => {}
         }
     }

@@ -9,16 +9,16 @@
 //! the motion of the link.
 
 use crate::design::compliant_link::{Posed, mean_inertia};
-use armident_effects::{Effect, Place, RotorInertia};
+use armident_effects::{Effect, Role, RotorInertia};
 use armident_model::{Load, MOST_TURNS, of_shape};
 use armident_numeric::dot;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::observations::JointColumns;
+use crate::design::training::Design;
 
 /// Resonances of the link behind a resting motor that are tried \[Hz\], and shares of critical damping.
 const RESONANCES_HZ: [f64; 14] =
@@ -114,7 +114,7 @@ fn push_candidate(
         shape: shape.to_vec(),
         columns: vec![column, inertia],
         searched: shape.len(),
-        places: vec![Place::Inertia],
+        places: vec![Role::Inertia],
         transform: None,
         hidden: Vec::new(),
         above_band,

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Place, effect};
+use armident_effects::{Role, effect};
 use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::mean_inertia;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 use crate::findings::fitted_model::law_parameters;
 use crate::findings::residual_map::Character;
 use crate::regression::elimination::InflatedLink;
@@ -298,7 +298,7 @@ fn in_link_frame(design: &Design<'_>, link: usize, change: &[f64]) -> [f64; 4] {
 const IN_A_DESCRIPTION: f64 = 0.45;
 
 fn described_anyway(problem: &LinearProblem, estimate: &Estimate, candidate: &Candidate) -> bool {
-    let friction = [Place::Viscous, Place::Drag];
+    let friction = [Role::Viscous, Role::Drag];
     if matches!(candidate.kind, CandidateKind::SmoothDirections(_))
         || !candidate.places.iter().any(|p| friction.contains(p))
     {

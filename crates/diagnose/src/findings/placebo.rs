@@ -3,11 +3,11 @@
 //! A placebo is a law of the library on a joint, its columns shifted in time within each recording: as many
 //! numbers, the same spectrum, and nothing to do with the efforts.
 
-use armident_effects::{LIBRARY, Place, Scope};
+use armident_effects::{Library, Role, Scope};
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
-use crate::design::design::Design;
+use crate::design::training::Design;
 use crate::regression::fit_set::fit_set;
 use crate::selection::cross_validation::usefulness;
 use crate::selection::materiality::{materiality, surrogate_threshold_beside};
@@ -32,8 +32,8 @@ pub struct Placebo {
 
 pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usize) -> Placebo {
     let at = design.at(&selection.point);
-    let laws: Vec<_> = LIBRARY
-        .iter()
+    let laws: Vec<_> = Library::standard()
+        .named()
         .filter(|law| law.law().scope == Scope::Joint && law.law().slug != "torque_offset")
         .collect();
     let threshold = surrogate_threshold_beside(&selection.metric(), &selection.estimate);
@@ -73,7 +73,7 @@ pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usi
             shape: shape.clone(),
             columns,
             searched: shape.len(),
-            places: vec![Place::Unnamed],
+            places: vec![Role::Unnamed],
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,

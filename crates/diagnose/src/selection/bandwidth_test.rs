@@ -14,8 +14,8 @@ use armident_numeric::dot;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::design::contact::ContactColumns;
-use crate::design::design::Design;
 use crate::design::rebuild::recreate;
+use crate::design::training::Design;
 use crate::regression::consistent_links::ConsistentEstimate;
 use crate::selection::cross_validation::Predictor;
 use crate::selection::solution::Selection;

@@ -1,17 +1,17 @@
 //! What of a change is certain, with what its reference leaves open.
 
 use crate::selection::levels::CHANCE;
-use armident_effects::EVERYDAY;
+use armident_effects::BASELINE;
 use armident_numeric::Cholesky;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::link_error_prior::as_large_as;
 use crate::design::observations::JointColumns;
 use crate::design::rebuild::recreate_lasting;
+use crate::design::training::Design;
 use crate::regression::fit_set::{Estimate, fit_any_sign, fit_set};
 use crate::regression::marginalised::Marginalised;
 use crate::selection::materiality::{estimate_without, held};
@@ -106,7 +106,7 @@ impl ReferenceUncertainty {
         let mut open = Self::default();
         for &g in &of.set {
             let candidate = &metric.problem.candidates[g];
-            let baseline = EVERYDAY.iter().any(|law| law.law().slug == candidate.slug());
+            let baseline = BASELINE.iter().any(|law| law.law().slug == candidate.slug());
             if baseline
                 || candidate.location.window.is_some()
                 || matches!(candidate.kind, CandidateKind::SmoothDirections(_))

@@ -3,7 +3,7 @@
 
 use crate::regression::folds::{SHORT_BLOCKS, all_errors, folds, folds_of, metrics};
 
-use armident_effects::EVERYDAY;
+use armident_effects::BASELINE;
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::linear_problem::LinearProblem;
@@ -12,7 +12,7 @@ use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use crate::regression::marginalised::Marginalised;
 use crate::selection::levels::CHANCE;
 use crate::selection::materiality::{estimate_without, held, set_without};
-use armident_model::{OperatingPoint, is_bend};
+use armident_model::{OperatingPoint, is_sublinear};
 
 /// Removes effects that do not lower the error of unseen blocks by more than its standard error,
 /// the least useful first. Windows are exempt: no other block has seen them; so is what the operating
@@ -176,7 +176,7 @@ impl Predictor {
         let lacking: Vec<usize> =
             named.set.iter().copied().filter(|g| !other.set.contains(g)).collect();
         let stands_alone = |g: &usize| {
-            is_bend(candidates[*g].slug())
+            is_sublinear(candidates[*g].slug())
                 && lacking.iter().any(|l| candidates[*l].location == candidates[*g].location)
         };
         let beside = self.estimate.set.iter().filter(|g| !named.set.contains(g));
@@ -339,7 +339,7 @@ fn with_baseline(problem: &LinearProblem, set: &[usize]) -> Vec<usize> {
         if described(candidate) {
             continue;
         }
-        let baseline = EVERYDAY.iter().any(|law| law.law().slug == candidate.slug());
+        let baseline = BASELINE.iter().any(|law| law.law().slug == candidate.slug());
         if baseline && all.iter().all(|o| *o != g && !candidates[*o].excludes(candidate)) {
             all.push(g);
         }

@@ -10,10 +10,10 @@ use armident_numeric::dot;
 
 use crate::design::candidate::Candidate;
 use crate::design::contact::ContactColumns;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::recreate;
 use crate::design::ripple::RippleColumns;
+use crate::design::training::Design;
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::regression::score::PRICE_OF_CHOICE;
 use crate::selection::cross_validation::{

@@ -4,15 +4,15 @@
 //! Names are found with friction that turns at once. How it turns is tried afterwards, by blocks that were not fitted: it
 //! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
 
-use armident_effects::{LIBRARY, MotionScale, Place, Scope, Turn};
+use armident_effects::{MotionScale, Role, Scope, Turn, effect};
 use armident_model::{OperatingPoint, SHARP};
 
 use crate::design::candidate::Candidate;
 use crate::design::compliant_link::Posed;
 use crate::design::contact::ContactColumns;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::recreate;
+use crate::design::training::Design;
 use crate::regression::fit_set::fit_set;
 use crate::regression::folds::fold_errors;
 use crate::selection::cross_validation::{confirm, in_standard_errors, with_baseline_terms_of};
@@ -107,14 +107,14 @@ fn least_gain(design: &Design<'_>, joint: usize) -> f64 {
 
 /// Whether a candidate is dry friction of one joint.
 fn is_dry(candidate: &Candidate) -> bool {
-    candidate.places.contains(&Place::Dry)
+    candidate.places.contains(&Role::Dry)
         && candidate.location.joints.len() == 1
         && law_of(candidate).is_some()
 }
 
 fn law_of(candidate: &Candidate) -> Option<&'static dyn armident_effects::Effect> {
-    let law = LIBRARY.iter().find(|law| law.law().slug == candidate.slug())?;
-    (law.law().scope == Scope::Joint).then_some(*law)
+    let law = effect(candidate.slug())?;
+    (law.law().scope == Scope::Joint).then_some(law)
 }
 
 /// The candidate with friction as it is at these recordings, added to a problem.

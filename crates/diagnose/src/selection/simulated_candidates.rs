@@ -1,13 +1,13 @@
 //! What is dear to try: links that move by themselves behind their motors, and descriptions without a name.
 
-use armident_effects::Place;
+use armident_effects::Role;
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
 use crate::design::contact::ContactColumns;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::ripple::RippleColumns;
+use crate::design::training::Design;
 use crate::design::{smooth, transmission};
 use crate::regression::admissible::all_admissible;
 use crate::regression::elimination::InflatedLink;
@@ -158,7 +158,7 @@ fn suspects(problem: &LinearProblem, found: &ScaleFit, residual: &[Vec<f64>]) ->
         .set
         .iter()
         .map(|g| &problem.candidates[*g])
-        .filter(|g| g.places == [Place::Inertia] || (links_changed && g.is_of_link()))
+        .filter(|g| g.places == [Role::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.location.joints[0])
         .collect();
     // the motion of a hidden link is felt by its neighbours nearly as much

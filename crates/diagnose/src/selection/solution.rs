@@ -1,8 +1,8 @@
 //! The result of a selection, and all that gives it a kind.
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;

@@ -127,7 +127,7 @@ fn shifted_columns(metric: &Marginalised<'_>, joint: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::design::Design;
+    use crate::design::training::Design;
     use crate::regression::fit_set::fit_set;
     use crate::selection::materiality::{LEAST, band_noise};
     use crate::test_arms::{swung, ur5};

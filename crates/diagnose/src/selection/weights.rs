@@ -4,9 +4,9 @@ use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
 
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::smooth;
+use crate::design::training::Design;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 

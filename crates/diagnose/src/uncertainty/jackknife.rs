@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::design::candidate::Candidate;
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 use crate::uncertainty::profile_curvature::{ProfileCurvature, profile_curvature};

@@ -8,9 +8,9 @@ use armident_numeric::{Cholesky, dot};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
-use crate::design::design::Design;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::{continuous, formed};
+use crate::design::training::Design;
 use crate::regression::fit_set::Estimate;
 use crate::regression::folds::{LEFT_OUT_PER_RECORDING, time_blocks};
 use crate::regression::marginalised::{LeastSquaresFit, Marginalised};

@@ -1,7 +1,7 @@
 //! Identification from planned experiments, by Algorithm 2.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{EVERYDAY, Law};
+use armident_effects::{BASELINE, Law};
 use armident_model::ArmModel;
 use armident_motion::{Motion, common_cutoff_hz};
 use armident_recording::Recording;
@@ -114,7 +114,7 @@ fn friction(model: &ArmModel, estimate: &Algorithm2Estimate) -> Vec<JointFrictio
     for step in &estimate.steps {
         let joint = model.chain.joints.iter().position(|j| j.name == step.observed);
         let (Some(friction), Some(joint)) = (step.friction, joint) else { continue };
-        for (effect, (value, standard_error)) in EVERYDAY[..2].iter().zip(friction) {
+        for (effect, (value, standard_error)) in BASELINE[..2].iter().zip(friction) {
             let law = effect.law();
             // several steps may move one joint: the smallest standard error counts
             let is_same = |f: &JointFriction| f.law.slug == law.slug && f.joint == joint;

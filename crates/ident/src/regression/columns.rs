@@ -7,7 +7,7 @@
 //! filtering); the rest is own.
 
 use armident_dynamics::ArmMotion;
-use armident_effects::{EVERYDAY, Effect, Place, Turn};
+use armident_effects::{BASELINE, Effect, Place, Turn};
 use armident_kinematics::InertialParameters;
 use armident_model::{effect_columns, pair_columns};
 use armident_motion::Motion;
@@ -22,7 +22,7 @@ pub(crate) type TermColumn = (usize, Vec<f64>);
 
 /// Whether a law follows the sign of a speed.
 fn jumps(law: &dyn Effect) -> bool {
-    law.law().places.contains(&Place::Dry)
+    law.law().roles.contains(&Place::Dry)
 }
 
 impl BatchProblem {
@@ -169,7 +169,7 @@ impl BatchProblem {
         reversals: &[Turn],
     ) -> Vec<Vec<f64>> {
         let kind = self.arm().joints[joint].kind;
-        let Some(law) = EVERYDAY.iter().find(|law| jumps(**law)) else { return Vec::new() };
+        let Some(law) = BASELINE.iter().find(|law| jumps(**law)) else { return Vec::new() };
         let formed = reversals
             .iter()
             .filter_map(|&reversal| {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    EVERYDAY, Effect, EffectOnJoint, JointMotion, SublinearViscousFriction, Turn, directions_with,
+    BASELINE, Effect, EffectOnJoint, JointMotion, SublinearViscousFriction, Turn, directions_with,
 };
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, eliminate_in_order};
@@ -53,7 +53,7 @@ impl BatchProblem {
         let n = arm.dof();
         let mut all: Vec<Term> = (0..set.len()).map(Term::Constant).collect();
         for joint in 0..n {
-            for (effect, law) in EVERYDAY.iter().enumerate() {
+            for (effect, law) in BASELINE.iter().enumerate() {
                 for parameter in 0..law.law().parameters.len() {
                     all.push(Term::Effect { joint, effect, parameter });
                 }
@@ -86,7 +86,7 @@ impl BatchProblem {
                 direction: &directions_with(&dq, 1e-6),
                 rigid_effort: &[],
             };
-            for (effect, law) in EVERYDAY.iter().enumerate() {
+            for (effect, law) in BASELINE.iter().enumerate() {
                 for (parameter, column) in law.columns(&[], &motion).iter().enumerate() {
                     let term = Term::Effect { joint, effect, parameter };
                     let Some(k) = all.iter().position(|t| *t == term) else { continue };

@@ -2,12 +2,12 @@
 //!
 //! Every other file of the fit names parameters by these types; they depend on the effect library alone.
 
-use armident_effects::{EVERYDAY, Effect, JointCoupling, Parameter, SublinearViscousFriction};
+use armident_effects::{BASELINE, Effect, JointCoupling, Parameter, SublinearViscousFriction};
 
 /// Laws of one joint whose parameters may be unknowns: those that every joint has, then those that recordings may call
 /// for ([`choose_structure`](crate::BatchProblem::choose_structure)).
 pub const LAWS: [&dyn Effect; 5] = {
-    let [viscous, coulomb, offset, inertia] = EVERYDAY else { panic!("four baseline laws") };
+    let [viscous, coulomb, offset, inertia] = BASELINE else { panic!("four baseline laws") };
     [*viscous, *coulomb, *offset, *inertia, &SublinearViscousFriction]
 };
 

@@ -93,7 +93,7 @@ impl BatchProblem {
                     let of_term = |(place, &k): (usize, &usize)| match self.terms[k] {
                         Term::Effect { effect, .. }
                             if which[joint] > 0
-                                && LAWS[effect].law().places.contains(&Place::Dry) =>
+                                && LAWS[effect].law().roles.contains(&Place::Dry) =>
                         {
                             terms.len() + which[joint] - 1
                         }

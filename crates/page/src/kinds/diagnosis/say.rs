@@ -306,7 +306,7 @@ pub(super) fn next(of: &Diagnosis, drawing: &Drawing) -> Vec<Step> {
         .findings
         .iter()
         .filter(|f| {
-            let place = effect(&f.effect).and_then(|e| e.law().places.first().copied());
+            let place = effect(&f.effect).and_then(|e| e.law().roles.first().copied());
             matches!(place, Some(Place::Gain | Place::Zero | Place::Time))
         })
         .map(|f| format!("{} {}", title_of(f), f.joints.join(", ")).trim().to_owned())
