@@ -168,7 +168,7 @@ pub(crate) fn of_diagnosis(
         all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });
     }
     let chain = &before.arm.chain;
-    let canvas = Canvas::new(chain, &["before", "rigid", "after"], &all)?;
+    let canvas = Canvas::new(chain, &["given", "links only", "diagnosed"], &all)?;
     let mut drawing = canvas.drawing();
     for finding in &diagnosis.findings {
         let model = diagnosis.model.without(finding, before);

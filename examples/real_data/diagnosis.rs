@@ -12,7 +12,7 @@ use armident_ident::{
     ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported,
 };
 use armident_recording::Recording;
-use armident_report::unit_told;
+use armident_report::unit_after_number;
 
 use crate::estimators::{STRETCHES, in_errors};
 use crate::sets::{Data, KeptOut, SETS, part};
@@ -315,7 +315,7 @@ fn errors_with(
 fn in_words(finding: &Finding) -> String {
     let number = |(name, of): (&&str, &armident_diagnose::Value)| {
         let error = of.stderr.map_or_else(String::new, |e| format!(" +- {e:.2}"));
-        let unit = unit_told(of.unit);
+        let unit = unit_after_number(of.unit);
         format!("{name} {:.3}{error} {unit}", of.value).trim_end().to_owned()
     };
     let parameters: &BTreeMap<_, _> = &finding.parameters;

@@ -1,6 +1,5 @@
 //! `armident diagnose`.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_diagnose::{
@@ -9,7 +8,7 @@ use armident_diagnose::{
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
 use armident_page::Role;
 use armident_recording::Recording;
-use armident_report::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
+use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 
 use super::recordings;
 use crate::args::DiagnoseArgs;
@@ -79,11 +78,11 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         Ok(found)
     });
     let Some(heard) = heard else {
-        let report = DiagnoseReport::of_wrong_books(&model.chain, &books, inputs);
+        let report = DiagnoseReport::of_failed_checks(&model.chain, &books, inputs);
         // the efforts against the robot show what the columns are
         let joints = model.chain.joint_names();
         let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
-        let models: [(&str, &dyn Predicts); 1] = [("the robot as given", &model)];
+        let models: [(&str, &dyn Predicts); 1] = [("given", &model)];
         let files = used(args, &train_files, &[], &[]);
         let recorded = [(train.as_slice(), Role::Training)];
         let drawing =
@@ -125,7 +124,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let errors = |of: &[Seen<'_>]| -> Result<Option<Errors>, Failure> {
         Ok(if of.is_empty() { None } else { Some(diagnosis.errors(of)?) })
     };
-    let fits = Fits { train: errors(&seen_train)?, holdout: errors(&seen_holdout)? };
+    let fits = Fits::of(errors(&seen_train)?, errors(&seen_holdout)?);
     let whiteness = diagnosis.whiteness(&seen_holdout)?;
     let replay = if holdout.is_empty() || args.no_replay {
         None
@@ -133,8 +132,8 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         replayed(&diagnosis.believed, &diagnosis.model, &holdout)
     };
     let report = DiagnoseReport::new(&model.chain, &diagnosis, inputs, fits)
-        .with_proof(whiteness, replay)
-        .with_books(&books)
+        .with_holdout_tests(whiteness, replay)
+        .with_input_checks(&books)
         .with_placebo(placebo)
         .with_next_motion(args.next_motion.is_some(), next);
     let drawing = if args.page.wanted() {
@@ -184,7 +183,7 @@ fn replayed(
     let joints = after.arm.chain.joint_names();
     let cutoff_hz = armident_recording::common_cutoff_hz(recordings, &joints, None).ok()?;
     let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz).ok()?;
-    let of = |model: &DiagnosedModel| -> Option<BTreeMap<String, f64>> {
+    let of = |model: &DiagnosedModel| -> Option<ByJoint> {
         let moved = replay(&model.as_simulated().0, &motions).ok().filter(|m| m.windows > 0)?;
         let errors = moved.joints.iter().map(|j| j.position_rms);
         Some(joints.iter().map(ToString::to_string).zip(errors).collect())

@@ -7,7 +7,7 @@ use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
 use armident_page::Role;
 use armident_recording::Motion;
-use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
+use armident_report::{ByJoint, EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
 use crate::args::ValidateArgs;
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         output::write_file(path, &bytes)?;
     }
     let report = ValidateReport {
-        schema: "armident.validate/1",
+        schema: ValidateReport::SCHEMA.to_owned(),
         robot: model.chain.robot.clone(),
         model: args.robot.display().to_string(),
         recordings: recorded.iter().map(|r| r.source.clone()).collect(),
@@ -98,7 +98,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Holdout)];
-    let models: [(&str, &dyn Predicts); 2] = [("URDF alone", &before), ("model", &robot)];
+    let models: [(&str, &dyn Predicts); 2] = [("URDF only", &before), ("model", &robot)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());
     let warnings = &report.warnings;
@@ -124,6 +124,6 @@ fn errors(
     names.zip(all.iter().map(row)).collect()
 }
 
-fn by_joint(names: &[String], values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {
+fn by_joint(names: &[String], values: impl Iterator<Item = f64>) -> ByJoint {
     names.iter().cloned().zip(values).collect()
 }

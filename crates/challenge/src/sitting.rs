@@ -93,7 +93,7 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
         diagnose(&believed, train)
     });
     let Some(heard) = heard else {
-        return handed_in(&DiagnoseReport::of_wrong_books(&believed.chain, &books, inputs), None);
+        return handed_in(&DiagnoseReport::of_failed_checks(&believed.chain, &books, inputs), None);
     };
     let mut diagnosis = heard.map_err(|e| told(&e))?;
     diagnosis.doubt_gains(&books.drive_gains);
@@ -110,7 +110,8 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     let stamps = paper.exam_motion.time_s.clone();
     let predicted =
         Recording::new("prediction", stamps, channels.collect()).map_err(|e| told(&e))?;
-    let fits = Fits { train: None, holdout: Some(on_holdout) };
-    let report = DiagnoseReport::new(&believed.chain, &diagnosis, inputs, fits).with_books(&books);
+    let fits = Fits::of(None, Some(on_holdout));
+    let report =
+        DiagnoseReport::new(&believed.chain, &diagnosis, inputs, fits).with_input_checks(&books);
     handed_in(&report, Some(LearnedFromPaper { model_json, predicted }))
 }

@@ -6,10 +6,11 @@ use armident_effects::{Place, effect};
 use armident_kinematics::JointKind;
 use nalgebra::{Isometry3, Vector3};
 
-use crate::atlas::Classes;
-use crate::canvas::{Canvas, Sheet, less};
+use crate::canvas::Canvas;
 use crate::drawing::{FindingTraces, FindingView, Role};
 use crate::reduce::{rounded, rounded_some};
+use crate::residual_maps::Classes;
+use crate::sheet::{Sheet, less};
 
 const CLASSES: usize = 48;
 const LEAST_SAMPLES: usize = 4;

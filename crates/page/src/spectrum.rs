@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use armident_kinematics::JointKind;
 use realfft::RealFftPlanner;
 
-use crate::canvas::Sheet;
 use crate::drawing::Series;
 use crate::reduce::{rounded, rounded_some};
+use crate::sheet::Sheet;
 
 /// Length of the stretches whose periodograms are averaged \[s\].
 const STRETCH_S: f64 = 4.0;
