@@ -52,6 +52,11 @@ mod pipeline;
 /// public recordings of real arms: rank, error against a plain baseline, refusals
 mod real_data;
 
+/// a section of a diagnosis that this file adds
+mod extend_section;
+/// `docs/json.md` and the schemas of the results
+mod json_docs;
+
 /// who may depend on whom, and what no file may hold
 mod flow;
 /// the commands of README.md and of the book, and their output; the catalogue of effects

@@ -19,6 +19,7 @@
 
 mod layout;
 mod results;
+mod schemas;
 mod section;
 mod sections;
 mod text;
@@ -36,6 +37,7 @@ pub use results::{
     NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, StepRow,
     Topic, ValidateReport, VariableShare, Verdict, plan_text,
 };
+pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};
 pub use sections::{
     InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult, PlaceboTest,
