@@ -1,7 +1,7 @@
-//! How honest are the standard errors of Algorithm 2?
+//! Coverage of the standard errors of Algorithm 2.
 //!
 //! Simulates the planned experiments of the Stanford arm with white effort noise on exact motion for
-//! many seeds, identifies each, and prints how often the 95 % intervals hold the true value:
+//! many seeds, identifies each, and prints the coverage of the 95 % intervals:
 //!
 //! ```text
 //! cargo run --release --example coverage_algorithm2 -- 400 0.1 > docs/studies/algorithm2_coverage.md
@@ -13,7 +13,8 @@ use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::MinimalSet;
 use armident_ident::algorithm2::{PlanSettings, algorithm2, plan};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

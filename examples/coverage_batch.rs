@@ -1,8 +1,8 @@
-//! How honest are the standard errors of the batch fit?
+//! Coverage of the standard errors of the batch fit.
 //!
-//! Simulates a UR5 with a heavier forearm, friction and rotors on random motions, seen through 17-bit
+//! Simulates a UR5 with a heavier forearm, friction and rotor inertia on random motions, recorded with 17-bit
 //! encoders and efforts with coloured noise, differentiates and filters as usual, identifies each
-//! recording, and prints how often the 95 % intervals hold the true value:
+//! recording, and prints the coverage of the 95 % intervals:
 //!
 //! ```text
 //! cargo run --release --example coverage_batch -- 200 irls > docs/studies/batch_coverage.md
@@ -13,11 +13,13 @@
 #![allow(clippy::print_stdout, reason = "the table is the output")]
 
 use armident_effects::EffectOnJoint;
-use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet, Sought, Term};
+use armident_ident::{BatchProblem, BatchSettings, Method, MinimalSet, Sought, Term};
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_model::ArmModel;
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -40,11 +42,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let prior = arguments.next().unwrap_or_else(|| "urdf".to_owned());
     let (settings, of_prior) = match prior.as_str() {
-        "urdf" => (BatchSettings::default(), "the URDF believed as far as the recording says"),
-        "none" => (
-            BatchSettings { link_prior: None, ..BatchSettings::default() },
-            "nothing believed of the links",
-        ),
+        "urdf" => (BatchSettings::default(), "prior about the URDF with its scale estimated"),
+        "none" => (BatchSettings { link_prior: None, ..BatchSettings::default() }, "no prior"),
         _ => return Err("the prior is urdf or none".into()),
     };
 
@@ -58,17 +57,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "UR5 with a forearm 0.6 kg heavier than its URDF",
             "",
             "true value",
-            "where it is much, intervals doubt a URDF that is right here (but for the forearm), and hold the \
-             truth more often than they say",
+            "if it is large, the intervals are wider than necessary for a URDF that is right here (except for the \
+             forearm), and their coverage exceeds 95 %",
         ),
         Arms::Drawn => (
-            "UR5 with every link off its URDF at random, another arm for each recording (pseudo-inertia \
+            "UR5 with random errors of every link, another arm for each recording (pseudo-inertia \
              L S S' L' for L L' with S normal about the unit matrix: second moments of mass, along every line, \
-             off by 30 %)",
+             differing by 30 %)",
             " drawn",
             "true value, mean",
-            "the URDF is as wrong as is said of it or less, and the intervals must hold the truth as often as \
-             they say whatever the share",
+            "the errors of the URDF are at most the prior scale, and the coverage must be nominal for any share",
         ),
     };
 
@@ -91,16 +89,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     println!(
         "Made by `cargo run --release --example coverage_batch -- {seeds} {name} {prior}{how}`. *Prior* is the mean share \
-         of what is known of an unknown that is the URDF's and not the recording's: {believed}.\n"
+         of the information that comes from the URDF: {believed}.\n"
     );
     println!(
-        "Inside 95 % intervals, all {count} unknowns: **{:.1} %** with errors from blocks, {:.1} % with \
-         errors from white residuals.\n",
+        "Inside 95 % intervals, all {count} parameters: **{:.1} %** with the block jackknife, {:.1} % under the assumption \
+         of white residuals.\n",
         pooled(inside),
         pooled(inside_white)
     );
     println!(
-        "| unknown | {whose} | prior | inside | inside, white | mean of (estimate - truth)/error | SD |"
+        "| parameter | {whose} | prior | inside | inside, white | mean of (estimate - truth)/error | SD |"
     );
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: |");
     for k in 0..count {
@@ -249,7 +247,7 @@ fn drawn_link(
     let normal = Matrix4::from_fn(|_, _| StandardNormal.sample(random));
     // half, for what is on both sides counts twice
     let stretch = Matrix4::identity() + normal * (0.5 * DRAWN_ERROR);
-    let root = link.pseudo_inertia().cholesky().ok_or("a link is no real body")?.l();
+    let root = link.pseudo_inertia().cholesky().ok_or("a link is not physically consistent")?.l();
     Ok(InertialParameters::from_pseudo_inertia(
         &(root * stretch * stretch.transpose() * root.transpose()),
     ))

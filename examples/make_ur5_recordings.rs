@@ -1,13 +1,13 @@
-//! Makes the bundled recordings in `examples/ur5`: a UR5 whose forearm is heavier than its URDF says,
-//! with friction and rotor inertia on every joint, seen through 17-bit encoders and noisy efforts.
+//! Makes the bundled recordings in `examples/ur5`: a UR5 whose forearm is heavier than in its URDF,
+//! with friction and rotor inertia on every joint, recorded with 17-bit encoders and noisy efforts.
 //!
 //! ```text
 //! cargo run --release --example make_ur5_recordings
 //! ```
 
 use armident_effects::EffectOnJoint;
-use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording, write_csv};
 use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
 use nalgebra::Vector3;
@@ -20,7 +20,7 @@ const RATE_HZ: f64 = 100.0;
 const DURATION_S: f64 = 12.0;
 /// Lowest frequency of the motion [Hz].
 const FUNDAMENTAL_HZ: f64 = 0.1;
-/// Heavier forearm: this share of mass more, in the middle of the link.
+/// Additional mass of the forearm [kg], in the middle of the link.
 const ADDED_FOREARM_KG: f64 = 0.6;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -13,16 +13,18 @@ use crate::args::{Cli, Command};
 use crate::excerpt::Excerpt;
 use crate::failure::Failure;
 
-/// Commands that are no step of an analysis.
+/// Commands that cannot be a step of an analysis.
 const NO_STEPS: [&str; 5] = ["run", "completions", "man", "help", "demo"];
+/// The list of all commands, as owner of an unknown name.
+const COMMANDS: &str = "the commands";
 
-/// What is written of one step.
+/// One step of the file.
 pub(crate) struct Step {
     /// `name` of the step, or else its command.
     pub(crate) name: String,
-    /// The same as a command line.
+    /// The step as a command line.
     pub(crate) argv: Vec<String>,
-    /// Read as any command line.
+    /// The parsed command line.
     pub(crate) command: Command,
 }
 
@@ -46,25 +48,31 @@ impl Analysis {
             Failure::new(
                 what,
                 path.display(),
-                Some("write the steps of the analysis into it: `armident run --help` shows how"),
+                Some("create it; `armident run --help` shows an example"),
             )
         })?;
         Ok(Self { path: path.to_owned(), text })
     }
 
-    /// All steps, checked before any is done.
+    /// All steps, validated before the first one runs.
     pub(crate) fn steps(&self) -> Result<Vec<Step>, Failure> {
         let file = DeTable::parse(&self.text).map_err(|error| {
             let said = error.message().lines().next().unwrap_or_default().to_owned();
             let span = error.span().unwrap_or(0..0);
-            self.fault(&span, "", format!("this is not TOML: {said}"), "correct the line")
+            self.fault(&span, "", format!("invalid TOML: {said}"), "correct the line")
         })?;
         let file = file.get_ref();
         let known = ["defaults", "step"];
         for key in file.keys() {
             if !known.contains(&key.get_ref().as_ref()) {
                 let names = known.map(str::to_owned);
-                return Err(self.unknown(&key.span(), "", key.get_ref(), "the file", &names));
+                return Err(self.unknown(
+                    &key.span(),
+                    "",
+                    key.get_ref(),
+                    "the analysis file",
+                    &names,
+                ));
             }
         }
         let defaults = match file.get("defaults") {
@@ -77,14 +85,14 @@ impl Analysis {
             Some((_, DeValue::Array(steps))) => steps.iter().collect::<Vec<_>>(),
             Some((span, _)) => {
                 let advice = "write [[step]] in double brackets";
-                return Err(self.fault(&span, "", "`step` must be a list of tables", advice));
+                return Err(self.fault(&span, "", "`step` must be an array of tables", advice));
             }
             None => Vec::new(),
         };
         if steps.is_empty() {
             let advice =
                 "add [[step]] with command = \"identify\", robot = \"..\", recordings = [\"..\"]";
-            return Err(self.fault(&(0..0), "", "there is no [[step]]", advice));
+            return Err(self.fault(&(0..0), "", "missing [[step]]", advice));
         }
         let read = |(k, step)| self.step(k, step, &defaults, &commands);
         steps.into_iter().enumerate().map(read).collect()
@@ -100,14 +108,13 @@ impl Analysis {
         let mut place = format!("step {}", k + 1);
         let mut keys = self.keys(value, "[[step]]")?;
         let Some((_, given)) = keys.remove("command") else {
-            let advice =
-                format!("add command = \"identify\"; the commands are {}", names(commands));
+            let advice = format!("add command = \"identify\"; valid commands: {}", names(commands));
             return Err(self.fault(&value.span(), &place, "the step has no `command`", advice));
         };
         let name = self.text_of(given, "command", &place)?;
         let Some(command) = commands.iter().find(|c| c.get_name() == name) else {
             let known: Vec<String> = commands.iter().map(|c| c.get_name().to_owned()).collect();
-            return Err(self.unknown(&given.span(), &place, &name, "the commands", &known));
+            return Err(self.unknown(&given.span(), &place, &name, COMMANDS, &known));
         };
         place = format!("{place} ({name})");
         let title = match keys.remove("name") {
@@ -136,7 +143,7 @@ impl Analysis {
         }
     }
 
-    /// A default that no command has is a misspelt one.
+    /// Rejects defaults that no command has.
     fn check_defaults(
         &self,
         defaults: &Keys<'_>,
@@ -168,8 +175,8 @@ impl Analysis {
             || arg.get_num_args().is_some_and(|n| n.max_values() > 1);
         let one = |value: &Value<'_>| {
             scalar(value.get_ref()).ok_or_else(|| {
-                let advice = "write text in quotation marks, or a number";
-                self.fault(&value.span(), place, format!("`{key}` cannot hold this"), advice)
+                let advice = "write a quoted string or a number";
+                self.fault(&value.span(), place, format!("invalid value for `{key}`"), advice)
             })
         };
         let values: Vec<String> = match value.get_ref() {
@@ -178,15 +185,15 @@ impl Analysis {
             }
             _ if switch => {
                 let what = format!("`{key}` must be true or false");
-                return Err(self.fault(&span, place, what, "without quotation marks"));
+                return Err(self.fault(&span, place, what, "remove the quotation marks"));
             }
             DeValue::Array(values) => {
                 let mut texts = Vec::new();
                 for value in values {
                     texts.push(match value.get_ref().as_table() {
                         Some(table) => parts(table).ok_or_else(|| {
-                            let what = format!("`{key}` cannot hold this");
-                            self.fault(&value.span(), place, what, "write text and numbers")
+                            let what = format!("invalid value for `{key}`");
+                            self.fault(&value.span(), place, what, "use strings and numbers")
                         })?,
                         None => one(value)?,
                     });
@@ -204,7 +211,7 @@ impl Analysis {
         if arg.is_positional() {
             return Ok(values);
         }
-        // a value that looks like an option stays behind its own
+        // a value that looks like an option is attached to its own option
         if values.iter().any(|value| value.starts_with('-') && value != "-") {
             return Ok(values.iter().map(|value| format!("--{key}={value}")).collect());
         }
@@ -217,7 +224,7 @@ impl Analysis {
         })
     }
 
-    /// What the command line says of a step.
+    /// Error of the command-line parser for a step.
     fn refused(
         &self,
         error: &clap::Error,
@@ -234,8 +241,8 @@ impl Analysis {
         if error.kind() == ErrorKind::MissingRequiredArgument {
             let missing =
                 named.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" and ");
-            let advice = "add it below the command, or to [defaults] for every step that has one";
-            return self.fault(&step.span(), place, format!("the step needs {missing}"), advice);
+            let advice = "add it to the step, or to [defaults]";
+            return self.fault(&step.span(), place, format!("missing {missing}"), advice);
         }
         let span = named
             .first()
@@ -244,15 +251,15 @@ impl Analysis {
         let said = error.to_string();
         let what = said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
         let command = place.split(['(', ')']).nth(1).unwrap_or_default().to_owned();
-        self.fault(&span, place, what, format!("`armident {command} --help` tells what it takes"))
+        self.fault(&span, place, what, format!("see `armident {command} --help`"))
     }
 
     fn keys<'t>(&self, value: &'t Value<'t>, what: &str) -> Result<Keys<'t>, Failure> {
         let Some(table) = value.get_ref().as_table() else {
-            let advice = format!("write {what} and its keys below it");
+            let advice = format!("write {what} with its keys below it");
             return Err(self.fault(&value.span(), "", format!("{what} must be a table"), advice));
         };
-        // save_model is as good as save-model
+        // save_model is accepted for save-model
         let entry = |(key, value): (&Spanned<std::borrow::Cow<'_, str>>, &'t Value<'t>)| {
             (key.get_ref().replace('_', "-"), (key.span(), value))
         };
@@ -261,7 +268,7 @@ impl Analysis {
 
     fn text_of(&self, value: &Value<'_>, key: &str, place: &str) -> Result<String, Failure> {
         value.get_ref().as_str().map(ToOwned::to_owned).ok_or_else(|| {
-            let what = format!("`{key}` must be text in quotation marks");
+            let what = format!("`{key}` must be a quoted string");
             self.fault(&value.span(), place, what, format!("for example {key} = \"...\""))
         })
     }
@@ -274,12 +281,15 @@ impl Analysis {
         of: &str,
         known: &[String],
     ) -> Failure {
-        let advice = meant(key, known, "there are");
+        let valid = if of == COMMANDS { "valid commands:" } else { "valid keys:" };
+        let advice = meant(key, known, valid);
         self.fault(
             span,
             place,
-            format!("`{key}` is no key of {of}")
-                .replace("no key of the commands", "none of the commands"),
+            match of == COMMANDS {
+                true => format!("unknown command `{key}`"),
+                false => format!("unknown key `{key}` for {of}"),
+            },
             advice,
         )
     }
@@ -299,7 +309,7 @@ impl Analysis {
     }
 }
 
-/// The nearest of the known names, and all of them.
+/// The nearest of the known names, then all of them.
 pub(crate) fn meant(name: &str, known: &[String], lead: &str) -> String {
     let list = format!("{lead} {}", known.join(", "));
     match armident_kinematics::nearest(name, known) {
@@ -308,7 +318,7 @@ pub(crate) fn meant(name: &str, known: &[String], lead: &str) -> String {
     }
 }
 
-/// The commands that may be steps.
+/// Commands that can be steps.
 fn step_commands() -> Vec<clap::Command> {
     let mut cli = Cli::command();
     cli.build();
@@ -319,7 +329,7 @@ fn names(commands: &[clap::Command]) -> String {
     commands.iter().map(clap::Command::get_name).collect::<Vec<_>>().join(", ")
 }
 
-/// Keys of a command: its options, and its arguments without a dash.
+/// Keys of a command: its arguments, then its options without dashes.
 fn options(command: &clap::Command) -> Vec<(String, &Arg)> {
     let mut positional: Vec<(String, &Arg)> = Vec::new();
     let mut optional = Vec::new();

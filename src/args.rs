@@ -1,4 +1,4 @@
-//! Arguments of every command.
+//! Command-line arguments.
 
 mod arm;
 mod around;
@@ -21,24 +21,23 @@ pub(crate) use recorded::{
 pub(crate) use value::Noise;
 use value::{parse_named_number, parse_positive, parse_vector};
 
-/// Minimal inertia sets, identification and diagnosis of serial robot arms.
+/// Identification and diagnosis of serial robot arms
 #[derive(Parser)]
 #[command(
     version,
     max_term_width = 100,
     after_help = "\
 Start here:
-  armident demo                                            the whole story on a simulated arm
-  armident params   urdf/stanford.urdf                     what can be known about this arm
-  armident check    urdf/ur10.urdf log.csv                 is this recording fit for it
-  armident identify urdf/ur10.urdf log.csv                 what does this recording say about it
-  armident diagnose urdf/ur10.urdf log.csv                 what does the model leave out
-  armident run                                             the steps of armident.toml
+  armident demo                                            a complete example
+  armident params   urdf/stanford.urdf                     minimal parameter set of an arm
+  armident check    urdf/ur10.urdf log.csv                 check a recording
+  armident identify urdf/ur10.urdf log.csv                 estimate parameters
+  armident diagnose urdf/ur10.urdf log.csv                 find missing effects
+  armident run                                             run armident.toml
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
 /acceleration, /effort (rad, m, N m, N), Parquet files of such columns, or MCAP files of ROS 2 joint
-states. Exit codes: 0 the result was written, 1 it failed,
-2 the command line is wrong, 3 what --fail-on names has happened."
+states. Exit codes: 0 result written, 1 failed, 2 usage error, 3 condition of --fail-on met."
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -64,73 +63,73 @@ pub(crate) enum Command {
     Challenge(ChallengeArgs),
 }
 
-/// Which part of the robot is the arm.
+/// Part of the robot that is the arm.
 #[derive(Args, Default)]
-#[command(next_help_heading = "The chain")]
+#[command(next_help_heading = "Chain")]
 pub(crate) struct ChainArgs {
     /// First link of the chain [default: the root of the URDF]
     #[arg(long, value_name = "LINK")]
     pub(crate) base: Option<String>,
-    /// Last link of the chain [default: through the recorded joints, or else the path with most
-    /// movable joints]
+    /// Last link of the chain [default: the tip that contains the recorded joints, else the path
+    /// with the most movable joints]
     #[arg(long, value_name = "LINK")]
     pub(crate) tip: Option<String>,
-    /// Freeze a joint at a position, rad or m; repeat for more joints
+    /// Lock a joint at a position [rad or m]; repeatable
     #[arg(long, value_name = "JOINT=VALUE", value_parser = parse_named_number)]
     pub(crate) lock: Vec<(String, f64)>,
-    /// Gravity in the base link frame, m/s2 [default: 0,0,-9.81]
+    /// Gravity in the base link frame [m/s2] [default: 0,0,-9.81]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
     pub(crate) gravity: Option<[f64; 3]>,
-    /// Take joint angles of the URDF within this distance of a multiple of pi/12 as that multiple,
-    /// rad; 2e-3 also catches 1.57 and 3.14
+    /// Snap URDF joint angles within this tolerance [rad] to multiples of pi/12; use 2e-3 for angles
+    /// rounded to 1.57
     #[arg(long, value_name = "RAD", default_value_t = 1e-4, value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) snap_rpy: f64,
 }
 
-/// How recordings are read.
+/// Options for reading recordings.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Recordings")]
 pub(crate) struct ReadingArgs {
-    /// TOML file that says which column is which joint, quantity and unit (docs/mapping.md)
+    /// TOML file that maps columns to joints, quantities and units (docs/mapping.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) mapping: Option<PathBuf>,
-    /// Topic of the joint states in MCAP files [default: the only one, or /joint_states]
+    /// Joint state topic of MCAP files [default: the only one, else /joint_states]
     #[arg(long, value_name = "TOPIC")]
     pub(crate) topic: Option<String>,
 }
 
-/// Where results go.
+/// Options for writing results.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputArgs {
-    /// Write the result as JSON to a file; - is stdout, in the place of the text
+    /// Write the result as JSON; - for stdout (replaces the text)
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
-    /// Exit with code 3 when this has happened
+    /// Exit with code 3 if this occurs
     #[arg(long, value_name = "WHAT")]
     pub(crate) fail_on: Option<FailOn>,
-    /// Say nothing on stderr but errors
+    /// Print only errors to stderr
     #[arg(long, short)]
     pub(crate) quiet: bool,
 }
 
-/// The page of a result.
+/// Options for the HTML page of a result.
 #[derive(Args, Default)]
 #[command(next_help_heading = "Report")]
 pub(crate) struct PageArgs {
-    /// Write the result as one self-contained HTML page with charts
+    /// Write an HTML report (self-contained, with charts)
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
-    /// Put what a page draws into the JSON too, for `armident report`
+    /// Include chart data in the JSON, for `armident report`
     #[arg(long, requires = "json")]
     pub(crate) traces: bool,
-    /// The command to name on the page, where it is not this one
+    /// The command shown on the page, if it differs from this one
     #[arg(skip)]
     pub(crate) command: Option<Vec<String>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FailOn {
-    /// a warning was given
+    /// any warning
     Warning,
 }

@@ -1,4 +1,4 @@
-//! The line of a file that is at fault, with what is wrong in it underlined.
+//! The faulty line of a file, with the fault underlined.
 
 use std::io::{BufRead, BufReader};
 use std::ops::Range;
@@ -7,9 +7,9 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use armident_kinematics::UrdfPlace;
 use armident_recording::RecordingError;
 
-/// Longer lines are no text that a person reads.
+/// Longest line shown; longer ones are not written by hand.
 const LONGEST: usize = 20_000;
-/// Characters shown of a line.
+/// Width of an excerpt in characters.
 const WIDTH: usize = 110;
 
 /// One line of a text file.
@@ -17,12 +17,12 @@ const WIDTH: usize = 110;
 pub(crate) struct Excerpt {
     number: usize,
     text: String,
-    /// Bytes of the line that are at fault.
+    /// Faulty bytes of the line.
     span: Range<usize>,
 }
 
 impl Excerpt {
-    /// The line of a URDF, if it can still be read; the part at fault is known for most faults.
+    /// The line of a URDF, if it is readable; most faults know their position in it.
     pub(crate) fn of_urdf(place: &UrdfPlace) -> Option<Self> {
         let number = place.line? as usize;
         let (start, text) = line(&place.source, number)?;
@@ -49,19 +49,19 @@ impl Excerpt {
         Self { number, text, span }.checked()
     }
 
-    /// A span of a text that is at hand.
+    /// A span of a text in memory.
     pub(crate) fn of_text(text: &str, span: &Range<usize>) -> Option<Self> {
         let before = text.get(..span.start)?;
         let start = before.rfind('\n').map_or(0, |end| end + 1);
         let number = 1 + before.matches('\n').count();
         let text = text[start..].lines().next()?.to_owned();
-        // what ends too early has its fault behind the line
+        // a text that ends too early has its fault behind the line
         let own = span.start - start..span.end.max(span.start + 1) - start;
         let span = if own.start < text.len() { own } else { visible(&text) };
         Self { number, text, span }.checked()
     }
 
-    /// Line from 1.
+    /// Line number, from 1.
     pub(crate) fn number(&self) -> usize {
         self.number
     }
@@ -73,7 +73,7 @@ impl Excerpt {
         (whole && self.span.start < self.span.end).then_some(self)
     }
 
-    /// As lines with a margin, styled for a terminal.
+    /// The excerpt with a margin, styled for a terminal.
     pub(crate) fn styled(&self) -> String {
         let snippet = Snippet::source(self.text.as_str())
             .line_start(self.number)
@@ -83,7 +83,7 @@ impl Excerpt {
     }
 }
 
-/// Where a line starts in bytes, and its text without the end.
+/// Byte offset of a line and its text without the line end.
 fn line(path: &str, number: usize) -> Option<(usize, String)> {
     let mut file = BufReader::new(std::fs::File::open(path).ok()?);
     let mut start = 0;
@@ -97,13 +97,13 @@ fn line(path: &str, number: usize) -> Option<(usize, String)> {
     (shown.len() < LONGEST && !shown.contains('\0')).then(|| (start, shown.to_owned()))
 }
 
-/// A line without the space around it.
+/// Range of a line without surrounding white space.
 fn visible(text: &str) -> Range<usize> {
     let start = text.len() - text.trim_start().len();
     start..text.trim_end().len()
 }
 
-/// Fields of a line of comma-separated text; an empty one is its comma.
+/// Fields of a comma-separated line; an empty field is represented by its comma.
 fn fields(text: &str) -> Vec<Range<usize>> {
     let text_len = text.len();
     let mut quoted = false;

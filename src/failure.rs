@@ -1,27 +1,27 @@
-//! Failures as three lines: what, where, what to do.
+//! Failures as three lines: fault, place, hint.
 
 use std::fmt::Display;
 use std::path::Path;
 
 use armident_diagnose::DiagnoseError;
-use armident_ident::ModelError;
 use armident_ident::algorithm2::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
+use armident_model::ModelError;
 use armident_recording::RecordingError;
 use armident_simulation::SimulationError;
 use clap::builder::styling::{AnsiColor, Style};
 
 use crate::excerpt::Excerpt;
 
-/// How a command ended when its result was written.
+/// Outcome of a command whose result was written.
 pub(crate) enum Outcome {
-    /// Exit code 0, whatever the verdict.
+    /// Exit code 0, for any verdict.
     Done,
-    /// Exit code 3: `--fail-on` asked for it.
+    /// Exit code 3: the condition of `--fail-on` is met.
     FailedOnRequest,
 }
 
-/// What went wrong, where, and what to do.
+/// Error shown to the user: fault, place and hint.
 #[derive(Debug)]
 pub(crate) struct Failure {
     what: String,
@@ -50,7 +50,7 @@ impl Failure {
         }
     }
 
-    /// With the line of the file that is at fault.
+    /// Adds the faulty line of the file.
     pub(crate) fn showing(mut self, excerpt: Option<Excerpt>) -> Self {
         self.excerpt = excerpt.map(Box::new);
         self
@@ -61,7 +61,7 @@ impl Failure {
         Self::new(
             format!("cannot write: {error}"),
             path.display(),
-            Some("choose another path, or create its folder"),
+            Some("choose another path, or create the folder"),
         )
     }
 
@@ -116,7 +116,7 @@ impl From<DiagnoseError> for Failure {
             other => Self::new(
                 other,
                 "the recordings",
-                Some("give recordings of some seconds in which the joints move under effort"),
+                Some("provide recordings of several seconds in which the joints move under effort"),
             ),
         }
     }
@@ -124,7 +124,7 @@ impl From<DiagnoseError> for Failure {
 
 impl From<armident_numeric::NumericError> for Failure {
     fn from(error: armident_numeric::NumericError) -> Self {
-        Self::new(error, "", Some("check the URDF and the recordings for absurdly large numbers"))
+        Self::new(error, "", Some("check the URDF and recordings for extreme values"))
     }
 }
 
@@ -133,7 +133,7 @@ impl From<armident_ident::ConsistencyError> for Failure {
         Self::new(
             error,
             "the links of the model",
-            Some("check the URDF, or keep the estimate as it is with --raw-estimate"),
+            Some("check the URDF, or pass --raw-estimate to skip the projection"),
         )
     }
 }
@@ -145,7 +145,7 @@ impl From<armident_ident::MethodError> for Failure {
             other => Self::new(
                 other,
                 "--method iv",
-                Some("use --method wls, or --prior urdf: links without mass cannot be simulated"),
+                Some("use --method wls, or --prior urdf: a link without mass cannot be simulated"),
             ),
         }
     }
@@ -162,7 +162,7 @@ impl From<Algorithm2Error> for Failure {
         Self::new(
             error,
             "plan.json",
-            Some("plan, simulate and identify with the same robot and the same chain options"),
+            Some("use the same robot and chain options for plan, simulate and identify"),
         )
     }
 }
@@ -176,7 +176,7 @@ impl Failure {
         };
         let hint = match error {
             ModelError::Schema { .. } | ModelError::Invalid { .. } => {
-                "give a URDF, or a model written by `armident identify --save-model`"
+                "pass a URDF, or a model written by `armident identify --save-model`"
             }
             _ => "write the model again with `armident identify --save-model`",
         };

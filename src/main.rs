@@ -1,5 +1,4 @@
-//! The command line of armident: arguments in, exit code out; what is computed is computed in the
-//! crates.
+//! Command line of armident: arguments in, exit code out. All computation is in the crates.
 
 mod analysis;
 mod args;
@@ -18,7 +17,7 @@ use clap::Parser;
 use args::Cli;
 use failure::Outcome;
 
-/// As shells report a program that SIGINT ended.
+/// Exit code of shells for a program ended by SIGINT.
 const INTERRUPTED: i32 = 130;
 
 fn main() -> ExitCode {
@@ -34,9 +33,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// Ctrl-C leaves no half-written file.
+/// Removes partial files on Ctrl-C.
 fn stop_cleanly() {
-    // without a handler the program ends at once, and a `.part` file may stay
+    // without a handler a `.part` file may remain
     let _ = ctrlc::set_handler(|| {
         armident_recording::remove_partial_files();
         std::process::exit(INTERRUPTED);

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::args::{FailOn, OutputArgs};
 use crate::failure::{Failure, NOTE, Outcome, WARNING};
 
-/// Writes a result: text on stdout unless JSON goes there, JSON where asked for, warnings on stderr.
+/// Writes a result: text on stdout unless JSON goes there, JSON if requested, warnings on stderr.
 pub(crate) fn write_result(
     output: &OutputArgs,
     text: &str,
@@ -21,7 +21,7 @@ pub(crate) fn write_result(
     let mut text_on_stdout = true;
     if let Some(path) = &output.json {
         let mut document = serde_json::to_string_pretty(json).map_err(|error| {
-            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
         })?;
         document.push('\n');
         if is_stdout(path) {
@@ -51,7 +51,13 @@ pub(crate) fn say_all(output: &OutputArgs, kind: &str, messages: &[String]) {
     }
 }
 
-/// The bars that the terminal behind stdout can show.
+/// A count with its noun, which agrees: "1 joint", "2 joints".
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
+/// Bar characters that stdout supports.
 pub(crate) fn bars() -> Bars {
     if supports_unicode::on(supports_unicode::Stream::Stdout) { Bars::Unicode } else { Bars::Ascii }
 }
@@ -63,7 +69,7 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
 pub(crate) fn write_stdout(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
-        // a reader that has seen enough (`| head`) is no failure
+        // a closed pipe (`| head`) is not a failure
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         Err(error) => Err(Failure::new(format!("cannot write: {error}"), "stdout", None::<String>)),
         Ok(()) => Ok(()),
@@ -90,7 +96,7 @@ pub(crate) fn protect<'a>(
     for written in outputs.into_iter().flatten() {
         if inputs.iter().any(|input| same_file(written, input)) {
             return Err(Failure::new(
-                "the result would overwrite one of its inputs",
+                "the output would overwrite an input file",
                 written.display(),
                 Some("write to another file"),
             ));

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_diagnose::{DiagnosedModel, Diagnosis, Finding, Seen};
+use armident_diagnose::{Diagnosis, Finding};
 use armident_kinematics::DrivingAxisChain;
+use armident_model::{DiagnosedModel, PreparedRecording};
 use armident_page::{
     Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
 };
@@ -36,9 +37,9 @@ impl PageArgs {
     pub(crate) fn check(&self) -> Result<(), Failure> {
         match &self.report {
             Some(path) if output::is_stdout(path) => Err(Failure::new(
-                "the page cannot go to stdout, where the result goes",
+                "the page cannot be written to stdout",
                 "--report",
-                Some("name a file, for example --report report.html"),
+                Some("pass a file, for example --report report.html"),
             )),
             _ => Ok(()),
         }
@@ -65,16 +66,12 @@ pub(crate) fn write_result<T: Serialize>(
     };
     if let Some(path) = &pages.report {
         let document = serde_json::to_string(&drawn).map_err(|error| {
-            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
         })?;
         let page = armident_page::html(&document).map_err(|e| failure(path, &e))?;
         output::write_file(path, page.as_bytes())?;
         let megabytes = page.len() as f64 / 1e6;
-        output::say_all(
-            args,
-            "note",
-            &[format!("page of {megabytes:.1} MB written to {}", path.display())],
-        );
+        output::say_all(args, "note", &[format!("wrote {} ({megabytes:.1} MB)", path.display())]);
     }
     Ok(outcome)
 }
@@ -85,7 +82,7 @@ pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
         PageError::NotJson { line, .. } => format!("{}, line {line}", path.display()),
         _ => path.display().to_string(),
     };
-    Failure::new(error, place, Some("give a file written by --json of any command"))
+    Failure::new(error, place, Some("pass a file written by --json of any command"))
 }
 
 /// The command line, and the files that were read for it.
@@ -156,8 +153,8 @@ pub(crate) fn of_models<'a>(
 /// What is drawn of a diagnosis.
 pub(crate) fn of_diagnosis(
     diagnosis: &Diagnosis,
-    train: &[Seen<'_>],
-    holdout: &[Seen<'_>],
+    train: &[PreparedRecording<'_>],
+    holdout: &[PreparedRecording<'_>],
 ) -> Result<Drawing, Failure> {
     let before = &diagnosis.believed;
     let models = [before, &diagnosis.rigid, &diagnosis.model];
@@ -171,7 +168,7 @@ pub(crate) fn of_diagnosis(
     let canvas = Canvas::new(chain, &["given", "links only", "diagnosed"], &all)?;
     let mut drawing = canvas.drawing();
     for finding in &diagnosis.findings {
-        let model = diagnosis.model.without(finding, before);
+        let model = finding.ablated_from(&diagnosis.model, before);
         // a finding is looked at on what it was found in
         let mut without =
             train.iter().map(|seen| model.predict_seen(seen)).collect::<Result<Vec<_>, _>>()?;

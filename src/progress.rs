@@ -1,4 +1,4 @@
-//! What is being done, on stderr, while it takes its time.
+//! Progress on stderr.
 
 use std::time::Duration;
 
@@ -8,19 +8,18 @@ use crate::args::OutputArgs;
 
 const TICK: Duration = Duration::from_millis(120);
 
-/// A line on stderr that goes away when this is dropped; none when stderr is not a terminal, or with
-/// `--quiet`.
+/// A progress line on stderr, removed on drop; hidden with `--quiet` or if stderr is not a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
 }
 
 impl Progress {
-    /// Something of which it is not known how long it takes.
+    /// A task of unknown length.
     pub(crate) fn of(output: &OutputArgs, doing: &str) -> Self {
         Self::new(output, ProgressBar::new_spinner(), "{spinner} {msg} ({elapsed})", doing)
     }
 
-    /// The same with a known number of parts.
+    /// A task with a known number of parts.
     pub(crate) fn through(output: &OutputArgs, doing: &str, parts: usize) -> Self {
         let style = "{spinner} {msg} [{bar:30}] {pos} of {len} ({elapsed})";
         Self::new(output, ProgressBar::new(parts as u64), style, doing)
@@ -38,7 +37,7 @@ impl Progress {
         Self { bar }
     }
 
-    /// One part is done.
+    /// Marks one part as done.
     pub(crate) fn part_done(&self) {
         self.bar.inc(1);
     }

@@ -1,11 +1,11 @@
-//! From a URDF or a model file and the chain options to the arm.
+//! Loads the arm from a URDF or model file and the chain options.
 
 use std::path::Path;
 
-use armident_diagnose::{DiagnosedModel, Learned};
-use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{Motion, MotionSettings, Recording};
+use armident_model::{ArmModel, DiagnosedModel, Learned};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::Recording;
 
 use crate::args::ChainArgs;
 use crate::failure::Failure;
@@ -33,7 +33,7 @@ pub(crate) fn load(
     Ok(ArmModel::from_chain(DrivingAxisChain::from_chain(&serial)))
 }
 
-/// What to say about a chain beside its warnings.
+/// Notes on a chain, in addition to its warnings.
 pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
     model.chain.ignored_note().into_iter().collect()
 }
@@ -47,33 +47,33 @@ fn load_model(path: &Path, chain: &ChainArgs) -> Result<ArmModel, Failure> {
     ];
     if let Some((option, _)) = chosen.iter().find(|(_, given)| *given) {
         return Err(Failure::new(
-            format!("{option} cannot change a model file: its chain is fixed"),
+            format!("{option} cannot be used with a model file"),
             path.display(),
-            Some("give the URDF instead, or leave the option out"),
+            Some("pass the URDF instead, or omit the option"),
         ));
     }
     ArmModel::load(path).map_err(|error| Failure::model(path, &error))
 }
 
-/// The arm with all that its file holds: of a model that a diagnosis wrote, what it learned too.
+/// The arm with everything in its file, including the findings of a diagnosed model.
 pub(crate) struct Robot {
     /// Links, and effects on joints.
     pub(crate) arm: ArmModel,
-    /// What a diagnosis learned beyond; none for a URDF and for a model that `identify` wrote.
+    /// Findings of a diagnosed model; `None` for a URDF and for an identified model.
     pub(crate) learned: Option<Learned>,
 }
 
 /// Predicted efforts.
 pub(crate) struct Predicted {
-    /// Of every joint at every stamp of the recording \[N m or N\].
+    /// Effort of every joint at every time stamp of the recording \[N m or N\].
     pub(crate) efforts: Vec<Vec<f64>>,
-    /// What the motion had to say.
+    /// Notes on the motion.
     pub(crate) notes: Vec<String>,
 }
 
-/// What says which efforts a motion takes.
+/// A model that predicts the efforts of a motion.
 pub(crate) trait Predicts {
-    /// The efforts of a recorded motion. `cutoff_hz` is the low-pass of the positions; what a diagnosis wrote has
+    /// Efforts of a recorded motion. `cutoff_hz` is the low-pass of the positions; a diagnosed model has
     /// its own.
     fn efforts(&self, recording: &Recording, cutoff_hz: Option<f64>) -> Result<Predicted, Failure>;
 }
@@ -104,7 +104,7 @@ impl Predicts for Robot {
 }
 
 impl Robot {
-    /// Efforts of recordings whose motions are formed already, on the grids of these.
+    /// Efforts of recordings on the grids of their given motions.
     pub(crate) fn on_grids(
         &self,
         motions: &[Motion],
@@ -125,7 +125,7 @@ impl Robot {
         Some(DiagnosedModel { arm: self.arm.clone(), learned })
     }
 
-    /// The arm with all that a diagnosis learned as effects on it, and what of it a simulated arm cannot hold.
+    /// The arm with all findings as effects, and a list of those that a simulated arm does not support.
     pub(crate) fn as_simulated(&self) -> (ArmModel, Vec<String>) {
         match self.diagnosed() {
             Some(diagnosed) => diagnosed.as_simulated(),
@@ -134,7 +134,7 @@ impl Robot {
     }
 }
 
-/// Loads the arm for what starts from its links alone, and says what else its file holds.
+/// Loads the links of the arm, with a note on the other content of its file.
 pub(crate) fn load_links(
     path: &Path,
     chain: &ChainArgs,
@@ -143,18 +143,18 @@ pub(crate) fn load_links(
     let robot = load_whole(path, chain, recorded)?;
     let (simulated, mut beside) = robot.as_simulated();
     let tilted = robot.learned.as_ref().is_some_and(|l| l.tilt_rad.iter().any(|x| *x != 0.0));
-    beside.extend(tilted.then(|| "the tilt of its base".to_owned()));
+    beside.extend(tilted.then(|| "base tilt".to_owned()));
     let mut slugs: Vec<String> = simulated.effects.into_iter().map(|e| e.effect).collect();
     slugs.sort();
     slugs.dedup();
     slugs.extend(beside);
     let note = (!slugs.is_empty()).then(|| {
-        format!("of {} only the links are used, not its {}", path.display(), slugs.join(", "))
+        format!("using only the links of {}; ignoring {}", path.display(), slugs.join(", "))
     });
     Ok((robot.arm, note))
 }
 
-/// Loads the arm with all that its file holds.
+/// Loads the arm with the whole content of its file.
 pub(crate) fn load_whole(
     path: &Path,
     chain: &ChainArgs,
@@ -165,18 +165,18 @@ pub(crate) fn load_whole(
     Ok(Robot { arm, learned })
 }
 
-/// What a diagnosis learned, if the file is a model that holds it.
+/// The findings of a diagnosed model; `None` for other files.
 fn learned(path: &Path, model: &ArmModel) -> Result<Option<Learned>, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         return Ok(None);
     }
     let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::model(path, &armident_ident::ModelError::Unreadable(error)))?;
+        .map_err(|error| Failure::model(path, &armident_model::ModelError::Unreadable(error)))?;
     Learned::in_model_file(&text, &model.chain.joint_names()).map_err(|error| {
         Failure::new(
             error,
             path.display(),
-            Some("write the model again with `armident diagnose --save-model`"),
+            Some("create the model again with `armident diagnose --save-model`"),
         )
     })
 }

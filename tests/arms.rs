@@ -19,7 +19,7 @@ fn without_rounding(page: &str) -> String {
 
 /// A snapshot is the page `params` prints.
 #[test]
-fn pages() {
+fn pages_match_snapshots() {
     for path in urdfs(&project("urdf")) {
         let name = path.file_stem().unwrap().to_str().unwrap();
         let page = run(&["params", &format!("urdf/{name}.urdf")]).fine().stdout;
@@ -80,7 +80,7 @@ fn pose_as_written(
 
 /// The driving-axis chain puts every link where the URDF puts it.
 #[test]
-fn chain_rebuilds_the_urdf() {
+fn chain_rebuilds_urdf_poses() {
     for path in urdfs(&project("urdf")) {
         let name = path.display();
         let robot = load_urdf(&path).unwrap();
@@ -123,7 +123,7 @@ fn types_in_full(short: &str) -> String {
 
 /// The table of `urdf/README.md` names every file, with its joints and the sizes of its set.
 #[test]
-fn readme_table_holds() {
+fn readme_table_matches_arms() {
     let readme = std::fs::read_to_string(project("urdf/README.md")).unwrap();
     let rows: Vec<Vec<&str>> = readme
         .lines()

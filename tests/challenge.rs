@@ -18,7 +18,7 @@ const CASE: [&str; 9] = [
 
 /// One case on a small arm: kept, scored again from its files, and diagnosed again from its files.
 #[test]
-fn a_case_in_memory_is_the_case_in_files() {
+fn memory_and_file_cases_are_equal() {
     let folder = scratch("challenge");
     let kept = folder.join("kept");
     let board =
@@ -47,9 +47,9 @@ fn a_case_in_memory_is_the_case_in_files() {
     assert_eq!(found["fit"]["holdout"], handed_in["fit"]["holdout"]);
 }
 
-/// The text says the sums, and which effect was named; without a terminal there is no progress bar.
+/// The text has the sums and the effects; without a terminal there is no progress bar.
 #[test]
-fn the_scoreboard_as_text() {
+fn scoreboard_prints_all_groups() {
     let board = run(&CASE).fine();
     let lines: Vec<String> = board
         .stdout
@@ -71,12 +71,16 @@ fn the_scoreboard_as_text() {
         board.stdout
     );
     let said: Vec<&str> = board.stderr.lines().collect();
-    assert!(said.len() == 1 && said[0].starts_with("note: a diagnosis took "), "{}", board.stderr);
+    assert!(
+        said.len() == 1 && said[0].starts_with("note: diagnosis time on one thread: "),
+        "{}",
+        board.stderr
+    );
 }
 
-/// Nothing can be concealed in an arm without masses: that is no empty scoreboard.
+/// No effect can be hidden in an arm without masses: an error, not an empty scoreboard.
 #[test]
-fn an_arm_that_shows_nothing_is_an_error() {
+fn arm_without_detectable_effects_is_an_error() {
     let mut urdf = std::fs::read_to_string("urdf/planar_2r.urdf").unwrap();
     while let (Some(start), Some(end)) = (urdf.find("<inertial>"), urdf.find("</inertial>")) {
         urdf.replace_range(start..end + "</inertial>".len(), "");
@@ -88,14 +92,14 @@ fn an_arm_that_shows_nothing_is_an_error() {
     assert_eq!((run.code, run.stdout.as_str()), (1, ""));
     let said = run.stderr.replace(text(&file), "massless.urdf");
     insta::assert_snapshot!(said, @r"
-    error: no case could be made: no arm that was tried shows the effects
+    error: no case could be generated: the effects are not detectable on any arm tried
        in: massless.urdf
-     hint: its links need masses and inertias (`armident params` says which have none); or ask for other effects
+     hint: give its links masses and inertias (`armident params` lists those without), or choose other effects
     ");
 }
 
 #[test]
-fn wrong_command_lines() {
+fn wrong_command_lines_fail() {
     let code = |args: &[&str]| run(&[&["challenge"], args].concat()).code;
     assert_eq!(code(&["--effect", "magic"]), 2);
     assert_eq!(code(&["--cases", "0"]), 2);
@@ -108,19 +112,19 @@ fn wrong_command_lines() {
         run.stderr
     };
     insta::assert_snapshot!(said(&["--robot", "no_arm"]), @r"
-    error: it cannot be read: No such file or directory (os error 2)
+    error: cannot read: No such file or directory (os error 2)
        in: no_arm
-     hint: give a URDF, or one of ur5, panda, stanford, scara, iiwa14, puma560, tx40, ur10, kinova_gen3, gantry
+     hint: pass a URDF, or one of ur5, panda, stanford, scara, iiwa14, puma560, tx40, ur10, kinova_gen3, gantry
     ");
     insta::assert_snapshot!(said(&["--cases", "2", "--only", "3"]), @r"
-    error: there is no case 3 among 2
+    error: case 3 is out of range (1 to 2)
        in: --only
-     hint: count from 1 to --cases
+     hint: choose a number from 1 to --cases
     ");
     insta::assert_snapshot!(said(&["--kind", "null", "--effect", "backlash"]), @r"
-    error: a null conceals nothing
+    error: a null case has no hidden effect
        in: --effect, --kind null
-     hint: leave one of them out
+     hint: omit one of the two options
     ");
     insta::assert_snapshot!(said(&["--kind", "field", "--effect", "viscous_friction", "--robot", "scara"]), @r"
     error: there is no effect `viscous_friction` to conceal in a case of this kind
@@ -128,9 +132,9 @@ fn wrong_command_lines() {
      hint: give a slug of the effect library or `unlisted`; field and change cases have viscous and Coulomb friction anyway, and in a change no other friction law takes their place
     ");
     insta::assert_snapshot!(said(&["--study", "nulls", "--kind", "field"]), @r"
-    error: this study has its own kinds of cases
+    error: this study defines its own kinds of cases
        in: --kind
-     hint: leave it out; the power study alone takes clean or field
+     hint: omit --kind; only the power study accepts clean or field
     ");
     insta::assert_snapshot!(said(&["--score", "urdf", "urdf"]), @r"
     error: there is no case in this folder

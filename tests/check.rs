@@ -213,7 +213,7 @@ fn bundled(name: &str) -> Case {
 }
 
 #[test]
-fn nothing_is_wrong_with_the_bundled_recording() {
+fn bundled_recording_passes_input_checks() {
     let case = bundled("as_is");
     let found = case.checked(&case.table);
     assert_eq!(found["schema"], "armident.check/2");
@@ -233,7 +233,7 @@ fn nothing_is_wrong_with_the_bundled_recording() {
 }
 
 #[test]
-fn faults_of_the_bundled_recording_are_found() {
+fn detects_faults_of_bundled_recording() {
     let case = bundled("faults");
     faults_are_found(&case, &[0, 2, 4], true);
     let efforts = case.table.of("/effort");
@@ -252,7 +252,7 @@ fn faults_of_the_bundled_recording_are_found() {
 }
 
 #[test]
-fn delays_of_the_bundled_recording_are_found() {
+fn detects_delays_of_bundled_recording() {
     let case = bundled("delays");
     let found = delays_are_found(&case, 0.005, 1e-3);
     assert_eq!(topic(&found, "delay")["verdict"], "wrong");
@@ -261,7 +261,7 @@ fn delays_of_the_bundled_recording_are_found() {
 
 /// Joints that rest or move one way, and what they leave open, are named.
 #[test]
-fn lazy_recordings_are_told() {
+fn reports_poor_excitation() {
     let case = bundled("lazy");
     let position = case.table.of("/position");
     let mut table = case.table.clone();
@@ -279,7 +279,7 @@ fn lazy_recordings_are_told() {
 /// A second of motion has fewer independent samples than the arm has unknowns: whatever is fitted to it leaves
 /// next to nothing over, and that says nothing against the columns.
 #[test]
-fn seconds_invent_no_faults() {
+fn short_recordings_cause_no_false_alarm() {
     let case = bundled("seconds");
     for second in 0..11 {
         let from_s = f64::from(second);
@@ -289,7 +289,7 @@ fn seconds_invent_no_faults() {
 }
 
 #[test]
-fn efforts_beyond_the_drives_are_told() {
+fn reports_efforts_beyond_limits() {
     let case = bundled("beyond");
     let efforts = case.table.of("/effort");
     let found = case.checked(&case.table.scaled(&efforts[..1], 1000.0));
@@ -304,7 +304,7 @@ fn efforts_beyond_the_drives_are_told() {
 }
 
 #[test]
-fn wrong_checks_are_warnings() {
+fn wrong_verdicts_are_warnings() {
     let args = ["check", "urdf/ur5.urdf", "examples/ur5/train.csv", "--mapping"];
     let ran = run(&[&args[..], &["examples/ur5/wrong.toml", "--fail-on", "warning"]].concat());
     assert_eq!(ran.code, 3, "{}", ran.stderr);
@@ -317,7 +317,7 @@ fn real(test: &str, folder: &str, urdf: &str) -> Option<Case> {
 }
 
 #[test]
-fn nothing_is_wrong_with_real_recordings() {
+fn real_recordings_pass_input_checks() {
     for (folder, urdf, training) in [
         ("ur10-unisa", "ur10.urdf", "train.csv"),
         ("panda-unisa", "panda.urdf", "train.csv"),
@@ -353,7 +353,7 @@ fn nothing_is_wrong_with_real_recordings() {
 /// Three and six seconds of real motion: friction laws that are not quite those of the joint leave over what
 /// free constants can imitate, and that is no fault of the columns.
 #[test]
-fn nothing_is_wrong_with_pieces_of_real_recordings() {
+fn pieces_of_real_recordings_pass_input_checks() {
     for (folder, urdf) in [("ur10-unisa", "ur10.urdf"), ("panda-unisa", "panda.urdf")] {
         let Some(case) = real("pieces", folder, urdf) else { return };
         for length_s in [3.0, 6.0] {
@@ -369,7 +369,7 @@ fn nothing_is_wrong_with_pieces_of_real_recordings() {
 }
 
 #[test]
-fn faults_of_real_recordings_are_found() {
+fn detects_faults_of_real_recordings() {
     if let Some(ur10) = real("faults", "ur10-unisa", "ur10.urdf") {
         faults_are_found(&ur10, &[0, 1, 2], true);
         swaps_are_found(&ur10, &[(0, 1), (1, 2), (4, 5)]);
@@ -391,7 +391,7 @@ fn faults_of_real_recordings_are_found() {
 
 /// Simulated arms with one effect each: none of them is a fault of the books but the delays.
 #[test]
-fn physics_is_no_fault_of_the_books() {
+fn effects_cause_no_false_alarm() {
     for (case, delay_s) in [
         ("d01", None),
         ("d02", None),

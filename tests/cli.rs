@@ -10,7 +10,7 @@ use crate::tool::{read_json, run, run_in, scratch, text};
 const WARNS: &str = "urdf/stanford.urdf";
 
 #[test]
-fn exit_codes() {
+fn exit_codes_follow_the_outcome() {
     let code = |args: &[&str]| run(args).code;
     assert_eq!(code(&["params", WARNS]), 0, "a warning is no failure");
     assert_eq!(code(&["params", WARNS, "--fail-on", "warning"]), 3);
@@ -31,7 +31,7 @@ fn exit_codes() {
 }
 
 #[test]
-fn results_on_stdout_messages_on_stderr() {
+fn results_go_to_stdout_messages_to_stderr() {
     let plain = run(&["params", WARNS]).fine();
     assert!(plain.stdout.starts_with("stanford: 6 joints RRPRRR"));
     assert!(plain.stderr.starts_with("warning: ") && plain.stderr.lines().count() == 1);
@@ -56,7 +56,7 @@ fn results_on_stdout_messages_on_stderr() {
 
 /// The same command gives the same bytes.
 #[test]
-fn results_repeat() {
+fn results_are_reproducible() {
     for args in [&["params", "urdf/panda.urdf", "--json", "-"][..], &["params", "urdf/gantry.urdf"]]
     {
         assert_eq!(run(args).fine().stdout, run(args).fine().stdout);
@@ -273,7 +273,7 @@ fn is_three_lines(stderr: &str) -> bool {
 }
 
 #[test]
-fn errors() {
+fn errors_match_snapshot() {
     let folder = scratch("cli_errors");
     lay_out(&folder);
     let mut page = String::new();
@@ -307,7 +307,7 @@ fn errors() {
 
 /// However its path is written, what goes in is not overwritten by what comes out.
 #[test]
-fn inputs_are_kept() {
+fn inputs_are_never_overwritten() {
     let folder = scratch("cli_inputs");
     lay_out(&folder);
     for line in [
@@ -326,7 +326,7 @@ fn inputs_are_kept() {
 
 /// Doubtful, but there is a result: what was done is said.
 #[test]
-fn doubts() {
+fn doubtful_inputs_give_messages() {
     let folder = scratch("cli_doubts");
     lay_out(&folder);
     let said = |line: &str| {
@@ -346,7 +346,7 @@ fn doubts() {
 /// A result sent to a pipe or a device goes into it; a rename would put a file in its place.
 #[cfg(unix)]
 #[test]
-fn outputs_that_are_no_files() {
+fn outputs_may_be_pipes_and_links() {
     use std::os::unix::fs::{FileTypeExt, symlink};
     let folder = scratch("cli_no_files");
     lay_out(&folder);
@@ -369,7 +369,7 @@ fn outputs_that_are_no_files() {
 
 /// Colours are for terminals, and for nobody with `NO_COLOR`.
 #[test]
-fn colours() {
+fn colours_follow_the_environment() {
     let run = |env: &[(&str, &str)], args: &[&str]| {
         let output = std::process::Command::new(env!("CARGO_BIN_EXE_armident"))
             .args(args)
@@ -393,7 +393,7 @@ fn colours() {
 /// The same on a terminal, which `script` of util-linux plays.
 #[cfg(target_os = "linux")]
 #[test]
-fn colours_on_a_terminal() {
+fn terminals_show_colours() {
     let command = format!("{} params absent.urdf", env!("CARGO_BIN_EXE_armident"));
     let on_terminal = |no_color: Option<&str>| {
         let mut script = std::process::Command::new("script");
@@ -420,7 +420,7 @@ fn colours_on_a_terminal() {
 /// Ctrl-C at any time leaves whole files and nothing else.
 #[cfg(unix)]
 #[test]
-fn interrupted() {
+fn interrupt_leaves_whole_files() {
     let folder = scratch("cli_interrupted");
     run_in(&folder, &["plan", text(&project("urdf/stanford.urdf")), "-o", "plan", "-q"]).fine();
     let simulate = |to: &str| {

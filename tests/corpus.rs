@@ -61,7 +61,7 @@ fn is_in_words(refusal: &str) -> bool {
 /// π/12: the index takes 1.5708 as it stands, so that axes are a little off parallel and constants
 /// become just determinable (theory, section 7). No other difference is accepted.
 #[test]
-fn sizes() {
+fn set_sizes_match_independent_program() {
     let Some(folder) = shared("corpus::sizes", "urdf-corpus") else { return };
     let index: toml::Table =
         std::fs::read_to_string(folder.join("index.toml")).unwrap().parse().unwrap();

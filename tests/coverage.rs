@@ -10,7 +10,7 @@ mod study;
 /// together: the share of a recording has a standard deviation of some 4 %, that of eight of 1.4 %, so the
 /// bounds are more than three of it away from 95 %.
 #[test]
-fn intervals_hold_the_truth_as_often_as_they_say() {
+fn intervals_have_nominal_coverage() {
     let recordings = 8;
     for arms in [study::Arms::HeavierForearm, study::Arms::Drawn] {
         let settings = BatchSettings::default();

@@ -3,10 +3,10 @@
 use crate::tool::{list, read_json, run, run_in, scratch, text};
 
 #[test]
-fn what_the_demo_conceals_is_found() {
+fn demo_finds_its_hidden_effects() {
     let folder = scratch("demo");
     let said = run_in(&folder, &["demo"]).fine();
-    assert!(said.stdout.contains("open it in a browser"), "{}", said.stdout);
+    assert!(said.stdout.contains("in a browser"), "{}", said.stdout);
     let made = folder.join("armident-demo");
     let page = std::fs::read_to_string(made.join("report.html")).unwrap();
     // the page names the command that makes it again, without the demo
@@ -31,11 +31,11 @@ fn what_the_demo_conceals_is_found() {
     std::fs::write(folder.join("mine/thesis.txt"), "years").unwrap();
     let refused = run_in(&folder, &["demo", "-o", "mine"]);
     assert_eq!(refused.code, 1);
-    assert!(refused.stderr.contains("holds other files"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("contains other files"), "{}", refused.stderr);
 }
 
 #[test]
-fn shells_and_manuals() {
+fn completions_and_manuals_are_written() {
     for shell in ["bash", "zsh", "fish"] {
         let script = run(&["completions", shell]).fine().stdout;
         assert!(script.contains("diagnose") && script.contains("next-motion"), "{shell}");

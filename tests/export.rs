@@ -4,7 +4,7 @@ use crate::shared::project;
 use crate::tool::{list, number, read_json, run, run_in, scratch, string, text};
 
 #[test]
-fn an_identified_model_as_urdf_is_the_same_arm() {
+fn exported_urdf_predicts_the_same_efforts() {
     let folder = scratch("export");
     let examples = project("examples/ur5");
     let (urdf, train) = (project("urdf/ur5.urdf"), examples.join("train.csv"));
@@ -47,22 +47,22 @@ fn an_identified_model_as_urdf_is_the_same_arm() {
 }
 
 #[test]
-fn a_format_that_is_not_told_is_asked_for() {
+fn unknown_extension_requires_format() {
     let folder = scratch("export_format");
     let urdf = project("urdf/scara.urdf");
     let ran = run_in(&folder, &["export", text(&urdf), "-o", "scara.sdf"]);
     assert_eq!(ran.code, 1);
     assert_eq!(
         ran.stderr,
-        "error: the name of the file does not tell the format\n   in: scara.sdf\n hint: end it in \
-         .urdf, or in .xml for MuJoCo, or give --format\n"
+        "error: cannot infer the output format from `scara.sdf`\n   in: scara.sdf\n hint: use the \
+         extension .urdf, or .xml for MJCF, or pass --format\n"
     );
     assert!(!folder.join("scara.sdf").exists());
 }
 
-/// Estimates that no real links have are kept with --raw-estimate, and said at the export.
+/// An inconsistent estimate is kept with --raw-estimate, with a note at the export.
 #[test]
-fn raw_estimates_are_kept_on_request() {
+fn raw_estimate_skips_projection() {
     let folder = scratch("raw_estimate");
     let (urdf, train) = (project("urdf/ur5.urdf"), project("examples/ur5/train.csv"));
     let model = folder.join("raw.json");
@@ -71,5 +71,5 @@ fn raw_estimates_are_kept_on_request() {
     assert!(found["consistency"].is_null());
     assert!(list(&found["constants"]).iter().all(|c| c["consistent"].is_null()));
     let ran = run(&["export", text(&model), "-o", text(&folder.join("raw.urdf"))]).fine();
-    assert!(ran.stderr.contains("an inertia no body can have"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("not physically consistent"), "{}", ran.stderr);
 }

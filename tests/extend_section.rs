@@ -2,8 +2,9 @@
 //! content on the page.
 
 use armident_diagnose::diagnose;
-use armident_ident::ArmModel;
+
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+use armident_model::ArmModel;
 use armident_report::{
     Bars, Block, DiagnoseInputs, DiagnoseReport, DiagnosisSection, Fits, SectionData, Source,
     Table, shows, standard_sections, text_of_sections,

@@ -10,31 +10,49 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 15] = [
     ("numeric", &[]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
-    ("recording", &["numeric"]),
-    ("simulation", &["dynamics", "effects", "kinematics", "recording"]),
-    ("ident", &["dynamics", "effects", "kinematics", "numeric", "recording", "simulation"]),
-    ("diagnose", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
-    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics"]),
-    ("page", &["effects", "kinematics", "recording", "report"]),
+    ("recording", &[]),
+    ("motion", &["numeric", "recording"]),
+    ("model", &["dynamics", "effects", "kinematics", "motion", "recording"]),
+    ("simulation", &["dynamics", "effects", "kinematics", "motion", "recording"]),
+    (
+        "ident",
+        &[
+            "dynamics",
+            "effects",
+            "kinematics",
+            "model",
+            "motion",
+            "numeric",
+            "recording",
+            "simulation",
+        ],
+    ),
+    (
+        "diagnose",
+        &["dynamics", "effects", "ident", "kinematics", "model", "motion", "numeric", "recording"],
+    ),
+    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model"]),
+    ("page", &["effects", "kinematics", "motion", "recording", "report"]),
     (
         "challenge",
         &[
             "diagnose",
             "dynamics",
             "effects",
-            "ident",
             "kinematics",
+            "model",
+            "motion",
             "recording",
             "report",
             "simulation",
         ],
     ),
-    ("export", &["effects", "ident", "kinematics"]),
+    ("export", &["effects", "kinematics", "model"]),
     (
         "",
         &[
@@ -45,6 +63,8 @@ const ARROWS: [(&str, &[&str]); 13] = [
             "export",
             "ident",
             "kinematics",
+            "model",
+            "motion",
             "numeric",
             "page",
             "recording",
@@ -77,7 +97,7 @@ fn dependencies(package: &Value) -> impl Iterator<Item = &str> {
 }
 
 #[test]
-fn arrows() {
+fn crates_depend_in_one_direction() {
     let expected: BTreeMap<&str, BTreeSet<&str>> =
         ARROWS.iter().map(|(name, used)| (*name, used.iter().copied().collect())).collect();
     let packages = packages();
@@ -90,7 +110,7 @@ fn arrows() {
 
 /// The table of ARCHITECTURE.md tells the arrows as they are.
 #[test]
-fn architecture_page() {
+fn architecture_page_lists_the_arrows() {
     let page = std::fs::read_to_string(project("ARCHITECTURE.md")).unwrap();
     let told: BTreeMap<&str, BTreeSet<&str>> = page
         .lines()
@@ -111,7 +131,7 @@ fn architecture_page() {
 
 /// Dynamic matrices and everything said about ranks are the business of one crate.
 #[test]
-fn one_crate_names_faer() {
+fn only_numeric_uses_faer() {
     for package in &packages() {
         let name = string(&package["name"]);
         let names_faer = dependencies(package).any(|d| d == "faer");
@@ -120,7 +140,7 @@ fn one_crate_names_faer() {
 }
 
 #[test]
-fn every_crate_says_what_it_is() {
+fn every_crate_has_a_description() {
     for package in &packages() {
         let name = string(&package["name"]);
         let folder = Path::new(string(&package["manifest_path"])).parent().unwrap();
@@ -164,7 +184,7 @@ fn files(folder: &Path, into: &mut Vec<PathBuf>) {
 
 /// Paths of somebody's machine mean nothing on another.
 #[test]
-fn no_paths_of_a_machine() {
+fn files_contain_no_machine_paths() {
     // in pieces, so that this file does not hold them
     let roots = [["/ho", "me/"], ["/ro", "ot/"], ["/wo", "rk/"], ["/Use", "rs/"], [":\\Use", "rs"]]
         .map(|pieces| pieces.concat());

@@ -5,7 +5,7 @@ use crate::tool::{list, number, read_json, run, scratch, text};
 
 /// A simulated recording as MCAP identifies the same constants as it does as CSV.
 #[test]
-fn mcap_is_as_good_as_csv() {
+fn mcap_equals_csv() {
     let folder = scratch("formats");
     let (urdf, train) = (project("urdf/ur5.urdf"), project("examples/ur5/train.csv"));
     let mut found = Vec::new();
@@ -31,7 +31,7 @@ fn mcap_is_as_good_as_csv() {
 }
 
 #[test]
-fn what_a_format_cannot_hold_is_said() {
+fn unsupported_channels_give_notes() {
     let folder = scratch("formats_lost");
     let (urdf, train) = (project("urdf/ur5.urdf"), project("examples/ur5/train.csv"));
     let path = folder.join("run.mcap");
@@ -62,7 +62,7 @@ fn write(
 
 /// Joints in another order, and a joint and a column that are not the arm's.
 #[test]
-fn other_joints_and_another_order_change_nothing() {
+fn extra_joints_and_order_change_nothing() {
     let folder = scratch("formats_order");
     let (urdf, train) = (project("urdf/ur5.urdf"), project("examples/ur5/train.csv"));
     let mut columns = ur5_columns();
@@ -90,7 +90,7 @@ fn other_joints_and_another_order_change_nothing() {
 }
 
 #[test]
-fn files_of_different_rates_are_read_together() {
+fn different_rates_are_read_together() {
     let folder = scratch("formats_rates");
     let urdf = project("urdf/ur5.urdf");
     let (fast, slow) = (folder.join("fast.csv"), folder.join("slow.csv"));

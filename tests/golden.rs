@@ -131,7 +131,7 @@ fn check(path: &Path) {
 }
 
 #[test]
-fn golden_arms() {
+fn golden_arms_match() {
     let Some(folder) = shared("golden_arms", "golden") else { return };
     for arm in ["stanford", "puma560", "scara", "gantry", "ur5", "panda"] {
         check(&folder.join(format!("{arm}.json")));

@@ -7,7 +7,7 @@
     reason = "a failed test may panic"
 )]
 
-/// where the optional shared data lies, and how a skipped test says so
+/// location of the optional shared data, and reports of skipped tests
 mod shared;
 /// runs the program: exit code, stdout, stderr, result files
 mod tool;
@@ -17,39 +17,39 @@ mod golden;
 
 /// the arms of `urdf/`: the printed page of each, poses against the URDF, the table of its README
 mod arms;
-/// a hundred URDFs of real arms: read or refused in words; set sizes of an independent program
+/// a hundred URDFs of real arms: read or rejected with a message; set sizes of an independent program
 mod corpus;
 /// `params --json`: field names and values of the shared golden data
 mod params_json;
 
-/// exit codes, streams, and what is said about eighty wrong command lines
+/// exit codes, streams, and messages of eighty wrong command lines
 mod cli;
 /// no bytes in any input file make the program panic
 mod no_panic;
 /// the steps of `armident.toml`
 mod run;
 
-/// cases made, diagnosed unseen and scored
+/// generated cases, their diagnosis and score
 mod challenge;
-/// recordings as they are and spoiled: what `check` says of them
+/// `check` on recordings with and without faults
 mod check;
-/// a fixed small sample of the study of the intervals
+/// a fixed small sample of the coverage study
 mod coverage;
-/// the story without any file; completions and manual pages
+/// the demo without input files; completions and manual pages
 mod demo;
-/// one concealed effect is named and located, what is not there is not, and the model predicts
+/// hidden effects are found and located, absent effects are not, and the model predicts
 mod diagnose;
-/// models as URDF and MJCF, and what these formats cannot hold
+/// models as URDF and MJCF, and effects that these formats do not support
 mod export;
-/// MCAP beside CSV
+/// MCAP compared with CSV
 mod formats;
 /// pages of results in a browser
 mod page;
 /// exported URDF and MJCF in Pinocchio and MuJoCo
 mod peers;
-/// plan, simulate, identify, predict: what was put in comes out
+/// plan, simulate, identify, predict: the simulated parameters are recovered
 mod pipeline;
-/// public recordings of real arms: rank, error against a plain baseline, refusals
+/// public recordings of real arms: rank, error against plain least squares, rejected inputs
 mod real_data;
 
 /// a section of a diagnosis that this file adds
@@ -57,7 +57,11 @@ mod extend_section;
 /// `docs/json.md` and the schemas of the results
 mod json_docs;
 
-/// who may depend on whom, and what no file may hold
+/// figures in prose and the tables they come from
+mod figures;
+/// dependencies between crates, and forbidden content of files
 mod flow;
 /// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;
+/// the vocabulary of text and code
+mod words;

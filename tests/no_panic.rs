@@ -4,9 +4,11 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use armident_ident::algorithm2::{Plan, algorithm2};
-use armident_ident::{ArmModel, BatchProblem, MinimalSet};
+use armident_ident::{BatchProblem, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf_bytes};
-use armident_recording::{Motion, MotionSettings, Recording, read_csv_from};
+use armident_model::ArmModel;
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{Recording, read_csv_from};
 use proptest::prelude::*;
 
 use crate::shared::project;
@@ -187,29 +189,29 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn urdf(edits in edits()) {
+    fn urdf_bytes_never_panic(edits in edits()) {
         through_urdf(&edited(&SOUND.urdf, &edits));
     }
 
     #[test]
-    fn csv(edits in edits()) {
+    fn csv_bytes_never_panic(edits in edits()) {
         through_csv(&edited(&SOUND.csv, &edits));
     }
 
     #[test]
-    fn model(edits in edits()) {
+    fn model_bytes_never_panic(edits in edits()) {
         through_model(&edited(&SOUND.model, &edits));
     }
 
     #[test]
-    fn plan(edits in edits()) {
+    fn plan_bytes_never_panic(edits in edits()) {
         through_plan(&edited(&SOUND.plan, &edits));
     }
 }
 
 /// The same through the program: a result or a failure in words.
 #[test]
-fn through_the_program() {
+fn program_never_panics() {
     let folder = scratch("no_panic");
     let write = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
@@ -245,7 +247,7 @@ fn through_the_program() {
 
 /// A file of steps with something else at any place, and its commands printed or refused in words.
 #[test]
-fn steps_of_an_analysis() {
+fn analysis_bytes_never_panic() {
     let folder = scratch("no_panic_steps");
     let sound = std::fs::read(crate::shared::project("examples/ur5.toml")).unwrap();
     for k in 0..24 {

@@ -80,7 +80,7 @@ fn size(path: &Path) -> u64 {
 }
 
 #[test]
-fn every_kind_opens_in_a_browser() {
+fn every_page_opens_in_browser() {
     let folder = scratch("page");
     let pages = pages(&folder);
     for page in &pages {
@@ -137,7 +137,7 @@ fn every_kind_opens_in_a_browser() {
 
 /// `--report` and `report` of the same result with its traces draw the same page.
 #[test]
-fn one_page_from_both_ways() {
+fn report_option_equals_report_command() {
     let folder = scratch("page_both");
     let path = |name: &str| -> PathBuf { folder.join(name) };
     let (json, at_once, later) = (path("v.json"), path("at_once.html"), path("later.html"));
@@ -154,7 +154,7 @@ fn one_page_from_both_ways() {
     ])
     .fine();
     let said = run(&["report", text(&json), "-o", text(&later)]).fine();
-    assert!(said.stdout.starts_with("page of "), "{}", said.stdout);
+    assert!(said.stdout.starts_with("wrote "), "{}", said.stdout);
     assert_eq!(std::fs::read(at_once).unwrap(), std::fs::read(later).unwrap());
     let drawing = &read_json(&json)["drawing"];
     // the bytes that were read are named by their digest
@@ -165,7 +165,7 @@ fn one_page_from_both_ways() {
 
 /// The page names the heavier forearm and how large it is, and no peak of the recording is lost in it.
 #[test]
-fn the_drawing_holds_the_recording() {
+fn drawing_contains_the_recording() {
     let folder = scratch("page_drawing");
     let json = folder.join("d.json");
     run(&["diagnose", "urdf/ur5.urdf", TRAIN, "--json", text(&json), "--traces"]).fine();
@@ -199,7 +199,7 @@ fn the_drawing_holds_the_recording() {
 }
 
 #[test]
-fn what_is_no_result_is_refused() {
+fn rejects_files_that_are_no_result() {
     let folder = scratch("page_refused");
     let (bad, other) = (folder.join("bad.json"), folder.join("other.json"));
     std::fs::write(&bad, "{\n\"a\": \n").unwrap();
@@ -305,7 +305,7 @@ fn older_results_are_rendered() {
 /// A hold-out too short to judge whiteness, a replay that never came to its end: `null` in the results, and no
 /// fault of theirs.
 #[test]
-fn what_could_not_be_determined_is_no_fault() {
+fn unidentified_parameters_are_shown() {
     let folder = scratch("page_null");
     let (result, page) = (folder.join("result.json"), folder.join("page.html"));
     let diagnosis = r#"{"schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow"],

@@ -64,7 +64,7 @@ fn fields(value: &Value, left_out: &[&str]) -> BTreeSet<String> {
 
 /// The names a program finds, without any shared data at hand.
 #[test]
-fn fields_of_the_scara() {
+fn scara_has_all_fields() {
     let found = run(&["params", "urdf/scara.urdf", "--json", "-"]).fine().json();
     let expected: BTreeSet<String> = FIELDS.split(' ').map(str::to_owned).collect();
     assert_eq!(fields(&found, &[]), expected);
@@ -135,7 +135,7 @@ fn check(golden_path: &Path) {
 }
 
 #[test]
-fn golden_arms() {
+fn golden_arms_match() {
     let Some(folder) = shared("params_json::golden_arms", "golden") else { return };
     for arm in ["stanford", "puma560", "scara", "gantry", "ur5", "panda"] {
         check(&folder.join(format!("{arm}.json")));

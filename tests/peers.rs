@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use armident_dynamics::{inertia_matrix, inverse_dynamics};
-use armident_ident::ArmModel;
+use armident_model::ArmModel;
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
 
@@ -83,7 +83,7 @@ fn states(model: &ArmModel) -> Value {
 }
 
 #[test]
-fn pinocchio_and_mujoco_agree() {
+fn exports_agree_with_pinocchio_and_mujoco() {
     let Some(python) = python() else {
         skipped("peers", "no Python with pin and mujoco (ARMIDENT_PEERS_PYTHON, or .ci/run)");
         return;

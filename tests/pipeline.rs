@@ -100,7 +100,7 @@ fn algorithm_2_is_exact_on_exact_efforts() {
 }
 
 #[test]
-fn algorithm_2_on_other_structures() {
+fn algorithm_2_is_exact_on_other_structures() {
     for arm in ["scara", "gantry", "cylindrical", "planar_3r", "puma560"] {
         let (_, found) = ByPlan { arm, ..STANFORD }.run("pipeline_structures");
         assert_exact(&found, 1e-9);
@@ -109,7 +109,7 @@ fn algorithm_2_on_other_structures() {
 
 /// White effort noise: errors as large as the standard errors say.
 #[test]
-fn algorithm_2_with_noise() {
+fn algorithm_2_covers_truth_with_noise() {
     let noise = ["--torque-noise", "0.1", "--seed", "3"];
     let (_, found) = ByPlan { simulate: &noise, ..STANFORD }.run("pipeline_noise");
     for f in &found {
@@ -129,7 +129,7 @@ fn algorithm_2_with_noise() {
 /// Positions of an encoder and noisy efforts: velocity and acceleration come from the low-pass, and
 /// standard errors do not cover what it distorts.
 #[test]
-fn algorithm_2_with_encoders() {
+fn algorithm_2_is_accurate_with_encoders() {
     let sensors = ["--encoder-bits", "19", "--torque-noise", "0.05", "--seed", "1"];
     let (identified, found) = ByPlan { simulate: &sensors, ..STANFORD }.run("pipeline_encoders");
     assert!(number(&identified["cutoff_hz"]) > 1.0);
@@ -141,7 +141,7 @@ fn algorithm_2_with_encoders() {
 
 /// Friction of the moving joint is estimated beside the constants, in steps (58) and (60).
 #[test]
-fn algorithm_2_with_friction_of_the_moving_joint() {
+fn algorithm_2_tolerates_friction_of_moving_joint() {
     let friction =
         ["--effect", "viscous_friction:joint_2=1.5", "--effect", "coulomb_friction:joint_2=2"];
     let (identified, found) = ByPlan { simulate: &friction, ..STANFORD }.run("pipeline_friction");
@@ -156,14 +156,14 @@ fn algorithm_2_with_friction_of_the_moving_joint() {
 
 /// Held joints that are kept moving a little move the equations too.
 #[test]
-fn algorithm_2_with_dither() {
+fn algorithm_2_is_exact_with_dither() {
     let (_, found) = ByPlan { plan: &["--dither", "0.004,3"], ..STANFORD }.run("pipeline_dither");
     assert_exact(&found, 1e-9);
 }
 
 /// On a slope axis 1 is not along gravity: two more constants, and all are found.
 #[test]
-fn algorithm_2_on_a_slope() {
+fn algorithm_2_is_exact_on_a_slope() {
     let chain = ["--gravity", "0,6.94,-6.94"];
     let (_, found) = ByPlan { chain: &chain, ..STANFORD }.run("pipeline_slope");
     assert_eq!(found.len(), 35);
@@ -239,7 +239,7 @@ fn relative_difference(found: &[f64], expected: &[f64]) -> f64 {
 /// Batch least squares finds constants and joint effects, the model predicts an unseen motion, and
 /// efforts drive the motion they came from.
 #[test]
-fn batch_identify_predict_and_back() {
+fn batch_fit_recovers_simulated_parameters() {
     let folder = scratch("pipeline_batch");
     let urdf = project("urdf/ur5.urdf");
     let urdf = text(&urdf);
@@ -310,7 +310,7 @@ fn batch_identify_predict_and_back() {
 
 /// A fitted model has friction of either sign within its noise; it simulates all the same.
 #[test]
-fn fitted_models_simulate() {
+fn identified_model_simulates() {
     let folder = scratch("pipeline_model");
     let urdf = project("urdf/ur5.urdf");
     exciting_motion(&folder.join("motion.csv"), 0.0, true);
@@ -332,7 +332,7 @@ fn fitted_models_simulate() {
 /// A URDF predicts without anything learnt; positions alone are enough, but for what the low-pass
 /// takes away.
 #[test]
-fn predict_with_a_urdf() {
+fn predict_accepts_a_urdf() {
     let folder = scratch("pipeline_predict");
     let urdf = project("urdf/ur5.urdf");
     let urdf = text(&urdf);
@@ -361,7 +361,7 @@ fn predict_with_a_urdf() {
 
 /// Efforts of a smooth motion give the motion back.
 #[test]
-fn forward_simulation_returns_the_motion() {
+fn forward_simulation_recovers_the_motion() {
     let folder = scratch("pipeline_forward");
     let urdf = project("urdf/planar_2r.urdf");
     let urdf = text(&urdf);

@@ -57,7 +57,7 @@ fn run_pages(test: &str, pages: &[PathBuf]) {
 }
 
 #[test]
-fn commands() {
+fn readme_commands_print_as_shown() {
     let readme = project("README.md");
     if readme.exists() {
         run_pages("readme", &[readme]);
@@ -73,7 +73,7 @@ fn pages_in(folder: &str) -> Vec<PathBuf> {
 }
 
 #[test]
-fn commands_of_the_book() {
+fn book_commands_print_as_shown() {
     run_pages("book", &pages_in("docs/book/src"));
     run_pages("book_effects", &pages_in("docs/book/src/effects"));
 }
@@ -81,7 +81,7 @@ fn commands_of_the_book() {
 /// Every page is in the table of contents, every entry and every link between pages has its page, and no
 /// console block of the book hides in a page that is not run.
 #[test]
-fn the_book_hangs_together() {
+fn book_links_and_contents_are_complete() {
     let root = project("docs/book/src");
     let summary = std::fs::read_to_string(root.join("SUMMARY.md")).unwrap();
     let mut pages = pages_in("docs/book/src");
@@ -102,7 +102,7 @@ fn the_book_hangs_together() {
 
 /// The pages of the catalogue are those that the laws give today.
 #[test]
-fn the_catalogue_is_of_today() {
+fn catalogue_matches_the_laws() {
     let numbers = |svg: &str| -> Vec<f64> {
         svg.split(|c: char| !(c.is_ascii_digit() || c == '.'))
             .filter_map(|word| word.parse().ok())

@@ -128,7 +128,7 @@ fn check(case: &Case, worse: &mut Vec<String>) {
 }
 
 #[test]
-fn fits_no_worse_than_the_baseline() {
+fn identified_model_is_no_worse_than_baseline() {
     let mut worse = Vec::new();
     for case in &CASES {
         check(case, &mut worse);
@@ -139,7 +139,7 @@ fn fits_no_worse_than_the_baseline() {
 /// Models have real links by default: recorded efforts drive the simulated arm on every set, and the effort
 /// error on motions that follow is not worse than that of the estimate as it is.
 #[test]
-fn models_have_real_links_and_can_be_simulated() {
+fn models_are_consistent_and_simulate() {
     let mut ratios = Vec::new();
     for case in &CASES {
         let name = case.folder;
@@ -201,7 +201,7 @@ fn halves(recording: &Path, folder: &Path) -> (PathBuf, PathBuf) {
 /// Of currents without a known load only the ratios of the gains are known, and not even these of drives
 /// whose currents show no gravity.
 #[test]
-fn currents_alone_give_ratios() {
+fn currents_determine_only_gain_ratios() {
     let Some(folder) = shared("real_data", "data/tiago-arm") else { return };
     let urdf = folder.join(dataset(&folder)["urdf"].as_str().unwrap());
     let train = folder.join("train.csv");
@@ -209,7 +209,7 @@ fn currents_alone_give_ratios() {
     let ran = run(&args);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     let said = ran.stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
-    assert!(said.contains("gains of these drives") && said.contains("`arm_1_joint`"), "{said}");
+    assert!(said.contains("drive gains of") && said.contains("`arm_1_joint`"), "{said}");
     assert!(ran.stderr.contains(" hint: ") && ran.stderr.contains("--payload"), "{}", ran.stderr);
 
     // the joints that carry weight
@@ -227,7 +227,7 @@ fn currents_alone_give_ratios() {
 
 /// Voltages are no efforts: said in words, with what to do.
 #[test]
-fn recordings_without_efforts_are_refused() {
+fn rejects_recordings_without_efforts() {
     let Some(folder) = shared("real_data", "data/bam-xl330") else { return };
     let urdf = folder.join(dataset(&folder)["urdf"].as_str().unwrap());
     let ran = run(&["identify", text(&urdf), text(&folder.join("sin_sin_kp100.csv"))]);

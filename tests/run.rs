@@ -39,7 +39,7 @@ fn laid_out(test: &str, steps: &str) -> PathBuf {
 }
 
 #[test]
-fn steps_are_done_in_their_order_in_the_folder_of_the_file() {
+fn steps_run_in_order_in_their_folder() {
     let folder = laid_out("run_steps", TWO_STEPS);
     let said = run_in(folder.parent().unwrap(), &["run", "run_steps/armident.toml"]).fine();
     assert!(
@@ -70,7 +70,7 @@ fn steps_are_done_in_their_order_in_the_folder_of_the_file() {
 
 /// Every kind of value becomes the words that one would type.
 #[test]
-fn values() {
+fn values_become_command_line_words() {
     let steps = r#"
 [[step]]
 command = "simulate"
@@ -102,7 +102,7 @@ payload = [{ file = "b.csv", mass = 2.0, com = [0, 0, 0.05] }]
 
 /// A step that fails ends the run with its code, and no later step is done.
 #[test]
-fn the_first_failure_ends_the_run() {
+fn first_failure_ends_the_run() {
     let steps = TWO_STEPS.replace("train.csv", "absent.csv");
     let folder = laid_out("run_fails", &steps);
     let failed = run_in(&folder, &["run", "--quiet"]);
@@ -118,7 +118,7 @@ fn the_first_failure_ends_the_run() {
 
 /// Every file is refused before anything is done; the page of all is the snapshot.
 #[test]
-fn what_is_wrong_is_said_with_its_line() {
+fn errors_show_their_line() {
     let whole = TWO_STEPS;
     let files: Vec<(&str, String)> = vec![
         ("no TOML", whole.replace("[defaults]", "[defaults")),

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use armident_effects::{Admissible, Effect, EffectOnJoint, LIBRARY, Law, Scope, effect};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording, read_csv};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording, read_csv};
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 use plotters::prelude::*;
 use serde::Deserialize;

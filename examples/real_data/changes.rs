@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_diagnose::{Books, DiagnosedModel, Diagnosis, Finding, diagnose_change};
-use armident_ident::ArmModel;
+use armident_diagnose::{Books, Diagnosis, Finding, diagnose_change};
 use armident_kinematics::InertialParameters;
+use armident_model::{ArmModel, DiagnosedModel};
 use armident_recording::{JointChannels, Recording};
 use nalgebra::{Matrix3, Vector3};
 
@@ -97,17 +97,18 @@ struct Tally {
 
 /// The tables.
 pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
-    println!("\n## What changed\n");
+    println!("\n## Changes\n");
     println!(
-        "Parts of a set against other parts of it (`--reference`): each against each other one, and each against all \
-         others, with the effort of a point mass at the centre of a link added to the later ones as the dynamics \
-         give it; and the same without a load, where every name is false. Loads of the XL330 are added to its voltages at the published \
-         {SERVO_V_PER_NM} V/(N m). *Right* is a load or a wrong body of that link, *in doubt* another body with that link among what it may be, \
-         *other names* counts comparisons with any other, *in interval* the loads that are right (mass, or first moment where no effort \
-         holds the mass) within the 95 % interval of what was said.\n"
+        "Parts of a set are compared with each other (`--reference`): each part with each other one, and with \
+         all others. The effort of a point mass at the centre of a link is added to the later part, as computed \
+         by the dynamics. Without a payload every finding is false. Payloads of the XL330 are added to its \
+         voltages with the published {SERVO_V_PER_NM} V/(N m). *Right* counts findings of a payload or an \
+         inertia error of that link, *as alternative* other bodies with that link as an alternative, *other \
+         findings* comparisons with any other finding, *in interval* right findings whose 95 % interval covers \
+         the payload (its mass, or its first moment if no effort depends on the mass).\n"
     );
     println!(
-        "| set | compared | load, kg | on | comparisons | right | in doubt | other names | in interval |"
+        "| set | compared | payload [kg] | on | comparisons | right | as alternative | other findings | in interval |"
     );
     println!("| --- | --- | ---: | --- | ---: | ---: | ---: | ---: | ---: |");
     let mut lines = Vec::new();
@@ -128,7 +129,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
             lines.extend(tally.lines);
         }
     }
-    println!("\nWhat was said, where anything was:\n");
+    println!("\nAll findings:\n");
     lines.iter().for_each(|line| println!("* {line}"));
     Ok(())
 }

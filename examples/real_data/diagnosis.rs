@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use armident_diagnose::{
-    Books, DiagnosedModel, Diagnosis, Finding, Placebo, diagnose_with_placebo,
-};
-use armident_ident::Sought;
+use armident_diagnose::{Books, Diagnosis, Finding, Placebo, diagnose_with_placebo};
 use armident_ident::{
-    ArmModel, BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported,
+    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
 };
+use armident_model::{ArmModel, DiagnosedModel};
 use armident_recording::Recording;
 use armident_report::unit_after_number;
 
@@ -24,17 +22,17 @@ const PLACEBOS: usize = 20;
 
 /// The tables, what is named, and what becomes of wrong terms.
 pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
-    println!("\n## What the diagnosis is worth\n");
+    println!("\n## Accuracy of the diagnosis\n");
     println!(
-        "Root mean square error of the efforts as recorded, not filtered, no sample left out, on motion that \
-         was not fitted: of a single recording the last {:.0} %, the rest in two halves is the training. *Plain* \
-         is the plain least squares of above, *identified* the model that `identify` saves with its defaults, on \
-         the same training and through the same low-pass. In brackets the mean logarithm of the ratio \
-         over {STRETCHES} stretches of the hold-out, in its standard errors. What is named was named \
-         without the hold-out. A joint whose column is not what its name says is left out.\n",
+        "RMS effort error (unfiltered, all samples) on hold-out motion: the last {:.0} % of a single recording; \
+         the two halves of the rest are the training recordings. *Plain* is plain least squares as above, \
+         *identified* the model saved by `identify` with default options, on the same training recordings with \
+         the same low-pass. In brackets: mean logarithm of the ratio over {STRETCHES} blocks of the hold-out, \
+         in standard errors. The hold-out is not used for the findings. Joints whose column fails the input \
+         check are excluded.\n",
         100.0 * (1.0 - TRAINING_SHARE)
     );
-    println!("| set | joint | as given | plain | identified | diagnosed | diagnosed / plain |");
+    println!("| set | joint | given | plain | identified | diagnosed | diagnosed / plain |");
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
     let mut all = Vec::new();
     for set in &SETS {
@@ -59,9 +57,10 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         largest.push(format!("{set} {:.0} %", 100.0 * placebo.largest));
     }
     println!(
-        "\nGeometric mean of the ratio: **{:.3}**, median {:.2}, above 1 on {} of {} (`identify`: {:.3}). Of {} wrong terms (laws of the \
-         library on columns shifted in time) {} lower the error of stretches that were not fitted by more \
-         than its standard error, {} would have been named. The largest matters, in what a name asks for: {}.",
+        "\nGeometric mean of the ratio: **{:.3}**, median {:.2}, above 1 on {} of {} (`identify`: {:.3}). \
+         Placebo test: of {} wrong terms (laws of the library with time-shifted regressors), {} lower the \
+         cross-validated error by more than its standard error and {} would be reported. The largest reaches \
+         this share of the materiality threshold: {}.",
         mean(|r| r.diagnosed, &ratios),
         sorted[sorted.len() / 2],
         sorted.iter().filter(|ratio| **ratio > 1.0).count(),
@@ -73,12 +72,11 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         largest.join(", ")
     );
     println!(
-        "\nThe same with other motion kept out, so that a table does not hang on which stretch it was: the last, the \
-         first and the middle {:.0} % of a recording, or other files. Geometric means over the joints of a set, and in brackets on how many \
-         joints the ratio is above 1.\n",
+        "\nThe same for other hold-outs: the last, first and middle {:.0} % of a recording, or other files. \
+         Geometric means over the joints of a set; in brackets the number of joints with a ratio above 1.\n",
         100.0 * (1.0 - TRAINING_SHARE)
     );
-    println!("| set | kept out | joints | identified / plain | diagnosed / plain |");
+    println!("| set | hold-out | joints | identified / plain | diagnosed / plain |");
     println!("| --- | --- | ---: | ---: | ---: |");
     let row = |set: &str, kept_out: &str, ratios: &[Ratios]| {
         let above = |of: fn(&Ratios) -> f64| ratios.iter().filter(|r| of(r) > 1.0).count();
@@ -116,7 +114,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
             println!("* {}", in_words(finding));
         }
         if diagnosis.findings.is_empty() {
-            println!("* nothing is named");
+            println!("* no finding");
         }
     }
     Ok(())
@@ -186,7 +184,7 @@ impl Judged {
 
     fn print_rows(&self, set: &str) {
         if self.said.is_none() {
-            println!("| {set} | all | - | - | - | columns in doubt |");
+            println!("| {set} | all | - | - | - | failed input check |");
         }
         for (j, diagnosed) in self.diagnosed.iter().enumerate() {
             let [given, plain, identified] =
@@ -194,7 +192,7 @@ impl Judged {
             let joint = &self.joints[j];
             if !self.is_right(j) {
                 println!(
-                    "| {set} | {joint} | {:.4} | {:.4} | {:.4} | - | left out |",
+                    "| {set} | {joint} | {:.4} | {:.4} | {:.4} | - | excluded |",
                     given.rmse, plain.rmse, identified.rmse
                 );
                 continue;
@@ -302,7 +300,7 @@ fn errors_with(
     values: &[f64],
     holdout: &[Recording],
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
-    let model = data.model.clone().with_constants(minimal, &problem.constants(values));
+    let model = minimal.applied_to(data.model.clone(), &problem.constants(values));
     let mut found = DiagnosedModel::believed(&model);
     let effects = problem.effects(values, &model.chain.joint_names());
     let (couplings, own) = effects.into_iter().partition(|on| on.other_joint.is_some());

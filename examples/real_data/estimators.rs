@@ -3,13 +3,12 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::Sought;
 use armident_ident::check::with_drive_signals;
 use armident_ident::{
-    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, unreported, used_samples,
-    with_recorded_velocity,
+    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
+    used_samples,
 };
-use armident_recording::Motion;
+use armident_motion::{Motion, with_recorded_velocity};
 
 use crate::sets::{Data, KeptOut, SETS, Set};
 
@@ -20,16 +19,17 @@ const TRAINING_SHARE: f64 = 2.0 / 3.0;
 
 /// The table, and how each method does against plain least squares.
 pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
-    println!("## Every method of `identify`\n");
+    println!("## Estimators\n");
     println!(
-        "Root mean square effort error (N m; N; V for bam-xl330) on motion that was not fitted, and in \
-         brackets on the fitted one. Sets of one recording are cut at two thirds of their length. Efforts \
-         through the low-pass of the set's `dataset.toml`. *Plain* is least squares of the minimal constants \
-         with viscous and Coulomb friction, offset and rotor inertia: no weights, no sign bounds, no prior, \
-         velocities from positions. The others are as `identify` gives them: the nearest real links, with \
-         what the fitted part chooses by stretches left out of the fit. Bold: the least of a row. Joints whose \
-         effort columns leave small efforts out stand in the table and are not counted: what is recorded there is \
-         not what the body needs, and predictions have the share of it that the fitted part shows.\n"
+        "RMS effort error (N m; N; V for bam-xl330) on hold-out motion, and in brackets on training motion. \
+         Sets with one recording are split at two thirds of its length. Efforts are low-passed at the frequency \
+         in the set's `dataset.toml`. *Plain* is ordinary least squares of the minimal set with viscous and \
+         Coulomb friction, offset and rotor inertia: no weights, no sign constraints, no prior, velocities \
+         differentiated from positions. The other columns are the results of `identify`: projected to \
+         physically consistent links, with the model structure selected by cross-validation on the training \
+         motion. Bold: lowest error of a row. Joints whose effort column has a dead zone are listed but not \
+         counted: the column differs from the joint's effort, and predictions are scaled by the share of the \
+         effort that it shows in the training motion.\n"
     );
     println!("| set | joint | plain | {} |", Method::ALL.map(Method::name).join(" | "));
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
@@ -38,7 +38,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     for set in &SETS {
         table(set, folder, &mut gains, &mut notes)?;
     }
-    println!("\nGeometric mean over all joints counted of the error, relative to *plain*:\n");
+    println!("\nError relative to *plain*, geometric mean over all counted joints:\n");
     for (method, logs) in Method::ALL.iter().zip(&gains) {
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
         let above = logs.iter().filter(|log| **log > 0.0).count();
@@ -85,7 +85,7 @@ fn table(
     for (name, share) in names.iter().zip(&unreported) {
         let Some(share) = share else { continue };
         notes.push(format!(
-            "{}: the effort of {name} repeats one value in {:.0} % of the samples although it moves: not counted",
+            "{}: the effort column of {name} has a dead zone (one value in {:.0} % of the moving samples), not counted",
             set.folder,
             100.0 * share
         ));
@@ -94,14 +94,14 @@ fn table(
     for found in &chosen.couplings {
         let [a, b] = found.coupling.joints().map(|joint| names[joint]);
         notes.push(format!(
-            "{}: {a} and {b} share a transmission (ratio {}), {:.0} % lower error where it was not fitted",
+            "{}: coupled transmission of {a} and {b} (ratio {}, cross-validated error {:.0} % lower)",
             set.folder,
             found.coupling.ratio,
             100.0 * found.gain
         ));
     }
     if let Some(relative) = chosen.settings.link_prior {
-        notes.push(format!("{}: URDF believed to {:.0} %", set.folder, 100.0 * relative));
+        notes.push(format!("{}: prior scale {:.0} %", set.folder, 100.0 * relative));
     }
     for method in Method::ALL {
         let fitted = BatchFit::of(
@@ -118,7 +118,7 @@ fn table(
                 if let Some(found) = fitted.endogeneity {
                     let term = problem.label(&problem.terms[found.term], &names);
                     notes.push(format!(
-                        "{}: Durbin-Wu-Hausman p = {:.2} ({term} moves by {:+.1} standard errors)",
+                        "{}: Durbin-Wu-Hausman p = {:.2} (largest shift: {term}, {:+.1} standard errors)",
                         set.folder, found.p, found.t
                     ));
                 }
@@ -168,7 +168,7 @@ fn table(
         {
             notes.push(format!(
                 "{}: {joint} is {:.0} % above *plain* with `irls`, {:.1} standard errors of the mean of {} \
-                 stretches of the hold-out (logarithms of the errors)",
+                 blocks of the hold-out (logarithms of the errors)",
                 set.folder,
                 100.0 * (found / plain - 1.0),
                 in_errors(&of_default[j], &plain_stretches[j]),

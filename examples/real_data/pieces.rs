@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::ArmModel;
 use armident_ident::check::{Check, Topic, Verdict, check, with_drive_signals};
-use armident_recording::{Motion, MotionSettings, Recording, common_cutoff_hz};
+use armident_model::ArmModel;
+use armident_motion::{Motion, MotionSettings, common_cutoff_hz};
+use armident_recording::Recording;
 
 use crate::sets::{Data, SETS, part};
 
@@ -45,18 +46,18 @@ struct Said {
 
 /// The table.
 pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
-    println!("\n## What `check` says of short pieces\n");
+    println!("\n## Input checks on short pieces\n");
     println!(
-        "Pieces of {} s of each recording, each by itself: as recorded, and with one effort column (the \
-         joints take turns) of the other sign, times {UNIT}, or swapped with the next one. Counted are pieces \
-         in which a column as recorded, or the order of the columns, is called wrong or doubtful, and pieces \
-         whose fault is. Seconds of motion do not always show a fault; they must not invent one. TIAGo's wrists read \
-         exactly 0 for up to two thirds of their motion: that alone is said of them, and what else is wrong with such \
-         columns is not found.\n",
+        "Pieces of {} s of each recording, each checked separately: as recorded, and with one effort column \
+         (each joint in turn) with flipped sign, multiplied by {UNIT}, or swapped with the next one. The table \
+         counts pieces in which a column as recorded, or the order of the columns, is reported as wrong or \
+         doubtful, and pieces whose fault is. A few seconds of motion do not always reveal a fault, but must \
+         not cause a false alarm. The effort columns of TIAGo's wrist are exactly 0 for up to two thirds of \
+         their motion: only this is reported, and other faults of these columns are not detected.\n",
         LENGTHS_S.map(|l| format!("{l}")).join(", ")
     );
     println!(
-        "| set | pieces | called wrong | doubtful | sign found | doubtful | unit found | doubtful | swap found | doubtful |"
+        "| set | pieces | wrong | doubtful | sign found | doubtful | unit found | doubtful | swap found | doubtful |"
     );
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     let mut blamed: BTreeMap<String, usize> = BTreeMap::new();
@@ -89,7 +90,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     }
     let blamed: Vec<String> = blamed.iter().map(|(joint, k)| format!("{joint} ({k})")).collect();
     if !blamed.is_empty() {
-        println!("\nCalled wrong as recorded: {}.", blamed.join(", "));
+        println!("\nReported as wrong without a fault: {}.", blamed.join(", "));
     }
     Ok(())
 }

@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
+use armident_model::ArmModel;
+use armident_motion::{Motion, MotionSettings};
 use armident_recording::{
-    JointChannels, Mapping, Motion, MotionSettings, Quantity, Recording, RecordingError, read_csv,
-    read_csv_mapped,
+    JointChannels, Mapping, Quantity, Recording, RecordingError, read_csv, read_csv_mapped,
 };
 
 /// A set and its files.

@@ -1,4 +1,4 @@
-//! Arguments of the commands that need no recording of an arm but its model.
+//! Arguments of the commands that need a model of the arm but no recording.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use super::value::{
 };
 use super::{ChainArgs, OutputArgs, ReadingArgs};
 
-/// Print an arm's driving-axis frames and its minimal inertia set
+/// Print an arm's driving-axis frames and minimal parameter set
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -26,41 +26,41 @@ pub(crate) struct ParamsArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Plan the experiments of Algorithm 2: one joint moves, the others are held
+/// Plan single-joint identification experiments (Algorithm 2)
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident plan urdf/stanford.urdf -o plan/
   armident plan robot.urdf -o plan/ --amplitude 0.3 --coulomb joint_2=4.5 --dither 0.004,3
 
-Writes plan/plan.json and one trajectory CSV per experiment, inside the joints' position, speed and
-effort limits. Record them on the arm, put the recordings beside a copy of plan.json, and run
+Writes plan/plan.json and one trajectory CSV per experiment, within the joints' position, speed and
+effort limits. Record them on the arm, put the recordings next to a copy of plan.json, and run
 `armident identify robot.urdf FOLDER`.")]
 pub(crate) struct PlanArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Folder to write plan.json and the trajectories to
+    /// Output folder for plan.json and the trajectories
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output_folder: PathBuf,
-    /// Amplitude of rotational joints, rad
+    /// Amplitude of rotational joints [rad]
     #[arg(long, default_value_t = std::f64::consts::FRAC_PI_6, value_parser = parse_amplitude)]
     pub(crate) amplitude: f64,
-    /// Amplitude of translational joints, m
+    /// Amplitude of translational joints [m]
     #[arg(long, default_value_t = 0.15, value_parser = parse_amplitude)]
     pub(crate) amplitude_m: f64,
-    /// Quickness of the critically damped step, 1/s; lowered where limits ask for it
+    /// Bandwidth of the critically damped step [1/s]; reduced to meet joint limits
     #[arg(long, default_value_t = 10.0, value_parser = parse_sigma)]
     pub(crate) sigma: f64,
-    /// Samples per second of the trajectories
+    /// Sample rate of the trajectories [Hz]
     #[arg(long, default_value_t = 200.0, value_parser = parse_rate)]
     pub(crate) rate_hz: f64,
-    /// Known Coulomb level of a joint, N m or N; repeat for more joints
+    /// Known Coulomb level of a joint [N m or N]; repeatable
     #[arg(long, value_name = "JOINT=LEVEL", value_parser = parse_named_number)]
     pub(crate) coulomb: Vec<(String, f64)>,
-    /// Keep the observed joint moving a little: amplitude (rad or m) and frequency (Hz)
+    /// Dither the observed joint: amplitude [rad or m] and frequency [Hz]
     #[arg(long, value_name = "AMPLITUDE,HZ", value_parser = parse_pair)]
     pub(crate) dither: Option<(f64, f64)>,
-    /// Seed of the configurations tried
+    /// Random seed
     #[arg(long, default_value_t = 1992)]
     pub(crate) seed: u64,
     #[command(flatten)]
@@ -71,13 +71,13 @@ pub(crate) struct PlanArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Direction {
-    /// motion in, exact efforts out
+    /// motion to efforts
     Inverse,
-    /// efforts in, motion out
+    /// efforts to motion
     Forward,
 }
 
-/// Simulate recordings: of a plan's experiments, or of any trajectory
+/// Simulate recordings from planned experiments or given trajectories
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -86,32 +86,32 @@ Examples:
   armident simulate robot.urdf motion.csv -o run.csv --effect coulomb_friction:joint_2=4.5
   armident simulate robot.urdf efforts.csv -o run.csv --direction forward
 
-Without --encoder-bits the exact accelerations are written too, and identify uses them.")]
+Without --encoder-bits the exact accelerations are also written, and identify uses them.")]
 pub(crate) struct SimulateArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Folder of a plan, or trajectory files (CSV, MCAP, Parquet)
     #[arg(required = true)]
     pub(crate) trajectories: Vec<PathBuf>,
-    /// Folder to write to, or a file when one trajectory is given (.csv, .mcap, .parquet)
+    /// Output folder, or output file for one trajectory (.csv, .mcap, .parquet)
     #[arg(short, long, value_name = "PATH")]
     pub(crate) output_path: PathBuf,
-    /// Which way to simulate
+    /// Direction
     #[arg(long, value_enum, default_value_t = Direction::Inverse)]
     pub(crate) direction: Direction,
-    /// Standard deviation of white effort noise, N m or N; with % relative to each joint's effort
+    /// Standard deviation of white effort noise [N m or N], or with % relative to each joint's effort
     #[arg(long, value_name = "SIGMA", value_parser = parse_noise, allow_negative_numbers = true)]
     pub(crate) torque_noise: Option<Noise>,
     /// Quantise positions to this many bits per turn (or metre)
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=40))]
     pub(crate) encoder_bits: Option<u32>,
-    /// Resample to this rate first
+    /// Resample to this rate first [Hz]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) rate_hz: Option<f64>,
-    /// Put an effect on a joint; repeat for more
+    /// Add an effect to a joint; repeatable
     #[arg(long, value_name = "EFFECT:JOINT=P1[,P2..]", value_parser = parse_effect)]
     pub(crate) effect: Vec<armident_effects::EffectOnJoint>,
-    /// Seed of the noise
+    /// Random seed of the noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
     #[command(flatten)]
@@ -122,7 +122,7 @@ pub(crate) struct SimulateArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Predict the effort of every joint for every sample of a motion
+/// Predict joint efforts for a motion
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -131,13 +131,12 @@ Examples:
 pub(crate) struct PredictArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Motion (CSV, MCAP, Parquet) with the positions of the joints
+    /// Motion (CSV, MCAP, Parquet) with the joint positions
     pub(crate) motion: PathBuf,
-    /// File to write the columns t and JOINT/effort to, as CSV unless it ends in .mcap or .parquet; - is
-    /// stdout
+    /// Output file with columns t and JOINT/effort (.csv, .mcap, .parquet); - for CSV on stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
-    /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
+    /// Low-pass cut-off frequency [Hz] [default: the model's, else from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
@@ -152,11 +151,11 @@ pub(crate) struct PredictArgs {
 pub(crate) enum FormatArg {
     /// links, limits, damping and friction
     Urdf,
-    /// the same for MuJoCo, with armature, gravity and motors
+    /// MuJoCo format: also armature, gravity and motors
     Mjcf,
 }
 
-/// Write a model as URDF or MJCF, for controllers and simulators
+/// Export a model to URDF or MJCF
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -164,15 +163,15 @@ Examples:
   armident export model.json -o robot.xml           (MJCF, for MuJoCo)
   armident export urdf/panda.urdf -o - --format mjcf
 
-The chain with its links, limits and what the format holds of the joints' effects; what it cannot hold
-is said. Shapes and meshes are left out.")]
+Exports the chain with its links, limits and the joint effects that the format supports. Unsupported
+effects are listed. Shapes and meshes are omitted.")]
 pub(crate) struct ExportArgs {
     /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
-    /// File to write; .urdf or .xml tells the format, - is stdout
+    /// Output file (.urdf, or .xml for MJCF); - for stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
-    /// The format, where the name of the file does not tell it
+    /// Output format [default: from the extension]
     #[arg(long, value_enum)]
     pub(crate) format: Option<FormatArg>,
     #[command(flatten)]

@@ -1,38 +1,38 @@
-//! Arguments of the commands around an analysis.
+//! Arguments of report, run, demo, completions and man.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-/// Write the result of a command as one self-contained HTML page
+/// Render a JSON result as a self-contained HTML page
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident diagnose robot.urdf train.csv --json result.json --traces
   armident report result.json -o report.html
 
-The page opens in any browser, without a network. Charts of efforts and residuals need --traces in the
-command that wrote the result; check, identify, validate, diagnose and challenge write the same page at once with
---report.")]
+The page opens in any browser without a network connection. Charts of efforts and residuals require
+--traces in the command that wrote the result. The commands check, identify, validate, diagnose and
+challenge write the same page directly with --report.")]
 pub(crate) struct ReportArgs {
     /// JSON written by --json of any command
     pub(crate) result: PathBuf,
-    /// File to write; - is stdout
+    /// Output file; - for stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
 }
 
-/// Do the steps of an analysis that a file lists
+/// Run the steps of an analysis file
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  armident run                          (armident.toml of this folder)
+  armident run                          (armident.toml in this folder)
   armident run ur5/armident.toml --only diagnose
-  armident run --dry-run                (print the command of every step)
+  armident run --dry-run                (print the commands only)
 
-A file of two steps; paths are relative to it, and the keys of a step are the options of its command:
+A file with two steps. Paths are relative to the file; the keys of a step are the options of its command:
 
-  [defaults]                            # taken by every step whose command has them
+  [defaults]                            # used by every step whose command has these options
   robot = \"urdf/ur5.urdf\"
 
   [[step]]
@@ -44,26 +44,27 @@ A file of two steps; paths are relative to it, and the keys of a step are the op
   command = \"diagnose\"
   recordings = [\"train.csv\"]
   holdout = [\"holdout.csv\"]
-  save-model = \"found.json\"
+  save-model = \"diagnosed.json\"
   report = \"report.html\"
 
-All steps are read before the first is done. The first that fails ends the run with its exit code.")]
+The whole file is validated before the first step runs. The first step that fails ends the run with
+its exit code.")]
 pub(crate) struct RunArgs {
-    /// File of the steps
+    /// Analysis file
     #[arg(default_value = "armident.toml")]
     pub(crate) file: PathBuf,
-    /// Do this step alone, by its `name` or else its command; repeat for more
+    /// Run only this step, by its `name` or else its command; repeatable
     #[arg(long, value_name = "STEP")]
     pub(crate) only: Vec<String>,
-    /// Print the command of every step and do nothing
+    /// Print the commands without running them
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Do not say which step is being done
+    /// Do not print the command of each step
     #[arg(long, short)]
     pub(crate) quiet: bool,
 }
 
-/// Show the whole story on a simulated arm: concealed physics, its diagnosis, a report
+/// Run a complete example: simulate an arm with hidden effects, diagnose it, write a report
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -72,33 +73,33 @@ Examples:
 
 Writes ur5.urdf, train.csv, holdout.csv, model.json and report.html to the folder.")]
 pub(crate) struct DemoArgs {
-    /// Folder to write to, new or of an earlier demo
+    /// Output folder (new, or from an earlier demo)
     #[arg(short, long, value_name = "FOLDER", default_value = "armident-demo")]
     pub(crate) output_folder: PathBuf,
-    /// Seed of the noise
+    /// Random seed of the noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
 }
 
-/// Print the completions of a shell
+/// Generate shell completions
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident completions bash > ~/.local/share/bash-completion/completions/armident
   armident completions zsh > ~/.zfunc/_armident")]
 pub(crate) struct CompletionsArgs {
-    /// The shell
+    /// Shell
     #[arg(value_enum)]
     pub(crate) shell: clap_complete::Shell,
 }
 
-/// Write manual pages
+/// Generate manual pages
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident man -o man && man -l man/armident-diagnose.1")]
 pub(crate) struct ManArgs {
-    /// Folder to write armident.1 and a page a command to
+    /// Output folder for armident.1 and one page per command
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output_folder: PathBuf,
 }

@@ -5,116 +5,116 @@ use std::path::PathBuf;
 use super::value::{no_effect, parse_within};
 use clap::{Args, ValueEnum};
 
-/// Kinds of cases.
+/// Kind of a case.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum KindArg {
     /// one or two effects on an otherwise exact arm, clean recordings
     Clean,
     /// friction on every joint, errors of every inertial, uneven clocks and lost samples as well
     Field,
-    /// no effect: exact, with inertial errors, with everyday friction, with both
+    /// no effect: exact, with inertial errors, with baseline friction, with both
     Null,
-    /// clean and field in turn
+    /// clean and field alternating
     Mixed,
-    /// field arms before and after: what is concealed came between, and friction that warmth changes
+    /// field arms recorded before and after a hidden change, some with friction changed by warm-up
     Change,
 }
 
-/// Questions that a table answers.
+/// Studies, each a table.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StudyArg {
-    /// how often something is found where nothing is
+    /// false alarm rate
     Nulls,
-    /// how large an effect must be to be named
+    /// detection power against effect size
     Power,
-    /// laws that are not quite those of the library
+    /// laws that deviate from the library
     Perturbed,
-    /// clean and field cases in turn
+    /// clean and field cases alternating
     Mixed,
-    /// what changed between two sets of recordings of one arm
+    /// changes between two sets of recordings of one arm
     Change,
 }
 
-/// What makes a challenge end with code 3.
+/// Condition that ends a challenge with exit code 3.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ChallengeFailOn {
-    /// A null in which something is found.
+    /// A finding in a null case.
     FalseAlarm,
-    /// Fewer pairs named than this.
+    /// Fewer (effect, location) pairs found than this.
     NamedBelow(usize),
 }
 
-/// Conceal effects in simulated recordings, diagnose them unseen, and score what is said
+/// Score the diagnosis on simulated arms with hidden effects
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  armident challenge --cases 24 --seed 7                                (clean and field cases in turn)
+  armident challenge --cases 24 --seed 7                                (clean and field cases alternating)
   armident challenge --cases 20 --seed 7 --kind null --fail-on false-alarm
   armident challenge --cases 4 --seed 7 --kind field --effect backlash --robot urdf/ur5.urdf --keep cases/
-  armident challenge --cases 24 --seed 7 --only 5 --keep one/           (the fifth of 24 alone)
-  armident challenge --cases 20 --seed 7 --kind change                  (what changed since before?)
+  armident challenge --cases 24 --seed 7 --only 5 --keep one/           (only the fifth of 24)
+  armident challenge --cases 20 --seed 7 --kind change                  (changes between recordings)
   armident challenge --study nulls --seed 2026                          (a table in Markdown)
-  armident challenge --cases 48 --seed 7 --report board.html            (the scoreboard as a page)
+  armident challenge --cases 48 --seed 7 --report board.html            (scoreboard as an HTML page)
   armident challenge --score cases/cases cases/results                  (results of another program)
 
-Every case is simulated in closed loop by a robot of which the diagnosis knows only the believed URDF
-and two training recordings; the hold-out and the exam are predicted before the answer is opened.")]
+Every case is simulated in closed loop. The diagnosis receives only the given URDF and the training
+recordings; the hold-out and the exam are predicted before the truth is read.")]
 pub(crate) struct ChallengeArgs {
-    /// How many cases [default: 24; of a study 200 nulls, 2 for each cell of power, 24 perturbed, 96 mixed, 40 changes]
+    /// Number of cases [default: 24; studies: 200 nulls, 2 per cell of power, 24 perturbed, 96 mixed,
+    /// 40 changes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub(crate) cases: Option<u64>,
-    /// Everything that is left to chance follows from it
+    /// Random seed
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Kind of the cases [default: mixed; clean with --effect and of the power study]
+    /// Kind of the cases [default: mixed; clean with --effect and in the power study]
     #[arg(long, value_enum)]
     pub(crate) kind: Option<KindArg>,
-    /// Conceal this effect in every case, or `unlisted`; repeat for several at once [default: all take
-    /// turns]
+    /// Hide this effect in every case, or `unlisted`; repeatable [default: all in turn]
     #[arg(long, value_name = "EFFECT", value_parser = parse_slug)]
     pub(crate) effect: Vec<String>,
-    /// Name of a bundled arm, or a URDF [default: bundled arms by chance]
+    /// Name of a bundled arm, or a URDF [default: random bundled arms]
     #[arg(long, value_name = "ARM")]
     pub(crate) robot: Option<String>,
-    /// Conceal variants of laws: smooth for sharp Coulomb friction, another hysteresis, another ripple
+    /// Hide variants of laws: smooth Coulomb friction, another hysteresis, another ripple
     #[arg(long, conflicts_with = "effect")]
     pub(crate) perturbed: bool,
-    /// Size of every effect, in naming margins (RMS torque over noise beyond what the rigid body and plain
-    /// friction explain) [default: by chance, 1.9 to 11]
+    /// Effect size: RMS effort beyond rigid body and baseline friction, in noise levels [default:
+    /// random, 1.9 to 11]
     #[arg(long, value_name = "RATIO", value_parser = parse_margin)]
     pub(crate) margin: Option<f64>,
-    /// Make this case of the series alone, counted from 1; repeat for more
+    /// Run only this case, counted from 1; repeatable
     #[arg(long, value_name = "NUMBER", conflicts_with = "study")]
     pub(crate) only: Vec<usize>,
-    /// Write the cases to DIR/cases and what the diagnosis hands in to DIR/results
+    /// Write the cases to DIR/cases and the results of the diagnosis to DIR/results
     #[arg(long, value_name = "DIR")]
     pub(crate) keep: Option<PathBuf>,
     /// Run a study and print its table in Markdown
     #[arg(long, value_enum, conflicts_with_all = ["effect", "robot", "perturbed", "margin"])]
     pub(crate) study: Option<StudyArg>,
-    /// Score a folder of results (CASE/out.json, CASE/predicted.csv) against a folder of cases, nothing else
+    /// Only score a folder of results (CASE/out.json, CASE/predicted.csv) against a folder of cases
     #[arg(long, num_args = 2, value_names = ["CASES", "RESULTS"],
         conflicts_with_all = ["cases", "seed", "kind", "effect", "robot", "perturbed", "margin", "only", "keep", "study"])]
     pub(crate) score: Vec<PathBuf>,
-    /// Write the scoreboard as JSON to a file; - is stdout, in the place of the text
+    /// Write the scoreboard as JSON; - for stdout (replaces the text)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) json: Option<PathBuf>,
-    /// Write the scoreboard as one self-contained HTML page with charts
+    /// Write an HTML report (self-contained, with charts)
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub(crate) report: Option<PathBuf>,
-    /// The command to name on the page, where it is not this one
+    /// The command shown on the page, if it differs from this one
     #[arg(skip)]
     pub(crate) command: Option<Vec<String>>,
-    /// Exit with code 3 on `false-alarm` (something is found in a null), or `named-below=N` (fewer than
-    /// N effects are named); repeat for both
+    /// Exit with code 3 on `false-alarm` (a finding in a null case), or `named-below=N` (fewer than N
+    /// effects found); repeatable
     #[arg(long, value_name = "WHAT", value_parser = parse_challenge_fail_on, help_heading = "Output")]
     pub(crate) fail_on: Vec<ChallengeFailOn>,
-    /// Say nothing on stderr but errors
+    /// Print only errors to stderr
     #[arg(long, short, help_heading = "Output")]
     pub(crate) quiet: bool,
 }
 
-/// Smaller ones are in the noise, larger ones need no tool.
+/// Parses an effect size; below 0.1 an effect is hidden in the noise, above 100 it is obvious.
 fn parse_margin(text: &str) -> Result<f64, String> {
     parse_within(text, 0.1, 100.0)
 }

@@ -1,4 +1,4 @@
-//! Arguments of the commands that recordings go into.
+//! Arguments of the commands that take recordings.
 
 use std::path::PathBuf;
 
@@ -10,37 +10,37 @@ use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PriorArg {
-    /// every number of a link is right to its own size
+    /// Gaussian about the URDF, scale estimated from the recordings
     Urdf,
-    /// nothing: the recordings alone
+    /// no prior
     None,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CouplingArg {
-    /// where stretches of the recordings that are left out of a fit show it clearly
+    /// if cross-validation clearly supports it
     Auto,
-    /// every joint has its own
+    /// independent joints
     None,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ViscousArg {
-    /// growing more slowly than the speed where the recordings clearly show it
+    /// sublinear where the recordings clearly support it
     Auto,
-    /// proportional to the speed: what a URDF or MJCF can hold
+    /// proportional to speed, as URDF and MJCF require
     Linear,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
-    /// least squares, every row alike
+    /// ordinary least squares
     Ols,
-    /// joints weighted by their noise
+    /// weighted least squares, weights from each joint's noise
     Wls,
-    /// weighted, samples that are off count for less (Huber)
+    /// robust weighted least squares (Huber)
     Irls,
-    /// weighted, with the simulated arm for instruments; tests least squares against it
+    /// instrumental variables from the simulated arm, with an endogeneity test
     Iv,
 }
 
@@ -55,55 +55,56 @@ impl MethodArg {
     }
 }
 
-/// Estimate an arm's inertia constants and joint friction from recordings
+/// Estimate inertia and friction parameters from recordings
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  armident identify urdf/stanford.urdf runs/                           (Algorithm 2: runs/ has a plan.json)
+  armident identify urdf/stanford.urdf runs/                           (Algorithm 2: runs/ contains plan.json)
   armident identify urdf/ur10.urdf day1.csv day2.csv --holdout day3.csv
   armident identify robot.urdf logs/ --cutoff-hz 8 --save-model model.json --json result.json
   armident identify robot.urdf empty.csv heavy.csv --payload file=heavy.csv,mass=2.0,com=0:0:0.05
 
-A folder with plan.json selects Algorithm 2; anything else is fitted by robust least squares of the
-minimal set, viscous and Coulomb friction, offset and rotor inertia of every joint. Velocity and
-acceleration come from the position, low-passed forward and backward (4th-order Butterworth), unless
-accelerations are recorded. Where motor currents are recorded in the place of efforts (<joint>/current),
-the gains of the drives are found with them: their ratios from any motion, their size from a known load.")]
+A folder with plan.json selects Algorithm 2. All other recordings are fitted by robust least squares:
+the minimal set, and viscous friction, Coulomb friction, offset and rotor inertia of every joint.
+Velocity and acceleration are differentiated from the position with a zero-phase low-pass (4th-order
+Butterworth), unless accelerations are recorded. If motor currents are recorded instead of efforts
+(<joint>/current), the drive gains are also estimated: their ratios from any motion, their scale from a
+known payload.")]
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
-    /// Recordings kept out of the fit, to judge it
+    /// Hold-out recordings, for validation
     #[arg(long, num_args = 1.., value_name = "FILE")]
     pub(crate) holdout: Vec<PathBuf>,
-    /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
+    /// Low-pass cut-off frequency [Hz] [default: from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
-    /// How ordinary motion is fitted; no matter with a plan
+    /// Estimator (ignored with a plan)
     #[arg(long, value_name = "METHOD", default_value = "irls")]
     pub(crate) method: MethodArg,
-    /// Leave each recording out once, and judge the fit to the others on it
+    /// Leave-one-recording-out cross-validation
     #[arg(long)]
     pub(crate) cross_validate: bool,
-    /// What is believed of the links before the recordings; no matter with a plan
+    /// Prior on link inertias (ignored with a plan)
     #[arg(long, value_name = "WHAT", default_value = "urdf")]
     pub(crate) prior: PriorArg,
-    /// Load of known mass on the last link in one of the recordings: file=F,mass=KG and, where known,
-    /// com=X:Y:Z in the frame of the last moving link, m, and com_error=M; repeat for more
+    /// Known payload in a recording: file=F,mass=KG[,com=X:Y:Z][,com_error=M]; com in the last moving
+    /// link's frame [m]; repeatable
     #[arg(long, value_name = "file=F,mass=KG[,..]", value_parser = parse_payload)]
     pub(crate) payload: Vec<PayloadArg>,
-    /// Transmissions that neighbouring joints share; no matter with a plan
+    /// Transmissions shared by neighbouring joints (ignored with a plan)
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     pub(crate) coupling: CouplingArg,
-    /// Viscous friction of the joints; no matter with a plan
+    /// Viscous friction of the joints (ignored with a plan)
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub(crate) viscous: ViscousArg,
-    /// Keep the estimate as it is, also where no real links and friction have it
+    /// Skip the projection to physically consistent parameters
     #[arg(long)]
     pub(crate) raw_estimate: bool,
-    /// Write the model found, for predict and simulate
+    /// Write the identified model, for predict, simulate and export
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
     #[command(flatten)]
@@ -116,24 +117,23 @@ pub(crate) struct IdentifyArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Tell whether recordings are fit for purpose, and whether their bookkeeping agrees with the robot
+/// Check recordings: signs, units, order, delay, noise and excitation
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident check urdf/ur10.urdf day1.csv
   armident check robot.urdf logs/ --json check.json --fail-on warning
 
-Sample rate against the motion, noise of every channel, what each effort column is (the joint's effort,
-its negative, another unit or the motor side of a gear, without gravity, another joint's), delay between
-effort and motion, and which constants the recordings determine. Each is ok, doubtful, wrong, or cannot
-be told; wrong ones are warnings. Currents and voltages are taken where there are no efforts.")]
+Checks sample rate, noise, effort columns (sign, unit, gear side, gravity, joint), delay and
+excitation. Each verdict is ok, inconclusive, doubtful or wrong; wrong verdicts are warnings. Currents
+and voltages are accepted in place of efforts.")]
 pub(crate) struct CheckArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
+    /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
-    /// Cut-off of the low-pass, Hz [default: from the spectrum of the motion]
+    /// Low-pass cut-off frequency [Hz] [default: from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
     #[command(flatten)]
@@ -146,43 +146,43 @@ pub(crate) struct CheckArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Say what physics the model leaves out, and prove it on recordings kept back
+/// Find effects missing from a model and confirm them on hold-out recordings
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident diagnose robot.urdf train_1.csv train_2.csv --holdout holdout.csv
   armident diagnose robot.urdf logs/ --holdout last.csv --json out.json --save-model model.json
-  armident diagnose robot.urdf after.csv --reference before.csv      (what changed?)
-  armident predict model.json motion.csv -o predicted.csv            (what the recordings would show)
+  armident diagnose robot.urdf after.csv --reference before.csv      (changes since before.csv)
+  armident predict model.json motion.csv -o predicted.csv            (with all findings)
 
-Every law of the effect library is tried on every joint, with the inertias of all links refitted beside
-it; what is named is material against the noise of the recordings. The hold-out is never fitted.")]
+Every effect in the library is tested on every joint while all link inertias are refitted. A finding
+must be material against the recording noise and lower the cross-validated error. The hold-out is
+never fitted.")]
 pub(crate) struct DiagnoseArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV) or folders of them
+    /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
-    /// Recordings kept out of the fit, to prove it
+    /// Hold-out recordings, for confirmation
     #[arg(long, num_args = 1.., value_name = "FILE")]
     pub(crate) holdout: Vec<PathBuf>,
-    /// Recordings of the same arm before something changed: only the difference to them is diagnosed
+    /// Earlier recordings of the same arm; report only changes since then
     #[arg(long, num_args = 1.., value_name = "FILE")]
     pub(crate) reference: Vec<PathBuf>,
-    /// Write the model with what was found, for predict and simulate
+    /// Write the diagnosed model, for predict, simulate and export
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
-    /// Where recordings cannot tell effects apart: write the motion that would, next_motion.csv, into
-    /// this folder
+    /// Write a motion that separates indistinguishable effects to DIR/next_motion.csv
     #[arg(long, value_name = "DIR")]
     pub(crate) next_motion: Option<PathBuf>,
-    /// Also try this many wrong terms and say how many would have been believed
+    /// Run a placebo test with N wrong terms
     #[arg(long, value_name = "N", conflicts_with = "reference")]
     pub(crate) placebo: Option<usize>,
-    /// Do not simulate the hold-out from its recorded efforts
+    /// Skip forward replay
     #[arg(long)]
     pub(crate) no_replay: bool,
-    /// Diagnose although columns look wrong (another unit, sign or joint)
+    /// Use columns that fail the input checks
     #[arg(long)]
     pub(crate) trust_columns: bool,
     #[command(flatten)]
@@ -195,29 +195,29 @@ pub(crate) struct DiagnoseArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Judge a model on recordings it was not fitted to
+/// Evaluate a model on hold-out recordings
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident validate model.json day3.csv
   armident validate urdf/ur10.urdf day3.csv --cutoff-hz 8 --predictions predicted.csv
 
-Effort error per joint, on the low-passed effort and on the effort as recorded; share of samples inside
-the model's 95 % band; whether the residual is white; and forward replay: the recorded efforts drive the
-simulated arm through windows of half a second, before (URDF) and after (model).")]
+Reports the effort error per joint (low-passed and unfiltered), coverage of the 95 % band, residual
+whiteness, and forward replay: recorded efforts drive the simulated arm in windows of 0.5 s, with the
+URDF and with the model.")]
 pub(crate) struct ValidateArgs {
     /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
     /// Recordings (CSV, MCAP, Parquet) or folders of them
     #[arg(required = true)]
     pub(crate) recordings: Vec<PathBuf>,
-    /// Cut-off of the low-pass, Hz [default: the model's, or else from the spectrum of the motion]
+    /// Low-pass cut-off frequency [Hz] [default: the model's, else from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
-    /// Write the predicted effort of every sample (one recording only)
+    /// Write the predicted effort of every sample (only with one recording)
     #[arg(long, value_name = "FILE")]
     pub(crate) predictions: Option<PathBuf>,
-    /// Leave forward replay out
+    /// Skip forward replay
     #[arg(long)]
     pub(crate) no_replay: bool,
     #[command(flatten)]

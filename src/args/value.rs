@@ -1,4 +1,4 @@
-//! Values of arguments, from their texts.
+//! Parsers for argument values.
 
 use std::path::PathBuf;
 
@@ -21,14 +21,14 @@ pub(super) fn parse_number(text: &str) -> Result<f64, String> {
 pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
     match parse_number(text)? {
         x if x > 0.0 => Ok(x),
-        x => Err(format!("must be above zero, found {x}")),
+        x => Err(format!("must be positive, found {x}")),
     }
 }
 
 pub(super) fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {
     match parse_number(text)? {
         x if (low..=high).contains(&x) => Ok(x),
-        x => Err(format!("must lie between {low} and {high}, found {x}")),
+        x => Err(format!("must be between {low} and {high}, found {x}")),
     }
 }
 
@@ -36,7 +36,7 @@ pub(super) fn parse_amplitude(text: &str) -> Result<f64, String> {
     parse_within(text, 1e-3, 10.0)
 }
 
-/// Slower steps last for minutes, quicker ones are impacts.
+/// Parses a step bandwidth: slower steps last minutes, faster ones are impacts.
 pub(super) fn parse_sigma(text: &str) -> Result<f64, String> {
     parse_within(text, 0.2, 200.0)
 }
@@ -45,7 +45,7 @@ pub(super) fn parse_rate(text: &str) -> Result<f64, String> {
     parse_within(text, 10.0, 20_000.0)
 }
 
-/// A name that no effect has, and the one that may be meant.
+/// Message for an unknown effect, with the nearest known name.
 pub(super) fn no_effect(text: &str, more: &[&'static str]) -> String {
     /// Similarity by Jaro and Winkler, 0 to 1, which weighs the beginning.
     const SIMILAR: f64 = 0.85;
@@ -57,7 +57,7 @@ pub(super) fn no_effect(text: &str, more: &[&'static str]) -> String {
         .filter(|(similarity, _)| *similarity > SIMILAR)
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let meant = near.map_or_else(String::new, |(_, slug)| format!("; did you mean {slug}?"));
-    format!("there is no effect `{text}`{meant} (there are {})", known.join(", "))
+    format!("unknown effect `{text}`{meant} (known effects: {})", known.join(", "))
 }
 
 pub(super) fn parse_named_number(text: &str) -> Result<(String, f64), String> {
@@ -79,12 +79,12 @@ pub(super) fn parse_vector(text: &str) -> Result<[f64; 3], String> {
 pub(super) fn parse_pair(text: &str) -> Result<(f64, f64), String> {
     match parse_numbers(text)?[..] {
         [a, f] if a > 0.0 && f > 0.0 => Ok((a, f)),
-        [_, _] => Err("amplitude and frequency must be above zero".to_owned()),
+        [_, _] => Err("amplitude and frequency must be positive".to_owned()),
         _ => Err("expected AMPLITUDE,HZ, for example 0.004,3".to_owned()),
     }
 }
 
-/// A load in one of the recordings, not yet checked against anything.
+/// Known payload in one of the recordings, not yet validated.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PayloadArg {
     pub(crate) file: PathBuf,
@@ -108,11 +108,11 @@ pub(super) fn parse_payload(text: &str) -> Result<PayloadArg, String> {
                 let found = numbers.len();
                 let com: [f64; 3] = numbers
                     .try_into()
-                    .map_err(|_| format!("com takes three numbers X:Y:Z, found {found}"))?;
+                    .map_err(|_| format!("com needs three numbers X:Y:Z, found {found}"))?;
                 com_m = Some(com);
             }
             "com_error" => com_error_m = parse_number(value)?,
-            other => return Err(format!("there is no `{other}`; {form}")),
+            other => return Err(format!("unknown key `{other}`; {form}")),
         }
     }
     let (Some(file), Some(mass_kg)) = (file, mass_kg) else { return Err(form.to_owned()) };

@@ -14,7 +14,7 @@ use crate::args::{ChallengeArgs, ChallengeFailOn, KindArg, OutputArgs, PageArgs,
 use crate::failure::{Failure, Outcome};
 use crate::{output, page};
 
-/// Cases where their number is not given.
+/// Default number of cases.
 const CASES: u64 = 24;
 
 pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
@@ -36,10 +36,10 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
     let sat = with_progress(args, &orders)?;
     if sat.iter().all(|sat| sat.score.is_none()) {
         return Err(Failure::new(
-            "no case could be made: no arm that was tried shows the effects",
+            "no case could be generated: the effects are not detectable on any arm tried",
             args.robot.as_deref().unwrap_or("--effect, --margin"),
             Some(
-                "its links need masses and inertias (`armident params` says which have none); or ask for other effects",
+                "give its links masses and inertias (`armident params` lists those without), or choose other effects",
             ),
         ));
     }
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
     Ok(judged(args, &board))
 }
 
-/// Writes the scoreboard, and its page where one is asked for.
+/// Writes the scoreboard, and its page if requested.
 fn write(
     args: &ChallengeArgs,
     to: &OutputArgs,
@@ -91,9 +91,9 @@ fn study_orders(args: &ChallengeArgs, study: Study) -> Result<Vec<Order>, Failur
         (Study::Power, None | Some(KindArg::Clean)) | (_, None) => CaseKind::Clean,
         _ => {
             return Err(Failure::new(
-                "this study has its own kinds of cases",
+                "this study defines its own kinds of cases",
                 "--kind",
-                Some("leave it out; the power study alone takes clean or field"),
+                Some("omit --kind; only the power study accepts clean or field"),
             ));
         }
     };
@@ -112,9 +112,9 @@ fn series(args: &ChallengeArgs) -> Result<Series, Failure> {
     };
     if kind == SeriesKind::Null && !args.effect.is_empty() {
         return Err(Failure::new(
-            "a null conceals nothing",
+            "a null case has no hidden effect",
             "--effect, --kind null",
-            Some("leave one of them out"),
+            Some("omit one of the two options"),
         ));
     }
     Ok(Series {
@@ -128,7 +128,7 @@ fn series(args: &ChallengeArgs) -> Result<Series, Failure> {
     })
 }
 
-/// An arm that comes with the program, or that of a file.
+/// A bundled arm, or the arm of a URDF file.
 fn arm(given: &str) -> Result<Arm, Failure> {
     if let Some(arm) = Arm::named(given) {
         return Ok(arm);
@@ -137,9 +137,9 @@ fn arm(given: &str) -> Result<Arm, Failure> {
     let urdf = std::fs::read_to_string(&path).map_err(|error| {
         let names: Vec<String> = Arm::all().into_iter().map(|arm| arm.name).collect();
         Failure::new(
-            format!("it cannot be read: {error}"),
+            format!("cannot read: {error}"),
             given,
-            Some(format!("give a URDF, or one of {}", names.join(", "))),
+            Some(format!("pass a URDF, or one of {}", names.join(", "))),
         )
     })?;
     let stem = path.file_stem().map_or(given.into(), |stem| stem.to_string_lossy());
@@ -150,9 +150,9 @@ fn arm(given: &str) -> Result<Arm, Failure> {
 fn chosen(args: &ChallengeArgs, orders: Vec<Order>) -> Result<Vec<Order>, Failure> {
     if let Some(number) = args.only.iter().find(|k| !(1..=orders.len()).contains(k)) {
         return Err(Failure::new(
-            format!("there is no case {number} among {}", orders.len()),
+            format!("case {number} is out of range (1 to {})", orders.len()),
             "--only",
-            Some("count from 1 to --cases"),
+            Some("choose a number from 1 to --cases"),
         ));
     }
     let wanted = |k: usize| args.only.is_empty() || args.only.contains(&(k + 1));
@@ -173,7 +173,7 @@ fn with_progress(args: &ChallengeArgs, orders: &[Order]) -> Result<Vec<Sat>, Fai
     Ok(sat?)
 }
 
-/// Cases that no arm shows, and how long the others took.
+/// Notes on cases that could not be generated and on run times.
 fn notes(orders: &[Order], sat: &[Sat]) -> Vec<String> {
     let mut notes = Vec::new();
     let unseen: Vec<String> = orders
@@ -184,14 +184,14 @@ fn notes(orders: &[Order], sat: &[Sat]) -> Vec<String> {
         .collect();
     if !unseen.is_empty() {
         notes.push(format!(
-            "not made, no arm that was tried shows the effects: {}",
+            "not generated, the effects are not detectable on any arm tried: {}",
             unseen.join("; ")
         ));
     }
     let times = sat.iter().filter(|sat| sat.seconds > 0.0).map(|sat| sat.seconds);
     if let Some(times) = Spread::of(times) {
         notes.push(format!(
-            "a diagnosis took {:.1} s on one thread (median; at most {:.1} s)",
+            "diagnosis time on one thread: median {:.1} s, maximum {:.1} s",
             times.median, times.largest
         ));
     }

@@ -23,11 +23,8 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     let (model, unused) = robot::load_links(&args.robot, &args.chain, Some(&names))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = armident_recording::common_cutoff_hz(
-        &recorded,
-        &joints,
-        args.cutoff_hz.or(model.cutoff_hz),
-    )?;
+    let cutoff_hz =
+        armident_motion::common_cutoff_hz(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
     let motions = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?;
     let found = check(&model, &recorded, &motions, &signals)?;
     let warnings = model.chain.warnings.iter().map(ToString::to_string).collect();

@@ -5,9 +5,8 @@ use std::path::Path;
 
 use armident_effects::EffectOnJoint;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
-use armident_recording::{
-    FileFormat, JointChannels, Motion, MotionSettings, Recording, encode, read_csv_from,
-};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{FileFormat, JointChannels, Recording, encode, read_csv_from};
 use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
 use clap::Parser;
 
@@ -16,13 +15,13 @@ use crate::failure::{Failure, Outcome};
 use crate::output;
 
 const URDF: &str = include_str!("../../urdf/ur5.urdf");
-/// Motions to repeat: of the bundled recordings only the positions are used.
+/// Motions to repeat; only the positions of the bundled recordings are used.
 const MOTIONS: [(&str, &str); 2] = [
     ("train.csv", include_str!("../../examples/ur5/train.csv")),
     ("holdout.csv", include_str!("../../examples/ur5/holdout.csv")),
 ];
-/// What the URDF does not know: effect, joint, parameters.
-const CONCEALED: [(&str, &str, &[f64]); 3] = [
+/// Effects missing from the URDF: effect, joint, parameters.
+const HIDDEN: [(&str, &str, &[f64]); 3] = [
     ("payload", "", &[0.8, 0.0, 0.0, 0.06]),
     ("coulomb_friction", "elbow_joint", &[3.3]),
     ("torque_ripple", "shoulder_pan_joint", &[1.5, 16.0, 0.4, 0.0, 0.0]),
@@ -34,9 +33,9 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
     let folder = &args.output_folder;
     if !is_free(folder) {
         return Err(Failure::new(
-            "the folder holds other files",
+            "the folder contains other files",
             folder.display(),
-            Some("name a new folder: armident demo -o FOLDER"),
+            Some("choose a new folder: armident demo -o FOLDER"),
         ));
     }
     output::create_folder(folder)?;
@@ -44,7 +43,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
     let robot = parse_urdf(URDF, "ur5.urdf")?;
     let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
     let chain = DrivingAxisChain::from_chain(&chain);
-    let effects: Vec<EffectOnJoint> = CONCEALED
+    let effects: Vec<EffectOnJoint> = HIDDEN
         .iter()
         .map(|(effect, joint, parameters)| EffectOnJoint::new(*effect, *joint, *parameters))
         .collect();
@@ -80,15 +79,15 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
         "--report".to_owned(),
         report.clone(),
     ];
-    let concealed: Vec<String> = effects.iter().map(said).collect();
+    let hidden: Vec<String> = effects.iter().map(said).collect();
     say(&format!(
-        "A simulated UR5 has what its URDF does not know: {}.\n\n$ {}\n",
-        concealed.join(", "),
+        "Simulated UR5 with effects missing from its URDF: {}.\n\n$ {}\n",
+        hidden.join(", "),
         command.join(" ")
     ))?;
     let Ok(Cli { command: Command::Diagnose(mut diagnose) }) = Cli::try_parse_from(&command) else {
         return Err(Failure::new(
-            "the folder cannot be named in a command",
+            "the folder name cannot be used in a command",
             folder.display(),
             None::<String>,
         ));
@@ -96,7 +95,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
     diagnose.page.command = Some(command.to_vec());
     let outcome = super::diagnose::run(&diagnose)?;
     say(&format!(
-        "\n(A load and a wrong last link are one thing.)\n\nThe report is {report}: open it in a browser. The model is beside it:\n\n$ armident predict {} {} -o {}\n",
+        "\n(A payload and an inertia error of the last link are physically equivalent.)\n\nOpen the report {report} in a browser. Use the model next to it:\n\n$ armident predict {} {} -o {}\n",
         path("model.json"),
         path("holdout.csv"),
         path("predicted.csv")
@@ -108,7 +107,7 @@ fn say(text: &str) -> Result<(), Failure> {
     output::write_stdout(text.as_bytes())
 }
 
-/// The motion of a recording, low-passed: what an arm can be told to do.
+/// Low-passed motion of a recording, used as a trajectory.
 fn motion(chain: &DrivingAxisChain, text: &str, source: &str) -> Result<Trajectory, Failure> {
     let recording = read_csv_from(text.as_bytes(), source)?;
     let joints = chain.joint_names();
@@ -129,7 +128,7 @@ fn motion(chain: &DrivingAxisChain, text: &str, source: &str) -> Result<Trajecto
     Ok(Trajectory::from_recording(&planned, &names, &BTreeMap::new())?)
 }
 
-/// Positions and efforts alone, as a robot logs them.
+/// Only positions and efforts, as a robot logs them.
 fn logged(mut recording: Recording) -> Recording {
     for joint in &mut recording.joints {
         joint.velocity = None;
@@ -138,7 +137,7 @@ fn logged(mut recording: Recording) -> Recording {
     recording
 }
 
-/// An effect in words.
+/// Label, location and size of an effect.
 fn said(on_joint: &EffectOnJoint) -> String {
     let title = armident_effects::effect(&on_joint.effect).map_or("", |e| e.law().title);
     let size = on_joint.parameters.first().copied().unwrap_or_default();
@@ -150,7 +149,7 @@ fn said(on_joint: &EffectOnJoint) -> String {
     format!("{title}{place} ({size} {unit})")
 }
 
-/// Whether a folder is one that the demo may write to: new, empty, or its own.
+/// Whether the demo may write to a folder: new, empty, or from an earlier demo.
 fn is_free(folder: &Path) -> bool {
     let Ok(mut entries) = folder.read_dir() else { return true };
     entries.next().is_none() || folder.join("report.html").exists()

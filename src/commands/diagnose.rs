@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use armident_diagnose::{
-    Books, DiagnosedModel, Errors, Known, Seen, diagnose_change, diagnose_with_placebo,
-};
+use armident_diagnose::{Books, Errors, Known, diagnose_change, diagnose_with_placebo};
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_model::{DiagnosedModel, PreparedRecording};
 use armident_page::Role;
 use armident_recording::Recording;
 use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
@@ -81,7 +80,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         let report = DiagnoseReport::of_failed_checks(&model.chain, &books, inputs);
         // the efforts against the robot show what the columns are
         let joints = model.chain.joint_names();
-        let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, None)?;
+        let cutoff_hz = armident_motion::common_cutoff_hz(&train, &joints, None)?;
         let models: [(&str, &dyn Predicts); 1] = [("given", &model)];
         let files = used(args, &train_files, &[], &[]);
         let recorded = [(train.as_slice(), Role::Training)];
@@ -104,7 +103,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     drop(progress);
     if let Some(path) = &args.save_model {
         let text = diagnosis.model.to_json().map_err(|error| {
-            Failure::new(format!("cannot form JSON: {error}"), path.display(), None::<String>)
+            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
         })?;
         output::write_file(path, text.as_bytes())?;
     }
@@ -121,7 +120,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         }
         None => None,
     };
-    let errors = |of: &[Seen<'_>]| -> Result<Option<Errors>, Failure> {
+    let errors = |of: &[PreparedRecording<'_>]| -> Result<Option<Errors>, Failure> {
         Ok(if of.is_empty() { None } else { Some(diagnosis.errors(of)?) })
     };
     let fits = Fits::of(errors(&seen_train)?, errors(&seen_holdout)?);
@@ -159,15 +158,13 @@ fn used<'a>(
     std::iter::once(&args.robot).chain(recordings).chain(&args.reading.mapping)
 }
 
-/// A recording cannot be fitted and kept out of the fit.
+/// Rejects a recording that is in both the training and the hold-out set.
 fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
     match holdout.iter().find(|file| train.iter().any(|t| output::same_file(t, file))) {
         Some(file) => Err(Failure::new(
-            "a recording is given for the fit and for the hold-out",
+            "the same recording is used for training and hold-out",
             file.display(),
-            Some(
-                "keep a recording of another motion out of the fit: on its own data every model is good",
-            ),
+            Some("pass a recording of a different motion to --holdout"),
         )),
         None => Ok(()),
     }
@@ -181,7 +178,7 @@ fn replayed(
     recordings: &[Recording],
 ) -> Option<ReplayPair> {
     let joints = after.arm.chain.joint_names();
-    let cutoff_hz = armident_recording::common_cutoff_hz(recordings, &joints, None).ok()?;
+    let cutoff_hz = armident_motion::common_cutoff_hz(recordings, &joints, None).ok()?;
     let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz).ok()?;
     let of = |model: &DiagnosedModel| -> Option<ByJoint> {
         let moved = replay(&model.as_simulated().0, &motions).ok().filter(|m| m.windows > 0)?;

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::args::{ExportArgs, FormatArg};
 use crate::failure::{Failure, Outcome};
+use crate::output::counted;
 use crate::{output, robot};
 
 /// What was written and what the format could not hold.
@@ -30,7 +31,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
     let to_stdout = output::is_stdout(&args.output_file);
     if to_stdout && args.output.json.as_deref().is_some_and(output::is_stdout) {
         return Err(Failure::new(
-            "the file and the JSON cannot both go to stdout",
+            "model and JSON cannot both be written to stdout",
             "--output-file, --json",
             Some("write one of them to a file"),
         ));
@@ -45,7 +46,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         FormatArg::Mjcf => ("MJCF", mjcf(&model)),
     };
     notes.extend(lost_notes(name, &lost));
-    notes.extend(without_place.iter().map(|what| format!("lost: {what}")));
+    notes.extend(without_place.iter().map(|what| format!("omitted: {what}")));
     let report = ExportReport {
         schema: "armident.export/1",
         robot: model.chain.robot.clone(),
@@ -64,19 +65,18 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
     } else {
         output::write_file(&args.output_file, text.as_bytes())?;
         format!(
-            "{}: {} joints as {name}, {} effects held and {} lost, written to {}\n",
-            report.robot,
-            report.joints.len(),
-            report.held.len(),
-            report.lost.len(),
-            report.file
+            "wrote {} ({name}, {}; {} exported, {} omitted)\n",
+            report.file,
+            counted(report.joints.len(), "joint"),
+            counted(report.held.len(), "effect"),
+            report.lost.len()
         )
     };
     output::say_all(&args.output, "note", &report.notes);
     output::write_result(&args.output, &said, &report, &report.warnings)
 }
 
-/// A sentence per effect and reason.
+/// One note per omitted effect and reason.
 fn lost_notes(format: &str, lost: &[Lost]) -> Vec<String> {
     let mut kinds: Vec<(&str, &str, Vec<String>)> = Vec::new();
     for one in lost {
@@ -88,21 +88,21 @@ fn lost_notes(format: &str, lost: &[Lost]) -> Vec<String> {
         }
     }
     let sentence = |(effect, reason, entries): &(&str, &str, Vec<String>)| {
-        format!("{effect} is lost, {reason} ({format}): {}", entries.join(", "))
+        format!("{effect} omitted from {format} ({reason}): {}", entries.join(", "))
     };
     kinds.iter().map(sentence).collect()
 }
 
-/// The format by the end of the file's name.
+/// The format of a file extension.
 fn format_of(path: &Path) -> Result<FormatArg, Failure> {
     let end = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match end.as_str() {
         "urdf" => Ok(FormatArg::Urdf),
         "xml" | "mjcf" => Ok(FormatArg::Mjcf),
         _ => Err(Failure::new(
-            "the name of the file does not tell the format",
+            format!("cannot infer the output format from `{}`", path.display()),
             path.display(),
-            Some("end it in .urdf, or in .xml for MuJoCo, or give --format"),
+            Some("use the extension .urdf, or .xml for MJCF, or pass --format"),
         )),
     }
 }

@@ -5,7 +5,8 @@ mod planned;
 
 use std::path::PathBuf;
 
-use armident_ident::{ArmModel, Consistent, JointFit, MinimalSet};
+use armident_ident::{Consistent, JointFit, MinimalSet};
+use armident_model::ArmModel;
 use armident_page::{Correlation, Drawing, Role};
 use armident_recording::Recording;
 use armident_report::{ByJoint, ConstantRow, FitRows, IdentifyReport};
@@ -35,7 +36,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
                 "a folder with a plan cannot be combined with other recordings",
                 args.recordings[0].display(),
                 Some(
-                    "identify one planned folder at a time, or name its CSV files for a batch fit",
+                    "identify one planned folder at a time, or pass its CSV files for a batch fit",
                 ),
             ));
         }
@@ -62,7 +63,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
 struct Identified {
     report: IdentifyReport,
     model: ArmModel,
-    /// fitted, and kept out
+    /// training and hold-out recordings
     read: [Vec<Recording>; 2],
     correlation: Option<Correlation>,
 }
@@ -91,7 +92,7 @@ fn constant_row(
     }
 }
 
-/// Values of the real links beside the estimates, which are in the order of the set.
+/// Adds the physically consistent values to the estimates, in the order of the set.
 fn add_consistent(rows: &mut [ConstantRow], set: &MinimalSet, found: Option<&Consistent>) {
     let Some(found) = found else { return };
     for (k, constant) in set.constants.iter().enumerate() {

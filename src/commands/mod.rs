@@ -19,7 +19,7 @@ pub(crate) mod validate;
 use crate::args::Command;
 use crate::failure::{Failure, Outcome};
 
-/// Does what a command line says.
+/// Runs a command.
 pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {
     match command {
         Command::Params(args) => params::run(args),

@@ -22,9 +22,9 @@ pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
     for (joint, _) in &args.coulomb {
         if !model.chain.joint_names().contains(&joint.as_str()) {
             return Err(Failure::new(
-                format!("--coulomb names joint `{joint}`, which is not on the chain"),
+                format!("--coulomb: joint `{joint}` is not on the chain"),
                 args.robot.display(),
-                Some(format!("the chain has {}", model.chain.joint_names().join(", "))),
+                Some(format!("joints of the chain: {}", model.chain.joint_names().join(", "))),
             ));
         }
     }
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
     };
     output::create_folder(&args.output_folder)?;
     let document = serde_json::to_string_pretty(&plan).map_err(|error| {
-        Failure::new(format!("cannot form JSON: {error}"), PLAN_FILE, None::<String>)
+        Failure::new(format!("cannot write JSON: {error}"), PLAN_FILE, None::<String>)
     })?;
     output::write_file(&args.output_folder.join(PLAN_FILE), (document + "\n").as_bytes())?;
     for experiment in &plan.experiments {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::recordings;
 use crate::args::PredictArgs;
 use crate::failure::{Failure, Outcome};
+use crate::output::counted;
 use crate::progress::Progress;
 use crate::robot::{Predicted, Predicts};
 use crate::{output, robot};
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     let json_on_stdout = args.output.json.as_deref().is_some_and(output::is_stdout);
     if output::is_stdout(&args.output_file) && json_on_stdout {
         return Err(Failure::new(
-            "the prediction and the JSON cannot both go to stdout",
+            "prediction and JSON cannot both be written to stdout",
             "--output-file, --json",
             Some("write one of them to a file"),
         ));
@@ -48,7 +49,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     // what a diagnosis wrote has its own low-pass
     let cutoff_hz = match robot.learned {
         Some(_) => None,
-        None => armident_recording::common_cutoff_hz(
+        None => armident_motion::common_cutoff_hz(
             std::slice::from_ref(&recording),
             &model.chain.joint_names(),
             args.cutoff_hz.or(model.cutoff_hz),
@@ -78,11 +79,10 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     } else {
         output::write_file(&args.output_file, &bytes)?;
         format!(
-            "{}: effort of {} joints at {} samples, written to {}\n",
-            report.robot,
-            report.joints.len(),
-            report.samples,
-            args.output_file.display()
+            "wrote {} ({}, {})\n",
+            args.output_file.display(),
+            counted(report.joints.len(), "joint"),
+            counted(report.samples, "sample")
         )
     };
     output::say_all(&args.output, "note", &report.notes);

@@ -1,11 +1,12 @@
-//! Which recordings a command line names.
+//! Recordings named on a command line.
 
 use std::path::{Path, PathBuf};
 
 use armident_kinematics::nearest;
+use armident_motion::{Motion, MotionSettings, findings};
 use armident_recording::{
-    Action, Encoded, FileFormat, FindingKind, Mapping, Motion, MotionSettings, Quantity,
-    ReadSettings, Recording, encode, findings, read_recording,
+    Action, Encoded, FileFormat, FindingKind, Mapping, Quantity, ReadSettings, Recording, encode,
+    read_recording,
 };
 
 use crate::args::{OutputArgs, ReadingArgs};
@@ -30,7 +31,7 @@ pub(crate) fn encoded(
     Ok(bytes)
 }
 
-/// Files as given, folders replaced by their recordings in the order of their names.
+/// Files as given; folders are replaced by their recordings, sorted by name.
 pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for path in paths {
@@ -65,7 +66,7 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// Reads all files, through a mapping where one is given.
+/// Reads all files, with the mapping if one is given, and prints warnings on their quality.
 pub(crate) fn read_all(
     files: &[PathBuf],
     reading: &ReadingArgs,
@@ -75,7 +76,7 @@ pub(crate) fn read_all(
         let progress = Progress::through(output, "reading", files.len());
         read_each(files, reading, || progress.part_done())?
     };
-    // what was repaired is in the recordings' notes; what was left as it is, is said here
+    // repairs are in the recordings' notes; findings that were kept are printed here
     let mut doubts = Vec::new();
     for recording in &recordings {
         let worth_saying = [
@@ -94,7 +95,7 @@ pub(crate) fn read_all(
     Ok(recordings)
 }
 
-/// The same without a word on what is doubtful.
+/// Reads all files without printing notes.
 pub(crate) fn read_quietly(
     files: &[PathBuf],
     reading: &ReadingArgs,
@@ -134,7 +135,7 @@ pub(crate) fn joints_with_position(recordings: &[Recording]) -> Vec<String> {
         .collect()
 }
 
-/// Motions of the joints with efforts, through one low-pass.
+/// Low-passed motions of the joints with their efforts.
 pub(crate) fn motions_with_effort(
     recordings: &[Recording],
     joints: &[&str],
@@ -155,12 +156,12 @@ pub(crate) fn motions_with_effort(
                     .collect();
                 let hint = without.iter().find_map(|joint| misspelt_effort(recording, joint));
                 return Err(Failure::new(
-                    format!("there is no effort column for {}", without.join(", ")),
+                    format!("no effort column for {}", without.join(", ")),
                     &recording.source,
                     Some(hint.unwrap_or_else(|| {
-                        "every chain joint needs <joint>/effort in N m or N (currents and voltages \
-                         become efforts by --mapping FILE, see docs/mapping.md); lock joints without \
-                         one by --lock JOINT=VALUE"
+                        "provide <joint>/effort in N m or N for every chain joint (convert currents and \
+                         voltages with --mapping FILE, see docs/mapping.md), or lock joints without \
+                         one with --lock JOINT=VALUE"
                             .to_owned()
                     })),
                 ));
@@ -170,24 +171,24 @@ pub(crate) fn motions_with_effort(
         .collect()
 }
 
-/// A column that was not read and is nearly the effort of a joint.
+/// Hint for an ignored column whose name is close to the effort of a joint.
 fn misspelt_effort(recording: &Recording, joint: &str) -> Option<String> {
     let like = |found: &str, wanted: &str| nearest(found, &[wanted.to_owned()]).is_some();
     recording.ignored_columns.iter().find_map(|column| {
         let (of, quantity) = column.rsplit_once('/')?;
         let misspelt = (of == joint && like(quantity, "effort"))
             || (quantity == "effort" && like(of, joint) && recording.joint(of).is_none());
-        misspelt.then(|| format!("did you mean `{joint}/effort` where it says `{column}`?"))
+        misspelt.then(|| format!("did you mean `{joint}/effort` instead of `{column}`?"))
     })
 }
 
-/// Whether a path is a folder with a plan in it.
+/// The plan file of a folder, if it has one.
 pub(crate) fn plan_in(path: &Path) -> Option<PathBuf> {
     let plan = path.join(super::plan::PLAN_FILE);
     (path.is_dir() && plan.is_file()).then_some(plan)
 }
 
-/// Notes of all motions with their source, each said once.
+/// Notes of all motions with their source, without duplicates.
 pub(crate) fn notes<'a>(motions: impl IntoIterator<Item = &'a Motion>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for motion in motions {

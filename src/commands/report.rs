@@ -10,7 +10,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome, Failure> {
         Failure::new(
             format!("cannot read: {error}"),
             args.result.display(),
-            Some("give a file written by --json of any command"),
+            Some("pass a file written by --json of any command"),
         )
     })?;
     let html = armident_page::html(&text).map_err(|e| page::failure(&args.result, &e))?;
@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<Outcome, Failure> {
     } else {
         output::write_file(&args.output_file, html.as_bytes())?;
         let megabytes = html.len() as f64 / 1e6;
-        let said = format!("page of {megabytes:.1} MB written to {}\n", args.output_file.display());
+        let said = format!("wrote {} ({megabytes:.1} MB)\n", args.output_file.display());
         output::write_stdout(said.as_bytes())?;
     }
     Ok(Outcome::Done)

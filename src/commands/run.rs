@@ -11,9 +11,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome, Failure> {
         if !steps.iter().any(|step| step.name == *name) {
             let known: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
             return Err(Failure::new(
-                format!("there is no step `{name}`"),
+                format!("unknown step `{name}`"),
                 args.file.display(),
-                Some(meant(name, &known, "the steps are")),
+                Some(meant(name, &known, "valid steps:")),
             ));
         }
     }
@@ -26,7 +26,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<Outcome, Failure> {
     // paths are relative to the file
     if let Some(folder) = args.file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::env::set_current_dir(folder).map_err(|error| {
-            Failure::new(format!("cannot work in it: {error}"), folder.display(), None::<String>)
+            Failure::new(
+                format!("cannot enter the folder: {error}"),
+                folder.display(),
+                None::<String>,
+            )
         })?;
     }
     for (k, step) in steps.into_iter().enumerate() {

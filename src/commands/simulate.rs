@@ -12,6 +12,7 @@ use super::plan::PLAN_FILE;
 use super::recordings;
 use crate::args::{Direction, Noise, SimulateArgs};
 use crate::failure::{Failure, Outcome};
+use crate::output::counted;
 use crate::progress::Progress;
 use crate::{output, robot};
 
@@ -103,7 +104,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
             if one_file { args.output_path.clone() } else { target(&args.output_path, file) };
         if output::same_file(&path, file) {
             return Err(Failure::new(
-                "the recording would overwrite its own trajectory",
+                "the output would overwrite its input trajectory",
                 path.display(),
                 Some("write to another folder"),
             ));
@@ -136,12 +137,10 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
     };
     let samples: usize = report.recordings.iter().map(|w| w.samples).sum();
     let text = format!(
-        "{}: {} recording{} of {} samples in all, written to {}\n",
-        report.robot,
-        report.recordings.len(),
-        if report.recordings.len() == 1 { "" } else { "s" },
-        samples,
-        args.output_path.display()
+        "wrote {} ({}, {})\n",
+        args.output_path.display(),
+        counted(report.recordings.len(), "recording"),
+        counted(samples, "sample")
     );
     output::say_all(&args.output, "note", &report.notes);
     output::write_result(&args.output, &text, &report, &report.warnings)

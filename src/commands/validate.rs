@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_ident::ArmModel;
 use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_model::ArmModel;
+use armident_motion::Motion;
 use armident_page::Role;
-use armident_recording::Motion;
 use armident_report::{ByJoint, EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
@@ -27,9 +27,9 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let recorded = recordings::read_all(&files, &args.reading, &args.output)?;
     if args.predictions.is_some() && recorded.len() != 1 {
         return Err(Failure::new(
-            format!("--predictions needs one recording, found {}", recorded.len()),
+            format!("--predictions requires one recording, found {}", recorded.len()),
             "--predictions",
-            Some("name one recording, or use `armident predict` for each"),
+            Some("pass one recording, or run `armident predict` for each"),
         ));
     }
     let names = recordings::joints_with_position(&recorded);
@@ -37,11 +37,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let model = &robot.arm;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = armident_recording::common_cutoff_hz(
-        &recorded,
-        &joints,
-        args.cutoff_hz.or(model.cutoff_hz),
-    )?;
+    let cutoff_hz =
+        armident_motion::common_cutoff_hz(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
     let motions: Vec<Motion> = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?
         .into_iter()
         .zip(&recorded)
@@ -60,7 +57,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
             velocity_rms: by_joint(&names, replay.joints.iter().map(|r| r.velocity_rms)),
         }),
         Err(error) => {
-            warnings.push(format!("no forward replay of the {which}: {error} [no-replay]"));
+            warnings.push(format!("forward replay skipped ({which}): {error} [no-replay]"));
             None
         }
     };
@@ -68,8 +65,8 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let (replay_before, replay_after) = if args.no_replay {
         (None, None)
     } else {
-        let _progress = Progress::of(&args.output, "driving the simulated arm");
-        notes.extend(lost.iter().map(|what| format!("not in the forward replay: {what}")));
+        let _progress = Progress::of(&args.output, "forward replay");
+        notes.extend(lost.iter().map(|what| format!("omitted from forward replay: {what}")));
         (replayed("URDF", &before), replayed("model", &simulated))
     };
     let without_effects: Vec<_> =

@@ -9,7 +9,7 @@ use crate::tool::{list, number, run_in, scratch, string, text};
 
 /// What the reference shows too is no finding; what came after it is.
 #[test]
-fn only_the_change_is_diagnosed() {
+fn reports_only_the_change() {
     let before = recordings("diagnose_before", &["viscous_friction:elbow_joint=3"]);
     let after = recordings(
         "diagnose_after",
@@ -31,7 +31,7 @@ fn only_the_change_is_diagnosed() {
 /// Friction falls when an arm warms up: that is said with its sign, and the load beside it is weighed all the same. The
 /// model is simulated with what is left, against the URDF as against the model of the arm before.
 #[test]
-fn friction_falls() {
+fn reports_lower_friction() {
     let of = |viscous: f64, level: f64, more: &[&str]| -> Vec<String> {
         let joints = ["elbow_joint", "shoulder_lift_joint"];
         let friction = joints.iter().flat_map(|joint| {
@@ -116,7 +116,7 @@ fn friction_falls() {
 /// A load on a link of the middle is named there. What the motion does not show of it is not told: a joint that turns
 /// about a level axis shows the moment of its link, and the mass only where the joints before it lift it.
 #[test]
-fn a_load_on_a_middle_link() {
+fn finds_payload_on_middle_link() {
     let before = recordings("diagnose_unloaded", &[]).join("holdout.csv");
     let loaded = |test: &str, load: &str| -> Value {
         let folder = recordings(test, &[&format!("link_inertia_error:{load}")]);
@@ -144,7 +144,7 @@ fn a_load_on_a_middle_link() {
 /// A ripple that was there before is no change, also where the noise of the reference hides it: then it is told that it
 /// may have come, and that the reference does not show it.
 #[test]
-fn a_reference_full_of_noise_leaves_it_open() {
+fn noisy_reference_is_inconclusive() {
     let ripple = ["torque_ripple:elbow_joint=2,7,0,0,0"];
     let folder = recordings("diagnose_open", &ripple);
     let (urdf, trajectory) = (super::urdf(), crate::shared::project("examples/ur5/holdout.csv"));
@@ -177,7 +177,7 @@ fn a_reference_full_of_noise_leaves_it_open() {
 /// unexplained is said, and a heavier bob is found all the same. Its mass by itself is not: a pendulum shows
 /// its moment. Its friction bends at speeds that the reference does not reach: no change either.
 #[test]
-fn a_load_on_an_imperfect_pendulum() {
+fn finds_payload_despite_model_discrepancy() {
     let folder = scratch("diagnose_pendulum");
     let urdf = |mass: f64| {
         format!(

@@ -8,7 +8,7 @@ use super::{changed, diagnose, diagnosed, named, pairs, recordings, set, simulat
 use crate::tool::{list, number, run_in, string, text};
 
 #[test]
-fn recordings_that_tell_little() {
+fn uninformative_recordings_have_no_findings() {
     let folder = recordings("diagnose_little", &[]);
     let urdf = urdf();
     let diagnose = |file: &str, more: &[&str]| {
@@ -26,12 +26,12 @@ fn recordings_that_tell_little() {
     changed(&folder, "half_a_second.csv", until(0.5));
     let refused = diagnose("half_a_second.csv", &[]);
     assert_eq!(refused.code, 1);
-    assert!(refused.stderr.contains("long enough"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("too short"), "{}", refused.stderr);
     // efforts of one number
     changed(&folder, "constant.csv", |h, row| Some(set(h, row, "elbow_joint/effort", "3")));
     let refused = diagnose("constant.csv", &[]);
     assert_eq!(refused.code, 1);
-    assert!(refused.stderr.contains("effort of elbow_joint is the same number"));
+    assert!(refused.stderr.contains("effort column of elbow_joint is constant"));
     assert!(refused.stderr.contains("hint"), "{}", refused.stderr);
     // positions of one number
     changed(&folder, "at_rest.csv", |h, row| {
@@ -43,7 +43,7 @@ fn recordings_that_tell_little() {
     // on its own data every model is good
     let refused = diagnose("train.csv", &["--holdout", "./train.csv"]);
     assert_eq!(refused.code, 1);
-    assert!(refused.stderr.contains("for the fit and for the hold-out"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("used for training and hold-out"), "{}", refused.stderr);
     // efforts in an order of their own belong to no motion: nothing is named with confidence
     let recorded = std::fs::read_to_string(folder.join("train.csv")).unwrap();
     let rows: Vec<Vec<String>> =
@@ -66,7 +66,7 @@ fn recordings_that_tell_little() {
 
 /// A column that is not what its header says is that, and no physics.
 #[test]
-fn the_books_come_first() {
+fn input_checks_come_first() {
     let folder = recordings("diagnose_books", &["viscous_friction:elbow_joint=8"]);
     changed(&folder, "flipped.csv", |h, row| {
         let negated = |x: &String| (-x.parse::<f64>().unwrap()).to_string();
@@ -99,7 +99,7 @@ fn the_books_come_first() {
 /// Names do not depend on what joints and files are called, on units, on a joint beside the arm, or on
 /// where a recording is cut while the arm rests.
 #[test]
-fn names_stay_the_same() {
+fn findings_are_reproducible() {
     let effects = ["viscous_friction:elbow_joint=8", "coulomb_friction:wrist_1_joint=1.5"];
     let folder = recordings("diagnose_same", &effects);
     let expected = [("coulomb_friction", "wrist_1_joint"), ("viscous_friction", "elbow_joint")];
@@ -176,7 +176,7 @@ fn names_stay_the_same() {
 
 /// A joint that really rests hides its own friction, and nothing of the others.
 #[test]
-fn a_joint_at_rest() {
+fn accepts_a_joint_at_rest() {
     let folder = recordings("diagnose_rest", &[]);
     changed(&folder, "trajectory.csv", |h, row| {
         let row = set(h, row, "wrist_2_joint/position", "0.6");
@@ -191,7 +191,7 @@ fn a_joint_at_rest() {
 
 /// One of two recordings without the effort of a joint: it says what it can of the others.
 #[test]
-fn an_effort_missing_in_one_recording() {
+fn accepts_missing_effort_in_one_recording() {
     let folder = recordings("diagnose_missing", &["viscous_friction:elbow_joint=8"]);
     let whole = std::fs::read_to_string(folder.join("train.csv")).unwrap();
     let names = whole.lines().next().unwrap();

@@ -8,7 +8,7 @@ use crate::tool::{list, number, read_json, run, run_in, scratch, string, text};
 
 /// The hold-out proves and does nothing else; a model stands alone; fields are those of the contract.
 #[test]
-fn holdout_model_and_fields() {
+fn writes_holdout_model_and_fields() {
     let effects = ["torque_offset:wrist_2_joint=0.5", "viscous_friction:elbow_joint=8"];
     let folder = recordings("diagnose_flow", &effects);
     let with = diagnose(&folder, &["--holdout", "holdout.csv", "--save-model", "with.json"]);
@@ -86,7 +86,7 @@ fn holdout_model_and_fields() {
 
 /// The bundled recordings: the heavier forearm among friction and rotors on every joint.
 #[test]
-fn bundled_example() {
+fn finds_effects_of_bundled_example() {
     let (urdf, folder) = (urdf(), project("examples/ur5"));
     let args = ["diagnose", text(&urdf), "train.csv", "--holdout", "holdout.csv", "--json", "-"];
     let diagnosis = run_in(&folder, &args).fine().json();
@@ -110,11 +110,12 @@ fn bundled_example() {
 
 /// The minimal set beside the findings holds the truth in its intervals: the UR5 with the heavier forearm.
 #[test]
-fn constants_of_the_diagnosed_arm() {
-    use armident_ident::{ArmModel, MinimalSet};
+fn constants_cover_the_true_arm() {
+    use armident_ident::MinimalSet;
     use armident_kinematics::{
         ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
     };
+    use armident_model::ArmModel;
     let robot = load_urdf(&urdf()).unwrap();
     let chain = SerialChain::from_description(&robot, &ChainSelection::default()).unwrap();
     let mut model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
@@ -161,7 +162,7 @@ fn constants_of_the_diagnosed_arm() {
 /// A hold-out of another arm than the one trained on: the finding is not confirmed, and the joint is said on
 /// which the model is worse than the robot as given.
 #[test]
-fn a_holdout_that_contradicts() {
+fn contradicting_holdout_is_not_confirmed() {
     let folder = recordings("diagnose_contradicted", &["coulomb_friction:elbow_joint=4"]);
     simulate(&project("examples/ur5/holdout.csv"), &folder.join("holdout.csv"), "7", &[]);
     let diagnosis = diagnosed(&folder);
@@ -176,7 +177,7 @@ fn a_holdout_that_contradicts() {
 /// What is said of a finding is what the saved model has: a friction without the smaller one beside it, too small
 /// to be named, would be too large by it.
 #[test]
-fn numbers_are_those_of_the_model() {
+fn findings_equal_model_parameters() {
     let effects = ["coulomb_friction:elbow_joint=4", "viscous_friction:elbow_joint=0.3"];
     let folder = recordings("diagnose_numbers", &effects);
     let diagnosis = diagnose(&folder, &["--save-model", "model.json"]).fine().json();
@@ -199,7 +200,7 @@ fn numbers_are_those_of_the_model() {
 /// Positions that shake by themselves from 6 Hz on, as those of a coarse encoder in a loop do: the inertia that the band
 /// of 10 Hz gives is too small, and the narrower band is taken and said. Without the shaking it is not.
 #[test]
-fn positions_that_shake_by_themselves() {
+fn encoder_jitter_reduces_bandwidth() {
     let folder = scratch("diagnose_shaking");
     let (mass, inertia, length) = (1.5, 0.02, 0.5);
     let urdf = format!(
@@ -243,7 +244,7 @@ fn positions_that_shake_by_themselves() {
 /// A model in the place of the URDF is used whole: what it has is no finding, what is new is one, and both are in
 /// the model that is written.
 #[test]
-fn a_model_knows_its_effects() {
+fn known_effects_are_no_findings() {
     let known = ["torque_offset:wrist_2_joint=0.5", "viscous_friction:elbow_joint=8"];
     let folder = recordings("diagnose_known", &known);
     diagnose(&folder, &["--save-model", "model.json"]).fine();
@@ -273,7 +274,7 @@ fn a_model_knows_its_effects() {
 /// A model that a diagnosis wrote is validated whole: what only it can hold is in the errors, in their bands and in the
 /// predictions.
 #[test]
-fn a_model_is_validated_whole() {
+fn validates_the_whole_model() {
     let folder = recordings(
         "diagnose_validate",
         &["torque_scale:elbow_joint=1.2", "torque_offset:wrist_2_joint=0.5"],

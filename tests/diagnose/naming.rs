@@ -32,28 +32,28 @@ fn one_effect(slug: &str, joint: &str, parameters: &str, parameter: &str, truth:
 }
 
 #[test]
-fn a_spring_is_named() {
+fn finds_joint_spring() {
     one_effect("joint_spring", "elbow_joint", "6,1.0", "stiffness", 6.0);
 }
 
 #[test]
-fn a_drag_is_named() {
+fn finds_quadratic_drag() {
     one_effect("quadratic_drag", "wrist_1_joint", "2", "coefficient", 2.0);
 }
 
 #[test]
-fn friction_is_named() {
+fn finds_friction() {
     one_effect("coulomb_friction", "shoulder_pan_joint", "3", "level", 3.0);
 }
 
 #[test]
-fn a_rotor_is_named() {
+fn finds_rotor_inertia() {
     one_effect("rotor_inertia", "wrist_2_joint", "0.4", "inertia", 0.4);
 }
 
 /// What belongs to the whole robot is not put on a joint, what belongs to a link is put on the link.
 #[test]
-fn places() {
+fn findings_have_their_location() {
     let folder = recordings("diagnose_delay", &["time_delay:wrist_1_joint=0.015"]);
     let diagnosis = diagnosed(&folder);
     assert_eq!(named(&diagnosis), pairs(&[("time_delay", "")]));
@@ -72,7 +72,7 @@ fn places() {
 
 /// Nothing concealed, nothing found; and the fields are those of the contract.
 #[test]
-fn nothing_is_found_in_nothing() {
+fn null_recording_has_no_finding() {
     let folder = recordings("diagnose_clean", &[]);
     let diagnosis = diagnosed(&folder);
     assert_eq!(diagnosis["schema"], "armident.diagnosis/2");
@@ -132,7 +132,7 @@ fn development_case_field() {
 
 /// Where two laws fit alike, both are said, and the motion that tells them apart.
 #[test]
-fn a_load_may_be_a_wrong_link() {
+fn payload_has_link_error_as_alternative() {
     let folder = recordings("diagnose_alternatives", &["payload:wrist_3_joint=1.5,0,0.02,0.05"]);
     let run = diagnose(&folder, &["--next-motion", "next"]);
     let diagnosis = run.fine().json();
@@ -150,7 +150,7 @@ fn a_load_may_be_a_wrong_link() {
 
 /// Links that are all off by a few per cent are no single effect, and no match.
 #[test]
-fn links_that_are_all_a_little_off() {
+fn small_link_errors_are_not_single_effects() {
     let folder = recordings("diagnose_all_links", &[]);
     let mut made = String::new();
     let mut off = [1.1, 0.92, 1.12].iter().cycle();
@@ -181,7 +181,7 @@ fn links_that_are_all_a_little_off() {
 /// A narrow detent far above the noise of its joint, beside everyday friction: what no law explains must not
 /// make its joint unimportant before it is described.
 #[test]
-fn a_detent_is_described() {
+fn detent_is_unmodelled_dynamics() {
     let friction: Vec<String> = JOINTS
         .iter()
         .flat_map(|j| [format!("coulomb_friction:{j}=1.5"), format!("viscous_friction:{j}=1.2")])

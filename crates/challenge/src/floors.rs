@@ -1,7 +1,8 @@
 //! What is reachable on a recording, from nothing but noise to a careful user.
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
-use armident_recording::{DerivativeSource, Motion, MotionSettings, Recording};
+use armident_motion::{DerivativeSource, Motion, MotionSettings};
+use armident_recording::Recording;
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 
 use crate::error::ChallengeError;

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use armident_diagnose::{Books, diagnose, diagnose_change};
-use armident_ident::ArmModel;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording};
 use armident_report::{DiagnoseInputs, DiagnoseReport, Fits};
 

@@ -1,15 +1,13 @@
 //! What changed between two sets of recordings of one arm, and what a model that knows more than its links leaves out.
 
-use armident_effects::{EVERYDAY, EffectOnJoint, tilted};
-use armident_ident::ArmModel;
-use armident_recording::{Recording, RecordingError};
-use nalgebra::Vector3;
+use crate::design::known_effort::Known;
+use armident_effects::{EVERYDAY, EffectOnJoint};
+use armident_model::{ArmModel, DiagnosedModel, SHARP};
+use armident_recording::Recording;
 
-use crate::diagnosis::{DiagnoseError, Diagnosis, diagnose_beside, diagnose_from, model_of};
-use crate::model::DiagnosedModel;
-use crate::placebo::Placebo;
-use crate::signals::Signals;
-use crate::turning::AT_ONCE;
+use crate::checks::usable::DiagnoseError;
+use crate::diagnosis::{Diagnosis, diagnose_beside, diagnose_from, model_of};
+use crate::findings::placebo::Placebo;
 
 /// The diagnosis of recordings against reference recordings of the same arm: what the reference shows
 /// beyond the believed model is learned first and is no finding. The models of the diagnosis have it as well.
@@ -30,83 +28,12 @@ pub fn diagnose_change(
     Ok(difference)
 }
 
-/// A model that holds more than a rigid body: what it knows is taken out of recordings, and they are compared with
-/// its body alone.
-pub struct Known {
-    /// The whole of it.
-    model: DiagnosedModel,
-    /// Its links under its gravity and nothing else.
-    body: DiagnosedModel,
-}
-
-impl Known {
-    /// Of a model.
-    pub fn of(model: DiagnosedModel) -> Self {
-        let mut arm = model.arm.clone();
-        arm.effects.clear();
-        // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
-        let tilt = Vector3::new(model.learned.tilt_rad[0], model.learned.tilt_rad[1], 0.0);
-        arm.chain.gravity_e0 = tilted(&arm.chain.base_from_e0, &arm.chain.gravity_e0, &tilt);
-        let mut body = DiagnosedModel::believed(&arm);
-        body.learned.rigid_cutoff_hz = model.learned.rigid_cutoff_hz;
-        Self { model, body }
-    }
-
-    /// The arm that recordings are compared with once that is taken out of them.
-    pub fn arm(&self) -> &ArmModel {
-        &self.body.arm
-    }
-
-    /// Effects on single joints that it knows.
-    pub(crate) fn effects(&self) -> &[EffectOnJoint] {
-        &self.model.arm.effects
-    }
-
-    /// A recording without the efforts that the model knows beyond those of its body. The low-passes of the predictions
-    /// are no effects.
-    ///
-    /// # Errors
-    /// A recording that cannot be used.
-    pub(crate) fn taken_out_of(&self, signals: Signals) -> Result<Signals, RecordingError> {
-        let (all, body) = (self.model.on_grid(&signals)?, self.body.on_grid(&signals)?);
-        let less = |(all, body): (&Vec<f64>, &Vec<f64>)| {
-            all.iter().zip(body).map(|(all, body)| all - body).collect()
-        };
-        Ok(signals.without(all.iter().zip(&body).map(less).collect()))
-    }
-
-    /// Diagnoses what the model leaves out of recordings, with so many wrong terms
-    /// ([`diagnose_with_placebo`](crate::diagnose_with_placebo)). The models that come of it have what is known as well.
-    ///
-    /// # Errors
-    /// [`DiagnoseError`].
-    pub fn diagnose(
-        &self,
-        train: &[Recording],
-        wrong_terms: Option<usize>,
-    ) -> Result<(Diagnosis, Option<Placebo>), DiagnoseError> {
-        let (mut diagnosis, placebo) = diagnose_beside(self, train, wrong_terms)?;
-        self.put_back_into(&mut diagnosis);
-        Ok((diagnosis, placebo))
-    }
-
-    /// What the model knows becomes part of all models of a diagnosis of such recordings.
-    fn put_back_into(&self, diagnosis: &mut Diagnosis) {
-        let beside = diagnosis.without.iter_mut().flatten();
-        let rivals = diagnosis.rivals.iter_mut().flatten().flatten();
-        let own = [&mut diagnosis.model, &mut diagnosis.rigid, &mut diagnosis.believed];
-        for model in own.into_iter().chain(beside).chain(rivals) {
-            *model = together(&self.model, model.clone());
-        }
-    }
-}
-
 /// What was learned before and what was learned of the change, in one model.
 fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     let mut all = change;
     let mut effects = before.arm.effects.clone();
     for change in all.arm.effects {
-        // the everyday terms of a joint, seen again with the recordings after
+        // the baseline terms of a joint, seen again with the recordings after
         let same = |e: &&mut EffectOnJoint| {
             EVERYDAY.iter().any(|law| law.law().slug == e.effect)
                 && e.effect == change.effect
@@ -131,7 +58,7 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
     learned.rigid_cutoff_hz = earlier.rigid_cutoff_hz;
     learned.output_cutoff_hz.clone_from(&earlier.output_cutoff_hz);
     for (joint, turn) in earlier.turns().into_iter().enumerate() {
-        if learned.turns()[joint] == AT_ONCE {
+        if learned.turns()[joint] == SHARP {
             learned.fading_speed[joint] = turn.speed();
             learned.turning_travel[joint] = turn.travel();
         }
@@ -143,4 +70,31 @@ fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
         *now *= then;
     }
     all
+}
+
+impl Known {
+    /// Diagnoses what the model leaves out of recordings, with so many wrong terms
+    /// ([`diagnose_with_placebo`](crate::diagnosis::diagnose_with_placebo)). The models that come of it have what is known as well.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`].
+    pub fn diagnose(
+        &self,
+        train: &[Recording],
+        wrong_terms: Option<usize>,
+    ) -> Result<(Diagnosis, Option<Placebo>), DiagnoseError> {
+        let (mut diagnosis, placebo) = diagnose_beside(self, train, wrong_terms)?;
+        self.put_back_into(&mut diagnosis);
+        Ok((diagnosis, placebo))
+    }
+
+    /// What the model knows becomes part of all models of a diagnosis of such recordings.
+    fn put_back_into(&self, diagnosis: &mut Diagnosis) {
+        let beside = diagnosis.without.iter_mut().flatten();
+        let rivals = diagnosis.rivals.iter_mut().flatten().flatten();
+        let own = [&mut diagnosis.model, &mut diagnosis.rigid, &mut diagnosis.believed];
+        for model in own.into_iter().chain(beside).chain(rivals) {
+            *model = together(&self.model, model.clone());
+        }
+    }
 }

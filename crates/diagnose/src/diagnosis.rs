@@ -1,35 +1,34 @@
 //! The diagnosis: findings, model, proof.
 
+use crate::checks::usable::{DiagnoseError, usable_signals};
 use std::collections::BTreeMap;
 
-use armident_ident::ArmModel;
 use armident_ident::validate::whiteness;
 use armident_kinematics::DrivingAxisChain;
+use armident_model::{ArmModel, DiagnosedModel, PreparedRecording};
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::atlas::{JointAtlas, atlas, character};
-use crate::band::BAND_HZ;
-use crate::bands::{NARROW_HZ, is_off_in};
-use crate::bending::with_bends;
-use crate::books::DriveGain;
-use crate::change::Known;
-use crate::constants::{ConstantEstimates, constants};
-use crate::crossval::{Predictor, predictor};
-use crate::evidence::Evidence;
-use crate::findings::{DoubtfulChange, Finding, claims};
-use crate::learn::{View, choose_outputs, learned, rigid_alone};
-use crate::material::joints_of_inertial_errors;
-use crate::model::DiagnosedModel;
-use crate::next_motion::{NextMotion, Rivals, next_motion};
-use crate::placebo::{Placebo, placebo};
-use crate::problem::Problem;
-use crate::search::Answer;
-use crate::seen::Seen;
-use crate::select::{Selection, select};
-use crate::signals::Signals;
-use crate::whitened::WrongBody;
+use crate::checks::effort_columns::DriveGain;
+use crate::design::design::Design;
+use crate::design::known_effort::Known;
+use crate::design::linear_problem::LinearProblem;
+use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
+use crate::findings::fitted_model::{choose_outputs, learned, rigid_alone};
+use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
+use crate::findings::placebo::{Placebo, placebo};
+use crate::findings::residual_map::{JointAtlas, atlas, character};
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::Estimate;
+use crate::selection::bandwidth_test::{NARROW_HZ, is_off_in};
+use crate::selection::cross_validation::{Predictor, predictor};
+use crate::selection::iterate::select;
+use crate::selection::materiality::joints_of_inertial_errors;
+use crate::selection::solution::{Selection, Solution};
+use crate::selection::sublinear::with_sublinear_friction;
+use crate::uncertainty::minimal_constants::{ConstantEstimates, constants};
+use armident_motion::BAND_HZ;
 
 /// Root mean square errors of the raw recorded effort, by joint.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -82,27 +81,6 @@ pub struct Diagnosis {
     pub atlas: Vec<JointAtlas>,
 }
 
-/// Why there is no diagnosis.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum DiagnoseError {
-    /// A recording cannot be used.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// No recording is long enough.
-    #[error("no recording is long enough")]
-    TooShort,
-    /// No joint moves.
-    #[error("no joint moves")]
-    NoMotion,
-    /// The effort of a joint that moves is one number.
-    #[error("the effort of {0} is the same number throughout although the joint moves")]
-    ConstantEffort(String),
-    /// The problem could not be solved.
-    #[error("the efforts cannot be compared with the model")]
-    Unsolvable,
-}
-
 /// Diagnoses the difference between a believed arm and recordings.
 ///
 /// # Errors
@@ -129,8 +107,8 @@ fn told(
     let names = names_of(model);
     let mut selected = selected(known, &model.chain, &names, train)?;
     let diagnosis = selected.told(model, &names)?;
-    let Selected { evidence, selection, .. } = &mut selected;
-    Ok((diagnosis, wrong_terms.map(|terms| placebo(evidence, selection, terms))))
+    let Selected { design, selection, .. } = &mut selected;
+    Ok((diagnosis, wrong_terms.map(|terms| placebo(design, selection, terms))))
 }
 
 /// The diagnosis, and what its selection makes of so many wrong terms beside what it found
@@ -152,30 +130,30 @@ pub(crate) fn model_of(
     train: &[Recording],
 ) -> Result<(DiagnosedModel, Option<f64>), DiagnoseError> {
     let selected = selected(None, &model.chain, &names_of(model), train)?;
-    let Selected { evidence, selection, narrowed_to_hz, .. } = &selected;
+    let Selected { design, selection, narrowed_to_hz, .. } = &selected;
     let (problem, predicting) = selected.predicting();
-    let metric = problem.whitened(predicting.scale, &selection.wide);
-    let view = View::new(evidence, &metric, &predicting.answer, &selection.point);
-    let (mut learned, _) = learned(model, &view);
-    choose_outputs(&mut learned, evidence)?;
+    let metric = problem.marginalised(predicting.scale, &selection.inflated);
+    let solution = Solution::new(design, &metric, &predicting.estimate, &selection.point);
+    let (mut learned, _) = learned(model, &solution);
+    choose_outputs(&mut learned, design)?;
     Ok((learned, *narrowed_to_hz))
 }
 
-/// The diagnosis of what changed in the recordings from `changed_from` on, in the band that those before it had.
+/// The diagnosis of what changed in the recordings from `from` on, in the band that those before it had.
 pub(crate) fn diagnose_from(
     known: &Known,
     train: &[Recording],
-    changed_from: usize,
+    from: usize,
     narrowed_to_hz: Option<f64>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let model = known.arm();
     let names = names_of(model);
     let band_hz = narrowed_to_hz.unwrap_or(BAND_HZ);
-    let mut evidence = evidence_of(Some(known), &model.chain, &names, train, band_hz)?;
-    let beyond_reference = evidence.seek_change(changed_from);
-    let selection = select(&mut evidence).ok_or(DiagnoseError::Unsolvable)?;
-    let best = predictor(&selection.metric(), &selection.answer);
-    let selected = Selected { evidence, selection, best, bent: None, narrowed_to_hz };
+    let (design, beyond_reference) =
+        design_of(Some(known), &model.chain, &names, train, band_hz)?.against_reference(from);
+    let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
+    let best = predictor(&selection.metric(), &selection.estimate);
+    let selected = Selected { design, selection, best, sublinear: None, narrowed_to_hz };
     Ok(Diagnosis { beyond_reference, ..selected.told(model, &names)? })
 }
 
@@ -185,11 +163,11 @@ fn names_of(model: &ArmModel) -> Vec<String> {
 
 /// A selection, what predicts best, and the recordings they are of.
 struct Selected<'a> {
-    evidence: Evidence<'a>,
+    design: Design<'a>,
     selection: Selection,
     best: Predictor,
     /// with friction that bends over the speed, where joints show that
-    bent: Option<(Problem, Predictor)>,
+    sublinear: Option<(LinearProblem, Predictor)>,
     narrowed_to_hz: Option<f64>,
 }
 
@@ -200,38 +178,36 @@ fn selected<'a>(
     names: &[String],
     train: &[Recording],
 ) -> Result<Selected<'a>, DiagnoseError> {
-    let mut evidence = evidence_of(known, chain, names, train, BAND_HZ)?;
-    let (selection, narrow) = rayon::join(
-        || select(&mut evidence),
-        || evidence_of(known, chain, names, train, NARROW_HZ),
-    );
-    let selection = selection.ok_or(DiagnoseError::Unsolvable)?;
-    let best = predictor(&selection.metric(), &selection.answer);
+    let design = design_of(known, chain, names, train, BAND_HZ)?;
+    let (selection, narrow) =
+        rayon::join(|| select(&design), || design_of(known, chain, names, train, NARROW_HZ));
+    let (design, selection) = selection.ok_or(DiagnoseError::Unsolvable)?;
+    let best = predictor(&selection.metric(), &selection.estimate);
     // longer kernels want longer recordings: without them the band stays
-    if let Ok(mut evidence) = narrow
-        && is_off_in(&evidence, &selection, &best)
-        && let Some(selection) = select(&mut evidence)
+    if let Ok(narrow) = narrow
+        && is_off_in(&narrow, &selection, &best)
+        && let Some((design, selection)) = select(&narrow)
     {
-        let best = predictor(&selection.metric(), &selection.answer);
-        return Ok(Selected::bent_where_shown(evidence, selection, best, Some(NARROW_HZ)));
+        let best = predictor(&selection.metric(), &selection.estimate);
+        return Ok(Selected::with_sublinear_where_shown(design, selection, best, Some(NARROW_HZ)));
     }
-    Ok(Selected::bent_where_shown(evidence, selection, best, None))
+    Ok(Selected::with_sublinear_where_shown(design, selection, best, None))
 }
 
 impl<'a> Selected<'a> {
-    fn bent_where_shown(
-        evidence: Evidence<'a>,
+    fn with_sublinear_where_shown(
+        design: Design<'a>,
         selection: Selection,
         best: Predictor,
         narrowed_to_hz: Option<f64>,
     ) -> Self {
-        let bent = with_bends(&evidence, &selection, &best);
-        Self { evidence, selection, best, bent, narrowed_to_hz }
+        let sublinear = with_sublinear_friction(&design, &selection, &best);
+        Self { design, selection, best, sublinear, narrowed_to_hz }
     }
 
     /// What the model is made of.
-    fn predicting(&self) -> (&Problem, &Predictor) {
-        match &self.bent {
+    fn predicting(&self) -> (&LinearProblem, &Predictor) {
+        match &self.sublinear {
             Some((problem, predictor)) => (problem, predictor),
             None => (&self.selection.problem, &self.best),
         }
@@ -239,48 +215,61 @@ impl<'a> Selected<'a> {
 
     /// What is said of it.
     fn told(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
-        let Self { evidence, selection, best, narrowed_to_hz, .. } = self;
+        let Self { design, selection, best, narrowed_to_hz, .. } = self;
         let (problem, predicting) = self.predicting();
         let metric = selection.metric();
-        let best_metric = selection.problem.whitened(best.scale, &selection.wide);
-        let best_view = View::new(evidence, &best_metric, &best.answer, &selection.point);
-        let model_metric = problem.whitened(predicting.scale, &selection.wide);
-        let model_view = View::new(evidence, &model_metric, &predicting.answer, &selection.point);
-        let (mut learned_model, links_off) = learned(model, &model_view);
-        choose_outputs(&mut learned_model, evidence)?;
-        let constants = constants(model, &learned_model, &model_metric, &predicting.answer);
-        let claims = claims(evidence, selection, &best_view);
-        // the model of another answer, all that is not in question as in the model learned
-        let model_of = |answer: &Answer, wide: &[WrongBody]| {
-            let metric = problem.whitened(predicting.scale, wide);
-            let answer = predicting.beside(&metric, &selection.answer, answer)?;
-            let view = View::new(evidence, &metric, &answer, &selection.point);
-            let (mut model, _) = learned(model, &view);
+        let best_metric = selection.problem.marginalised(best.scale, &selection.inflated);
+        let best_solution = Solution::new(design, &best_metric, &best.estimate, &selection.point);
+        let model_metric = problem.marginalised(predicting.scale, &selection.inflated);
+        let model_solution =
+            Solution::new(design, &model_metric, &predicting.estimate, &selection.point);
+        let (mut learned_model, links_off) = learned(model, &model_solution);
+        choose_outputs(&mut learned_model, design)?;
+        let constants = constants(model, &learned_model, &model_metric, &predicting.estimate);
+        let reported_findings = reported_findings(design, selection, &best_solution);
+        // the model of another estimate, all that is not in question as in the model learned
+        let model_of = |estimate: &Estimate, inflated: &[InflatedLink]| {
+            let metric = problem.marginalised(predicting.scale, inflated);
+            let estimate = predicting.beside(&metric, &selection.estimate, estimate)?;
+            let solution = Solution::new(design, &metric, &estimate, &selection.point);
+            let (mut model, _) = learned(model, &solution);
             model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
             model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
             Some(model)
         };
-        let without = claims
+        let without = reported_findings
             .par_iter()
-            .map(|claim| claim.without.as_ref().and_then(|(answer, wide)| model_of(answer, wide)))
+            .map(|reported| {
+                reported
+                    .without
+                    .as_ref()
+                    .and_then(|(estimate, inflated)| model_of(estimate, inflated))
+            })
             .collect();
-        let rivals = claims
+        let rivals = reported_findings
             .par_iter()
-            .map(|claim| claim.rivals.iter().map(|(answer, wide)| model_of(answer, wide)).collect())
+            .map(|reported| {
+                reported
+                    .rivals
+                    .iter()
+                    .map(|(estimate, inflated)| model_of(estimate, inflated))
+                    .collect()
+            })
             .collect();
         let mut rigid =
-            rigid_alone(model, evidence).unwrap_or_else(|| DiagnosedModel::believed(model));
-        choose_outputs(&mut rigid, evidence)?;
+            rigid_alone(model, design).unwrap_or_else(|| DiagnosedModel::believed(model));
+        choose_outputs(&mut rigid, design)?;
         let mut believed = DiagnosedModel::believed(model);
         believed.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
         believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
-        let mut findings: Vec<Finding> = claims.into_iter().map(|claim| claim.finding).collect();
-        let unnamed = |f: &Finding| f.effect == crate::UNMODELLED;
-        for finding in findings.iter_mut().filter(|f| unnamed(f)) {
+        let mut findings: Vec<Finding> =
+            reported_findings.into_iter().map(|reported| reported.finding).collect();
+        let has_no_name = |f: &Finding| f.effect == crate::UNMODELLED;
+        for finding in findings.iter_mut().filter(|f| has_no_name(f)) {
             let index = |name: &str| names.iter().position(|n| n == name);
             let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
             let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);
-            let at = best_view.at();
+            let at = best_solution.at();
             let mut effort: Vec<Vec<f64>> =
                 at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
             for term in terms {
@@ -290,9 +279,9 @@ impl<'a> Selected<'a> {
                     }
                 }
             }
-            finding.evidence.character = Some(character(evidence, at, joint, &effort));
+            finding.evidence.character = Some(character(design, at, joint, &effort));
         }
-        let atlas = atlas(evidence, &believed, &rigid, &learned_model)?;
+        let atlas = atlas(design, &believed, &rigid, &learned_model)?;
         Ok(Diagnosis {
             atlas,
             constants,
@@ -305,7 +294,7 @@ impl<'a> Selected<'a> {
             effort_noise: names
                 .iter()
                 .cloned()
-                .zip(evidence.rows.sample_deviation.clone())
+                .zip(design.observations.sample_deviation.clone())
                 .collect(),
             joints: names.to_vec(),
             inertial_error: selection.scale,
@@ -313,11 +302,11 @@ impl<'a> Selected<'a> {
             narrowed_to_hz: *narrowed_to_hz,
             beyond_reference: BTreeMap::new(),
             doubtful_changes: selection
-                .doubtful
+                .inconclusive
                 .iter()
-                .map(|doubt| DoubtfulChange::of(evidence, doubt))
+                .map(|inconclusive| DoubtfulChange::of(design, inconclusive))
                 .collect(),
-            inertias_matter_on: joints_of_inertial_errors(&metric, &selection.answer)
+            inertias_matter_on: joints_of_inertial_errors(&metric, &selection.estimate)
                 .into_iter()
                 .map(|j| names[j].clone())
                 .collect(),
@@ -326,54 +315,17 @@ impl<'a> Selected<'a> {
 }
 
 /// The recordings without what is known, and the arm they are compared with.
-fn evidence_of<'a>(
+fn design_of<'a>(
     known: Option<&'a Known>,
     chain: &'a DrivingAxisChain,
     names: &[String],
     recordings: &[Recording],
     band_hz: f64,
-) -> Result<Evidence<'a>, DiagnoseError> {
+) -> Result<Design<'a>, DiagnoseError> {
     let mut signals = usable_signals(names, recordings, band_hz)?;
-    let Some(known) = known else { return Ok(Evidence::new(chain, signals)) };
+    let Some(known) = known else { return Ok(Design::new(chain, signals)) };
     signals = signals.into_iter().map(|s| known.taken_out_of(s)).collect::<Result<_, _>>()?;
-    Ok(Evidence::new(chain, signals).beside(known.effects()))
-}
-
-/// The recordings on even grids, if they say something.
-pub(crate) fn usable_signals(
-    names: &[String],
-    recordings: &[Recording],
-    band_hz: f64,
-) -> Result<Vec<Signals>, DiagnoseError> {
-    let of_all = recordings.iter().map(Recording::len).sum();
-    let signals: Vec<Signals> = recordings
-        .iter()
-        .map(|r| Ok(Signals::below(r, names, band_hz)?.thinned(of_all)))
-        .collect::<Result<_, RecordingError>>()?;
-    if signals.iter().any(|s| s.band.kept.len() < 2) {
-        return Err(DiagnoseError::TooShort);
-    }
-    said_something(names, &signals)?;
-    Ok(signals)
-}
-
-/// Refuses recordings from which every answer would be invented: channels that say one number.
-fn said_something(names: &[String], signals: &[Signals]) -> Result<(), DiagnoseError> {
-    let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
-    if !(0..names.len()).any(moves) {
-        return Err(DiagnoseError::NoMotion);
-    }
-    for (j, name) in names.iter().enumerate() {
-        let recorded = signals.iter().any(|s| !s.effort[j].is_empty());
-        if recorded && moves(j) && signals.iter().all(|s| is_constant(&s.effort[j])) {
-            return Err(DiagnoseError::ConstantEffort(name.clone()));
-        }
-    }
-    Ok(())
-}
-
-fn is_constant(values: &[f64]) -> bool {
-    values.windows(2).all(|pair| pair[0] == pair[1])
+    Ok(Design::new(chain, signals).beside(known.effects()))
 }
 
 impl Diagnosis {
@@ -381,15 +333,18 @@ impl Diagnosis {
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub fn see<'a>(&self, recordings: &'a [Recording]) -> Result<Vec<Seen<'a>>, RecordingError> {
-        recordings.iter().map(|recording| Seen::of(recording, &self.joints)).collect()
+    pub fn see<'a>(
+        &self,
+        recordings: &'a [Recording],
+    ) -> Result<Vec<PreparedRecording<'a>>, RecordingError> {
+        recordings.iter().map(|recording| PreparedRecording::of(recording, &self.joints)).collect()
     }
 
     /// Errors on recordings, all samples together; without recordings nothing.
     ///
     /// # Errors
     /// None but those of a prediction.
-    pub fn errors(&self, recordings: &[Seen<'_>]) -> Result<Errors, RecordingError> {
+    pub fn errors(&self, recordings: &[PreparedRecording<'_>]) -> Result<Errors, RecordingError> {
         let of = |model| self.error_of(model, recordings);
         let (before, (rigid, after)) = rayon::join(
             || of(&self.believed),
@@ -404,7 +359,7 @@ impl Diagnosis {
     ///
     /// # Errors
     /// None but those of a prediction.
-    pub fn confirm(&mut self, kept_out: &[Seen<'_>]) -> Result<(), RecordingError> {
+    pub fn confirm(&mut self, kept_out: &[PreparedRecording<'_>]) -> Result<(), RecordingError> {
         let with = self.error_of(&self.model, kept_out)?;
         let judged = |(finding, without): (&Finding, &Option<DiagnosedModel>)| {
             let joint = &finding.evidence.joint;
@@ -423,7 +378,7 @@ impl Diagnosis {
         Ok(())
     }
 
-    /// Puts the doubt in the gains of drives into the standard errors of masses and moments: they are the
+    /// Puts the inconclusive in the gains of drives into the standard errors of masses and moments: they are the
     /// gain's as much as the efforts'.
     pub fn doubt_gains(&mut self, gains: &[DriveGain]) {
         for finding in self.findings.iter_mut().filter(|f| f.link.is_some()) {
@@ -469,10 +424,10 @@ impl Diagnosis {
     /// None but those of a prediction.
     pub fn whiteness(
         &self,
-        recordings: &[Seen<'_>],
+        recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut left: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
-        for Seen { signals, .. } in recordings {
+        for PreparedRecording { signals, .. } in recordings {
             let predicted = self.model.on_grid(signals)?;
             for (j, name) in self.joints.iter().enumerate() {
                 let recorded = &signals.effort[j];
@@ -493,13 +448,14 @@ impl Diagnosis {
     fn error_of(
         &self,
         model: &DiagnosedModel,
-        recordings: &[Seen<'_>],
+        recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
         for seen in recordings {
             let predicted = model.predict_seen(seen)?;
             for (name, predicted) in self.joints.iter().zip(&predicted) {
-                if let Some(recorded) = seen.recording.joint(name).and_then(|j| j.effort.as_ref()) {
+                if let Some(recorded) = seen.recording().joint(name).and_then(|j| j.effort.as_ref())
+                {
                     let (sum, samples) = squares.entry(name.clone()).or_default();
                     *sum +=
                         predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).sum::<f64>();

@@ -3,7 +3,7 @@
 //! [`diagnose`] compares recorded efforts with those of a believed arm in a band of 10 Hz, in units of the
 //! noise of the recordings themselves. It looks for the smallest set of laws of the effects library which,
 //! beside errors of all links, explains the difference. A law is named when the effort that it alone
-//! explains is material against the noise of a recorded sample, and when it lowers the error of stretches
+//! explains is material against the noise of a recorded sample, and when it lowers the error of blocks
 //! of the recordings to which it was not fitted. What remains and depends on some column, but on no law of the
 //! library, is described without a name ([`UNMODELLED`]).
 //!
@@ -11,7 +11,7 @@
 //! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
 //!
 //! ```
-//! use armident_ident::ArmModel;
+//! use armident_model::ArmModel;
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 //! use armident_recording::read_csv;
 //!
@@ -33,70 +33,30 @@
 //! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
 //! effort in these motions one is named; contacts push on the tip.
 
-mod alternatives;
-mod at;
-mod atlas;
-mod background;
-mod band;
-mod bands;
-mod bending;
-mod bodies;
-mod books;
-mod certain;
-mod chance;
 mod change;
-mod constants;
-mod contact;
-mod crossval;
+mod checks;
+mod design;
 mod diagnosis;
-mod evidence;
 mod findings;
-mod flexible;
-mod hidden;
-mod learn;
-mod learned;
+mod regression;
+mod request;
+mod selection;
 #[cfg(test)]
-mod made;
-mod material;
-mod misfit;
-mod model;
-mod next_motion;
-mod noise;
-mod placebo;
-mod problem;
-mod real_links;
-mod refine;
-mod ripple;
-mod rows;
-mod sampled;
-mod scales;
-mod scatter;
-mod search;
-mod seen;
-mod select;
-mod shape_scatter;
-mod signals;
-mod sprung;
-mod stops;
-mod transmission;
-mod turning;
-mod whitened;
-mod without;
+mod test_arms;
+mod uncertainty;
 
-pub use atlas::{Bin, Character, JointAtlas, Regime, SymmetryTest};
-pub use bending::is_bend;
-pub use books::{Books, DriveGain, Heard};
-pub use change::{Known, diagnose_change};
-pub use constants::{ConstantEstimate, ConstantEstimates};
-pub use diagnosis::{DiagnoseError, Diagnosis, Errors, diagnose, diagnose_with_placebo};
-pub use findings::{Alternative, DoubtfulChange, Finding, FindingEvidence, Value};
-pub use flexible::{Axis, Basis, Factor, FlexibleTerm, Form, Quantity};
-pub use learned::{Learned, LearnedError};
-pub use model::DiagnosedModel;
-pub use next_motion::NextMotion;
-pub use placebo::Placebo;
-pub use seen::Seen;
-pub use transmission::{Transmission, TransmissionTerm};
+pub use findings::residual_map::{Bin, Character, JointAtlas, Regime, SymmetryTest};
+
+pub use change::diagnose_change;
+pub use checks::effort_columns::{Books, DriveGain};
+pub use checks::usable::DiagnoseError;
+pub use design::known_effort::Known;
+pub use diagnosis::{Diagnosis, Errors, diagnose, diagnose_with_placebo};
+pub use findings::finding::{Alternative, DoubtfulChange, Finding, FindingEvidence, Value};
+pub use findings::next_experiment::NextMotion;
+pub use findings::placebo::Placebo;
+pub use request::Heard;
+pub use uncertainty::minimal_constants::{ConstantEstimate, ConstantEstimates};
 
 /// Name of a finding for structure that no law of the library explains.
 pub const UNMODELLED: &str = "unmodelled";

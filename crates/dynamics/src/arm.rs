@@ -125,7 +125,7 @@ impl<T: Real> JointPose<T> {
     }
 }
 
-/// A rigid serial arm: what inverse dynamics needs and nothing else.
+/// A rigid serial arm: geometry, links and gravity for the inverse dynamics.
 #[derive(Debug, Clone)]
 pub struct RigidArm {
     /// Geometry of joints 1..n.

@@ -37,7 +37,7 @@ pub fn inertia_matrix_derivatives(arm: &RigidArm, q: &[f64]) -> Vec<DMatrix<f64>
 
 /// Coriolis and centrifugal effort `τᶜ(q, q̇)`, length n (30)-(32).
 ///
-/// Costs 4n inertia matrices: the judge of Newton-Euler, not the way to simulate.
+/// Costs 4n inertia matrices: a check of Newton-Euler, not a method for simulation.
 pub fn coriolis_effort(arm: &RigidArm, q: &[f64], dq: &[f64]) -> Vec<f64> {
     let dh = inertia_matrix_derivatives(arm, q);
     let n = arm.dof();

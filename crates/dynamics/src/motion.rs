@@ -1,5 +1,5 @@
-//! A motion of the whole arm, with the sines and cosines of its joints: these cost as much as the rest of an
-//! inverse dynamics, and are the same for all that is asked about one motion.
+//! A motion of the whole arm with the sines and cosines of its joints. They cost as much as the rest of an
+//! inverse dynamics, and all computations on one motion share them.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ impl JointAngles {
 }
 
 impl ArmAngles {
-    /// At joint positions `q[joint][sample]` \[rad or m\].
+    /// Sines and cosines at joint positions `q[joint][sample]` \[rad or m\].
     pub fn of(arm: &RigidArm, q: &[Vec<f64>]) -> Self {
         Self(arm.joints.iter().zip(q).map(|(joint, q)| JointAngles::of(joint, q)).collect())
     }
@@ -42,12 +42,12 @@ pub struct ArmMotion<'a> {
 }
 
 impl<'a> ArmMotion<'a> {
-    /// Of columns of one length, as many as the arm has joints.
+    /// Motion of columns of equal length, one per joint.
     pub fn new(arm: &RigidArm, q: &'a [Vec<f64>], dq: &'a [Vec<f64>], ddq: &'a [Vec<f64>]) -> Self {
         Self::at(ArmAngles::of(arm, q), q, dq, ddq)
     }
 
-    /// The same with the angles at `q` known.
+    /// The same with known sines and cosines at `q`.
     pub fn at(
         angles: ArmAngles,
         q: &'a [Vec<f64>],
@@ -127,7 +127,7 @@ impl<'a> ArmMotion<'a> {
         effort
     }
 
-    /// The effort of one joint alone.
+    /// Effort of one joint.
     pub fn effort_on(&self, arm: &RigidArm, joint: usize) -> Vec<f64> {
         let mut effort = vec![0.0; self.samples()];
         let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
@@ -146,7 +146,7 @@ mod tests {
     use armident_kinematics::{DrivingAxisFrame, InertialParameters, JointKind};
 
     #[test]
-    fn efforts_are_those_of_the_inverse_dynamics() {
+    fn batch_efforts_equal_inverse_dynamics() {
         let joint = |kind, beta_rad: f64| {
             let frame = DrivingAxisFrame { b_m: 0.3, d_m: 0.1, beta_rad, theta_rad: 0.2 };
             JointGeometry::new(kind, frame)

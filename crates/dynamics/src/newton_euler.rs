@@ -1,12 +1,12 @@
-//! Recursive Newton-Euler inverse dynamics: the independent judge of composite bodies, and the
-//! fast way to the effort of a whole motion.
+//! Recursive Newton-Euler inverse dynamics: an independent check of composite bodies, and the
+//! fast computation of the effort of a whole motion.
 
 use nalgebra::Vector3;
 
 use crate::arm::{JointPose, RigidArm};
 use crate::real::{BATCH, Batch, Real, load_batch, store_batch};
 
-/// Motion of link `i` in `E_i`: what its ten parameters are multiplied with.
+/// Motion of link `i` in `E_i`, the factors of its ten parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct LinkMotion<T> {
     /// Angular velocity \[rad/s\].
@@ -82,7 +82,7 @@ impl<T: Real> Sweep<T> {
         outward(arm, |i| arm.joints[i].at(q[i]), dq, ddq, &mut self.poses, &mut self.motions);
     }
 
-    /// The same with sines and cosines of the joints that are known.
+    /// The same with known sines and cosines of the joints.
     #[inline(always)]
     pub(crate) fn run_at(
         &mut self,

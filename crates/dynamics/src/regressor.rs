@@ -14,7 +14,7 @@ use crate::real::{BATCH, Batch, Real, store_batch};
 
 const TEN: usize = InertialParameters::COUNT;
 
-/// Effort of one unit of each of the ten parameters of a link, felt at a joint whose axis has the
+/// Effort per unit of each of the ten parameters of a link, at a joint whose axis has the
 /// direction `u` and whose motion moves the link's origin by `a = u × s` per radian (both in the
 /// link's frame). For a translational joint the axis pushes: `force_axis = u`, `moment_axis = 0`.
 #[inline(always)]
@@ -87,7 +87,7 @@ pub fn standard_regressor<T: Real>(arm: &RigidArm, q: &[T], dq: &[T], ddq: &[T])
 /// Columns that are fixed linear combinations of the standard parameters.
 #[derive(Debug, Clone)]
 pub struct ParameterColumns {
-    /// per column: (index into the `10 n` standard parameters, coefficient), zeros left out
+    /// per column: (index into the `10 n` standard parameters, coefficient), without zeros
     columns: Vec<Vec<(usize, f64)>>,
 }
 

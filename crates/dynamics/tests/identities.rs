@@ -72,7 +72,7 @@ proptest! {
 
     /// (3), (4) against quaternions.
     #[test]
-    fn joint_poses_are_the_products_of_elementary_motions(case in cases()) {
+    fn joint_poses_equal_elementary_products(case in cases()) {
         for (joint, &q) in case.arm.joints.iter().zip(&case.q) {
             let (found, expected) = (joint.at(q), pose_at(joint, q));
             let rotation = expected.rotation.to_rotation_matrix();
@@ -89,7 +89,7 @@ proptest! {
 
     /// (5)-(7), the sums written out over link poses from products of isometries.
     #[test]
-    fn composite_bodies_are_the_sums_over_their_links(case in cases()) {
+    fn composite_bodies_equal_link_sums(case in cases()) {
         let Case { arm, q, .. } = &case;
         let bodies = composite_bodies(arm, &arm.poses(q));
         for i in 0..arm.dof() {
@@ -134,7 +134,7 @@ proptest! {
 
     /// (12), (13): `ĉ = k + ℓ`, `Ĵ = U + V`; the masses are those of (5).
     #[test]
-    fn composite_bodies_are_constants_plus_varying_parts(case in cases()) {
+    fn composite_bodies_equal_constant_plus_varying(case in cases()) {
         let Case { arm, q, .. } = &case;
         let bodies = composite_bodies(arm, &arm.poses(q));
         let (constants, parts) = (arm.constants(), varying_parts(&arm.joints, &arm.constants(), q));
@@ -150,7 +150,7 @@ proptest! {
 
     /// What is left of a composite body without its varying part is the same at two positions.
     #[test]
-    fn constants_do_not_depend_on_the_position(case in cases()) {
+    fn constants_are_independent_of_position(case in cases()) {
         let Case { arm, q, dq, .. } = &case;
         let constants = arm.constants();
         let left = |q: &[f64]| -> Vec<f64> {
@@ -169,7 +169,7 @@ proptest! {
 
     /// The ten constants of every joint are an invertible linear function of the links.
     #[test]
-    fn links_and_constants_determine_each_other(case in cases(), any in any_numbers()) {
+    fn links_and_constants_map_one_to_one(case in cases(), any in any_numbers()) {
         let joints = &case.arm.joints;
         let any = &any[..joints.len()];
         let back = links_from_constants(joints, &constants_from_links(joints, any));
@@ -183,7 +183,7 @@ proptest! {
     /// (36) is (25), the part of `Ĵ` carried over a translational joint `p` that depends on `d_p`:
     /// `V_i = R V_p Rᵀ + m̂ (Σ(s) - Σ(b)) + Π(s, R ĉ_p) - Π(b, R k_p)`.
     #[test]
-    fn equation_36_is_equation_25(case in cases()) {
+    fn equation_36_equals_equation_25(case in cases()) {
         let Case { arm, q, .. } = &case;
         let (constants, poses) = (arm.constants(), arm.poses(q));
         let parts = varying_parts(&arm.joints, &constants, q);
@@ -254,7 +254,7 @@ proptest! {
 
     /// `Y π = τ`, in standard parameters and in the constants.
     #[test]
-    fn regressor_times_parameters_is_newton_euler(case in cases(), any in any_numbers()) {
+    fn regressor_times_parameters_equals_newton_euler(case in cases(), any in any_numbers()) {
         let Case { arm, q, dq, ddq } = &case;
         let arm = &arm.with_links(any[..arm.dof()].to_vec());
         let effort = inverse_dynamics(arm, q, dq, ddq);
@@ -277,7 +277,7 @@ proptest! {
 
     /// (9), (10): column `j` of `H` is the effort of a unit acceleration of joint `j` from rest.
     #[test]
-    fn inertia_matrix_columns_are_newton_euler(case in cases()) {
+    fn inertia_matrix_columns_equal_newton_euler(case in cases()) {
         let Case { arm, q, .. } = &case;
         let n = arm.dof();
         let rest = vec![0.0; n];
@@ -301,14 +301,14 @@ proptest! {
 
     /// Links without mass leave no more than zero eigenvalues.
     #[test]
-    fn inertia_matrix_of_physical_links_is_not_indefinite(case in cases()) {
+    fn inertia_matrix_is_semidefinite_for_consistent_links(case in cases()) {
         let h = inertia_matrix(&case.arm, &case.q);
         prop_assert!(h.symmetric_eigenvalues().min() >= -EXACT * h.amax(), "{}", h);
     }
 
     /// (11) is the effort at rest.
     #[test]
-    fn gravity_effort_is_newton_euler_at_rest(case in cases()) {
+    fn gravity_effort_equals_newton_euler_at_rest(case in cases()) {
         let Case { arm, q, .. } = &case;
         let rest = vec![0.0; arm.dof()];
         let held = inverse_dynamics(arm, q, &rest, &rest);
@@ -317,7 +317,7 @@ proptest! {
 
     /// `τᵍ = ∂V/∂q`. Differences of at most 1e3 J: round-off 1e-9, below 1e-8 of the largest effort.
     #[test]
-    fn gravity_effort_is_the_gradient_of_potential_energy(case in cases()) {
+    fn gravity_effort_is_gradient_of_potential_energy(case in cases()) {
         let Case { arm, q, .. } = &case;
         let rest = vec![0.0; arm.dof()];
         let gradient: Vec<f64> = (0..arm.dof())
@@ -334,7 +334,7 @@ proptest! {
 
     /// (30)-(32) and (29): the effort without acceleration is Coriolis plus gravity.
     #[test]
-    fn coriolis_effort_is_newton_euler_without_gravity(case in cases()) {
+    fn coriolis_effort_equals_newton_euler_without_gravity(case in cases()) {
         let Case { arm, q, dq, ddq } = &case;
         let (coriolis, gravity) = (coriolis_effort(arm, q, dq), gravity_effort(arm, q));
         let bias = inverse_dynamics(arm, q, dq, &vec![0.0; arm.dof()]);
@@ -347,7 +347,7 @@ proptest! {
 
     /// `q̇ᵀ (Ḣ/2) q̇ = q̇ᵀ τᶜ`: Coriolis forces exchange kinetic energy only.
     #[test]
-    fn coriolis_power_is_half_the_rate_of_the_inertia_matrix(case in cases()) {
+    fn coriolis_power_equals_half_inertia_rate(case in cases()) {
         let Case { arm, q, dq, .. } = &case;
         let v = DVector::from_column_slice(dq);
         let rate = inertia_matrix_derivatives(arm, q)
@@ -363,7 +363,7 @@ proptest! {
     /// `d/dt energy = q̇ · τ`. Relative to the largest power of a joint; the fifth derivative along the
     /// motion is some 1e7 times the energy (angular speeds up to 14 rad/s): 1e-8.
     #[test]
-    fn power_of_the_effort_is_the_rate_of_energy(case in cases()) {
+    fn effort_power_equals_energy_rate(case in cases()) {
         let Case { arm, q, dq, ddq } = &case;
         let rate = derivative(|t| {
             let moved = |x: f64, v: f64, a: f64| x + v * t + 0.5 * a * t * t;
@@ -379,7 +379,7 @@ proptest! {
 
     /// Exact interpolation against differences; entries of `H` up to some hundreds: 1e-9.
     #[test]
-    fn inertia_matrix_derivatives_are_differences(case in cases()) {
+    fn inertia_matrix_derivatives_match_differences(case in cases()) {
         let Case { arm, q, .. } = &case;
         let derivatives = inertia_matrix_derivatives(arm, q);
         for k in 0..arm.dof() {
@@ -412,7 +412,7 @@ proptest! {
     }
 
     #[test]
-    fn forward_dynamics_refuses_a_joint_that_moves_no_mass(mut case in heavy_cases()) {
+    fn forward_dynamics_rejects_massless_joint(mut case in heavy_cases()) {
         let last = case.arm.dof() - 1;
         case.arm.links[last] = InertialParameters::zero();
         let effort = vec![0.0; case.arm.dof()];
@@ -439,7 +439,7 @@ proptest! {
     #![proptest_config(repeated(100))]
 
     #[test]
-    fn batch_lanes_are_single_samples(case in cases()) {
+    fn batch_lanes_equal_single_samples(case in cases()) {
         let arm = &case.arm;
         let columns = motion(&case, BATCH);
         let [q, dq, ddq] = columns.each_ref().map(|all| -> Vec<Batch> {
@@ -477,7 +477,7 @@ proptest! {
 
     /// Every length: one sample, whole batches, and a rest.
     #[test]
-    fn effort_of_a_motion_is_the_effort_of_its_samples(case in cases(), samples in 1..20_usize) {
+    fn motion_effort_equals_sample_efforts(case in cases(), samples in 1..20_usize) {
         let [q, dq, ddq] = &motion(&case, samples);
         let effort = inverse_dynamics_of_motion(&case.arm, q, dq, ddq);
         for t in 0..samples {
@@ -552,7 +552,7 @@ proptest! {
 
     /// A last joint that stands still may be removed and its link glued to the one before.
     #[test]
-    fn a_link_glued_to_the_one_before_takes_the_same_effort(case in cases(), any in any_numbers()) {
+    fn fixed_link_gives_lumped_effort(case in cases(), any in any_numbers()) {
         let Case { arm, q, mut dq, mut ddq } = case;
         let last = arm.dof() - 1;
         if last == 0 {
@@ -573,7 +573,7 @@ proptest! {
 
 /// The kinds of the generated joints are mixed, and all families of special geometry occur.
 #[test]
-fn generated_arms_are_of_all_kinds() {
+fn generated_arms_cover_all_kinds() {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::TestRunner;
 

@@ -1,7 +1,7 @@
 //! The chain in link frames: what both formats are written from.
 
-use armident_ident::ArmModel;
 use armident_kinematics::{InertialParameters, JointKind, JointLimits};
+use armident_model::ArmModel;
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Lengths \[m\] and entries of directions below this are round-off of the frames.

@@ -16,7 +16,7 @@
 //! What holds an effect is written once, in its law ([`armident_effects::Export`]).
 //!
 //! ```
-//! use armident_ident::ArmModel;
+//! use armident_model::ArmModel;
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 //!
 //! let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf")?;

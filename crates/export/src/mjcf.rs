@@ -1,6 +1,6 @@
 //! MJCF, the format of MuJoCo: bodies in one another, joints with armature and losses, motors.
 
-use armident_ident::ArmModel;
+use armident_model::ArmModel;
 use nalgebra::Isometry3;
 
 use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};

@@ -1,7 +1,7 @@
 //! URDF: the chain with its inertials, and `<dynamics>`.
 
-use armident_ident::ArmModel;
 use armident_kinematics::{InertialParameters, roll_pitch_yaw};
+use armident_model::ArmModel;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};

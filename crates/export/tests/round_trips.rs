@@ -7,8 +7,9 @@ use std::path::Path;
 use armident_dynamics::{RigidArm, inverse_dynamics};
 use armident_effects::EffectOnJoint;
 use armident_export::{mjcf, urdf};
-use armident_ident::{ArmModel, MinimalSet};
+use armident_ident::MinimalSet;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_urdf};
+use armident_model::ArmModel;
 
 fn model_of(robot: &armident_kinematics::RobotDescription, tip: Option<&str>) -> ArmModel {
     let selection = ChainSelection { tip: tip.map(str::to_owned), ..ChainSelection::default() };

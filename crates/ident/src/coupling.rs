@@ -6,13 +6,13 @@
 //! clearly better with it.
 
 use armident_effects::{Effect, EffectOnJoint, JointCoupling, MotionScale};
-use armident_kinematics::JointKind;
+use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::Motion;
 
 use crate::batch::{BatchProblem, BatchSettings, Term, noise_of};
 use crate::left_out::{clear_gain, errors_left_out};
-use crate::rows::{JointRows, TermColumn, joint_motion};
+use crate::rows::{JointRows, TermColumn};
+use armident_model::pair_columns;
 
 /// The law of a shared transmission.
 pub(crate) const SHARED: &dyn Effect = &JointCoupling;
@@ -224,20 +224,6 @@ impl BatchProblem<'_> {
             })
             .collect()
     }
-}
-
-/// Columns of an effect of two joints on both of them, not filtered.
-pub(crate) fn pair_columns(
-    effect: &dyn Effect,
-    shape: &[f64],
-    joints: [usize; 2],
-    kinds: [JointKind; 2],
-    motion: &Motion,
-) -> Vec<[Vec<f64>; 2]> {
-    // the direction is that of the common shaft, which the law forms itself
-    let none = vec![0.0; motion.len()];
-    let [a, b] = [0, 1].map(|side| joint_motion(kinds[side], joints[side], motion, &none));
-    effect.pair_columns(shape, &a, &b)
 }
 
 /// Columns of a joint in rows with the columns of many candidates, that a problem with some of them has.

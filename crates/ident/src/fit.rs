@@ -1,13 +1,13 @@
 //! One fit of recordings: source of velocities, method, hold-out, cross-validation.
 
+use armident_motion::{Motion, with_recorded_velocity};
 use armident_numeric::NumericError;
-use armident_recording::{Motion, Recording};
+use armident_recording::Recording;
 
 use crate::batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit};
 use crate::methods::{Endogeneity, Method, MethodError};
-use crate::model::ArmModel;
 use crate::rows::JointRows;
-use crate::velocity::with_recorded_velocity;
+use armident_model::ArmModel;
 
 /// Recorded velocities are taken when they lower the joints' errors by more than this share (geometric
 /// mean): a lag would raise them, and less is not worth another source.

@@ -13,8 +13,8 @@
 //! Source: M. Gautier, S. Briot, Global identification of joint drive gains and dynamic parameters of
 //! robots, ASME J. Dyn. Sys. Meas. Control 136 (2014).
 
+use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::Motion;
 
 use crate::batch::{BatchProblem, RANK_CUT, Term};
 use crate::payload::KnownLoad;

@@ -8,13 +8,14 @@
 //! (`BatchProblem::doubt_of_links`).
 
 use armident_effects::{Place, Turn};
+use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::Motion;
 
 use crate::batch::{BatchProblem, BatchSettings, LAWS, Term};
 use crate::bending::BendFound;
 use crate::coupling::{CouplingFound, rows_of};
-use crate::rows::{DEFAULT_SPEED_RESOLUTION, JointRows};
+use crate::rows::JointRows;
+use armident_model::DEFAULT_SPEED_RESOLUTION;
 
 /// Stretches of time that are left out in turn.
 const FOLDS: usize = 5;

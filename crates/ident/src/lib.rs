@@ -13,7 +13,7 @@
 //! | which real links have such constants, or nearly | [`ConsistencyProblem`] |
 //! | the same by another method, with honest errors, judged on hold-outs | [`BatchFit`] |
 //! | do the recordings and their books fit the arm | [`check::check`] |
-//! | the arm with what was found, to predict and to keep | [`ArmModel`] |
+//! | the arm with what was found, to predict and to keep | [`armident_model::ArmModel`] |
 
 mod algorithm1;
 pub mod algorithm2;
@@ -30,14 +30,12 @@ mod left_out;
 mod link_prior;
 mod methods;
 mod minimal_set;
-mod model;
 mod payload;
 mod quantiles;
 mod rows;
 mod theorem2;
 mod unreported;
 pub mod validate;
-mod velocity;
 
 pub use algorithm1::algorithm1;
 pub use batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit, LAWS, MergedTerm, Term};
@@ -50,10 +48,8 @@ pub use gains::{DriveGain, DriveGains};
 pub use left_out::{Chosen, Sought};
 pub use methods::{Endogeneity, Method, MethodError};
 pub use minimal_set::{DroppedConstant, MinimalSet};
-pub use model::{ArmModel, MODEL_SCHEMA, ModelError};
 pub use payload::{KnownLoad, without_loads};
 pub use quantiles::student_t_975;
 pub use rows::{JointRows, used_samples};
 pub use theorem2::Theorem2;
-pub use unreported::{Shown, unreported};
-pub use velocity::with_recorded_velocity;
+pub use unreported::unreported;

@@ -19,15 +19,15 @@
 //! Econometrics 165 (2011).
 
 use armident_dynamics::ArmMotion;
+use armident_motion::{DerivativeSource, Motion, MotionSettings};
 use armident_numeric::{AccumulatedQr, Mat, NumericError};
-use armident_recording::{DerivativeSource, Motion, MotionSettings};
 use armident_simulation::{SimulatedArm, SimulationError, TrackingGains, Trajectory, track};
 use rayon::prelude::*;
 
 use crate::batch::{BatchEstimate, BatchProblem, BatchSettings, Beliefs, RANK_CUT};
-use crate::model::ArmModel;
 use crate::quantiles::{student_t_975, student_t_tail};
 use crate::rows::{JointRows, TermColumn, kept};
+use armident_model::ArmModel;
 
 /// Huber's constant: 95 % efficiency where the noise is normal after all.
 const HUBER: f64 = 1.345;
@@ -93,7 +93,7 @@ pub enum MethodError {
     Numeric(#[from] NumericError),
     /// The arm found first cannot be simulated, so there are no instruments.
     #[error(
-        "no instruments: neither the arm found by least squares nor the described one can be simulated: {0}"
+        "cannot simulate instruments: neither the least-squares model nor the URDF can be simulated: {0}"
     )]
     NoInstruments(Box<SimulationError>),
 }
@@ -275,8 +275,7 @@ impl BatchProblem<'_> {
             .map(|motion| {
                 // links found by least squares need not be ones of a body; the description's will do for
                 // instruments, which only have to move alike
-                let found =
-                    model.clone().with_constants(self.set(), &self.constants(&weighted.values));
+                let found = self.set().applied_to(model.clone(), &self.constants(&weighted.values));
                 simulated(self, &found, &weighted.values, motion)
                     .or_else(|_| simulated(self, model, &weighted.values, motion))
             })

@@ -7,6 +7,8 @@ use armident_numeric::{Mat, NumericError, RankDecision, eliminate_in_order, rank
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use armident_model::ArmModel;
+
 use crate::constant::{Constant, zero_bodies};
 use crate::theorem2::Theorem2;
 
@@ -49,6 +51,22 @@ pub struct MinimalSet {
 }
 
 impl MinimalSet {
+    /// A model with minimal constants of these values, in the order of the set.
+    ///
+    /// Standard parameters outside the minimal set keep the values they have, which changes no
+    /// effort; the links need not be physically consistent one by one.
+    #[must_use]
+    pub fn applied_to(&self, model: ArmModel, values: &[f64]) -> ArmModel {
+        let arm = model.rigid_arm();
+        let mut bodies = arm.constants();
+        let difference: Vec<f64> =
+            values.iter().zip(self.values(&bodies)).map(|(new, old)| new - old).collect();
+        for (constant, change) in self.constants.iter().zip(difference) {
+            constant.add_to(change, &mut bodies);
+        }
+        model.with_links(&arm.with_constants(&bodies).links)
+    }
+
     /// Determines the set of an arm with its gravity.
     ///
     /// Cost: `12 n + 30` random states, one QR of `n (12 n + 30)` rows by `10 n` columns.

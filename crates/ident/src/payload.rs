@@ -6,7 +6,7 @@
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
-use armident_recording::Motion;
+use armident_motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::batch::{BatchProblem, Term};

@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use armident_dynamics::ArmMotion;
-use armident_effects::{EVERYDAY, Effect, JointMotion, Place, Turn};
-use armident_kinematics::JointKind;
+use armident_effects::{EVERYDAY, Effect, Place, Turn};
+use armident_model::effect_columns;
+use armident_motion::Motion;
 use armident_numeric::AccumulatedQr;
-use armident_recording::Motion;
 use rayon::prelude::*;
 
 use crate::batch::{BatchProblem, LAWS, Term};
@@ -15,8 +15,6 @@ use crate::batch::{BatchProblem, LAWS, Term};
 /// errors alike: the filter does not know what came before, so accelerations are wrong there. The
 /// slowest pole of the 4th-order low-pass decays with 0.42 periods: 3 % are left after 1.5.
 pub(crate) const EDGE_PERIODS: f64 = 1.5;
-/// Share where nothing was fitted.
-pub(crate) const DEFAULT_SPEED_RESOLUTION: f64 = 0.05;
 /// Blocks that all recordings together are cut into, for standard errors: enough for a Student quantile
 /// near the normal one, few enough that each outlasts the memory of the residuals.
 const BLOCKS: f64 = 20.0;
@@ -403,45 +401,4 @@ fn rows_of_joints(of_joints: Vec<RowsOfJoint>, share: f64) -> JointRows {
         rows.blocks.push(of_joint.blocks);
     }
     rows
-}
-
-/// Columns of an effect on one joint of a motion, not filtered.
-pub(crate) fn effect_columns(
-    effect: &dyn Effect,
-    shape: &[f64],
-    kind: JointKind,
-    joint: usize,
-    motion: &Motion,
-    turn: Option<Turn>,
-) -> Vec<Vec<f64>> {
-    let velocity = &motion.velocity[joint];
-    let turn = match (turn, &motion.filter) {
-        // without a low-pass velocities are exact: so is their sign
-        (Some(Turn::Speed(_)) | None, None) => Turn::Speed(0.0),
-        (Some(given), _) => given,
-        (None, _) => {
-            let squares: f64 = velocity.iter().map(|v| v * v).sum();
-            Turn::Speed(DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt())
-        }
-    };
-    let direction = turn.directions(&motion.position[joint], velocity);
-    effect.columns(shape, &joint_motion(kind, joint, motion, &direction))
-}
-
-/// The motion of one joint as laws take it.
-pub(crate) fn joint_motion<'a>(
-    kind: JointKind,
-    joint: usize,
-    motion: &'a Motion,
-    direction: &'a [f64],
-) -> JointMotion<'a> {
-    JointMotion {
-        kind,
-        time_s: &motion.time_s,
-        position: &motion.position[joint],
-        velocity: &motion.velocity[joint],
-        acceleration: &motion.acceleration[joint],
-        direction,
-        rigid_effort: &[],
-    }
 }

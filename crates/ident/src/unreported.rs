@@ -4,8 +4,9 @@
 //! believe it before all others: a wrist whose column is 0 then weighs nothing.
 
 use armident_effects::{Effect, TorqueOffset};
-use armident_recording::{Recording, stuck_effort_shares};
-use serde::{Deserialize, Serialize};
+use armident_model::Shown;
+use armident_motion::stuck_effort_shares;
+use armident_recording::Recording;
 
 use crate::batch::{BatchProblem, JointFit, LAWS, Term};
 use crate::rows::JointRows;
@@ -28,29 +29,6 @@ pub fn unreported(recordings: &[Recording], joints: &[&str]) -> Vec<Option<f64>>
     let is_reported = |share: &f64| *share <= STUCK;
     let any = shares.iter().any(is_reported);
     shares.into_iter().map(|share| (any && !is_reported(&share)).then_some(share)).collect()
-}
-
-/// What a column that leaves small efforts out shows of the efforts: `share * effort + offset`, by least squares.
-///
-/// A model says what the body needs; this is what such a column will show of it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Shown {
-    /// 0 to 1.
-    pub share: f64,
-    /// \[N m or N\]
-    pub offset: f64,
-}
-
-impl Shown {
-    /// What the column shows of efforts.
-    pub fn of(self, effort: &mut [f64]) {
-        effort.iter_mut().for_each(|e| *e = self.share * *e + self.offset);
-    }
-
-    /// Whether its numbers are such.
-    pub(crate) fn is_sound(&self) -> bool {
-        (0.0..=1.0).contains(&self.share) && self.offset.is_finite()
-    }
 }
 
 impl BatchProblem<'_> {

@@ -6,13 +6,14 @@
 
 use std::ops::Range;
 
-use armident_recording::{JointChannels, Motion, Recording};
+use armident_motion::Motion;
+use armident_recording::{JointChannels, Recording};
 use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::model::ArmModel;
 use crate::rows::EDGE_PERIODS;
+use armident_model::ArmModel;
 
 /// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an
 /// unstable arm to stay near its recording.

@@ -9,7 +9,8 @@ use armident_kinematics::{
     AxisPair, ChainSelection, DrivingAxisChain, DrivingAxisJoint, JointLimits, SerialChain,
     load_urdf,
 };
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;

@@ -6,13 +6,13 @@ mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{EVERYDAY, Turn};
-use armident_ident::Sought;
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchProblem, BatchSettings, Quantity, Shown, Term, unreported,
-    used_samples,
+    BatchEstimate, BatchProblem, BatchSettings, Quantity, Sought, Term, unreported, used_samples,
 };
 use armident_kinematics::InertialParameters;
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_model::{ArmModel, Shown};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
@@ -163,7 +163,7 @@ fn what_a_column_shows_of_an_effort_is_predicted() {
     let model = ArmModel {
         effects: problem.effects(&truth, &names),
         shown: Some(shown),
-        ..bench.model.clone().with_constants(&bench.set, &problem.constants(&truth))
+        ..bench.set.applied_to(bench.model.clone(), &problem.constants(&truth))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
     let predicted = read.predict(&motion).unwrap();
@@ -424,7 +424,7 @@ fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
     let model = ArmModel {
         effects: problem.effects(&found.values, &names),
         turns: Some(turns),
-        ..bench.model.clone().with_constants(&bench.set, &problem.constants(&found.values))
+        ..bench.set.applied_to(bench.model.clone(), &problem.constants(&found.values))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
     let read_turn = read.turns.as_ref().unwrap()[TRAVELS];

@@ -5,12 +5,12 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_ident::Sought;
 use armident_ident::{
-    ArmModel, BatchProblem, BatchSettings, Coupling, KnownLoad, Method, without_loads,
+    BatchProblem, BatchSettings, Coupling, KnownLoad, Method, Sought, without_loads,
 };
 use armident_kinematics::InertialParameters;
-use armident_recording::Motion;
+use armident_model::ArmModel;
+use armident_motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
@@ -240,7 +240,7 @@ fn a_shared_transmission_is_found_where_there_is_one() {
         let values = &estimate.values;
         let model = ArmModel {
             effects: problem.effects(values, &names),
-            ..bench.model.clone().with_constants(&bench.set, &problem.constants(values))
+            ..bench.set.applied_to(bench.model.clone(), &problem.constants(values))
         };
         let again = ArmModel::parse(&model.to_json().unwrap(), "text").unwrap();
         let predicted = again.predict(&motion).unwrap();

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_ident::{ArmModel, BatchProblem, BatchSettings, Method, MinimalSet};
+use armident_ident::{BatchProblem, BatchSettings, Method, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{Motion, MotionSettings, read_csv};
+use armident_model::ArmModel;
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::read_csv;
 
 fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)

@@ -1,11 +1,11 @@
-//! Why a robot has no usable chain.
+//! Errors of the chain selection.
 
-/// A robot that was read but has no usable serial chain for the given selection.
+/// The robot has no usable serial chain for the given selection.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChainError {
     /// `--base` or `--tip` names no link.
-    #[error("--{option} names link `{name}`, which the robot does not have")]
+    #[error("--{option}: unknown link `{name}`")]
     UnknownLink {
         /// `base` or `tip`.
         option: &'static str,
@@ -17,7 +17,7 @@ pub enum ChainError {
         source_name: String,
     },
     /// `--lock` names no joint.
-    #[error("--{option} names joint `{name}`, which the robot does not have")]
+    #[error("--{option}: unknown joint `{name}`")]
     UnknownJoint {
         /// `lock`.
         option: &'static str,
@@ -29,7 +29,7 @@ pub enum ChainError {
         source_name: String,
     },
     /// A fixed joint was to be locked.
-    #[error("joint `{joint}` cannot move, so it cannot be locked at a position")]
+    #[error("joint `{joint}` is fixed and cannot be locked")]
     LockedJointCannotMove {
         /// The joint.
         joint: String,
@@ -49,7 +49,7 @@ pub enum ChainError {
         found: [f64; 3],
     },
     /// The tip is on another branch than the base.
-    #[error("tip link `{tip}` is not below base link `{base}`")]
+    #[error("tip link `{tip}` is not a descendant of base link `{base}`")]
     TipNotBelowBase {
         /// Base link.
         base: String,
@@ -73,7 +73,7 @@ pub enum ChainError {
         source_name: String,
     },
     /// No movable joint is left on the path.
-    #[error("no joint moves between base link `{base}` and tip link `{tip}`")]
+    #[error("no movable joint between base link `{base}` and tip link `{tip}`")]
     NothingMoves {
         /// Base link.
         base: String,
@@ -93,7 +93,7 @@ pub enum ChainError {
         source_name: String,
     },
     /// The recorded joints belong to several arms.
-    #[error("the recorded joints do not lie on one path from base to tip: {} are together, {} lie elsewhere", together.join(", "), apart.join(", "))]
+    #[error("recorded joints are on different branches: {}; {}", together.join(", "), apart.join(", "))]
     RecordedJointsOnSeveralPaths {
         /// Joints on the best path.
         together: Vec<String>,
@@ -105,7 +105,7 @@ pub enum ChainError {
 }
 
 impl ChainError {
-    /// Where: the file, and the joint's line where it is known.
+    /// Place of the fault: the file, and the joint's line if it is known.
     pub fn place(&self) -> String {
         match self {
             Self::UnknownLink { source_name, .. }
@@ -123,18 +123,18 @@ impl ChainError {
         }
     }
 
-    /// What to do about it.
+    /// Hint for the user.
     pub fn hint(&self) -> Option<String> {
         Some(match self {
             Self::UnknownLink { name, links, .. } => suggestion("links", name, links),
             Self::UnknownJoint { name, joints, .. } => suggestion("joints", name, joints),
-            Self::LockedJointCannotMove { .. } => "leave it out of --lock".to_owned(),
+            Self::LockedJointCannotMove { .. } => "omit it from --lock".to_owned(),
             Self::LockNotFinite { .. } => {
-                "give a position in rad or m: --lock joint=0.5".to_owned()
+                "pass a position in rad or m, for example --lock joint=0.5".to_owned()
             }
             Self::GravityNotFinite { .. } => "for example --gravity 0,0,-9.81".to_owned(),
             Self::TipNotBelowBase { .. } => {
-                "choose a tip that hangs below the base, or leave --base out".to_owned()
+                "choose a tip below the base link, or omit --base".to_owned()
             }
             Self::JointTypeOnPath { .. } => {
                 "start the chain after it with --base LINK, or end it before with --tip LINK"
@@ -148,7 +148,7 @@ impl ChainError {
                 movable.join(", ")
             ),
             Self::RecordedJointsOnSeveralPaths { .. } => {
-                "name one arm with --tip LINK; the other columns are then not used".to_owned()
+                "select one arm with --tip LINK; other columns are ignored".to_owned()
             }
         })
     }
@@ -156,7 +156,7 @@ impl ChainError {
 
 fn suggestion(what: &str, name: &str, known: &[String]) -> String {
     match crate::names::nearest(name, known) {
-        Some(near) => format!("did you mean `{near}`? The {what} are: {}", known.join(", ")),
-        None => format!("the {what} are: {}", known.join(", ")),
+        Some(near) => format!("did you mean `{near}`? Valid {what}: {}", known.join(", ")),
+        None => format!("valid {what}: {}", known.join(", ")),
     }
 }

@@ -17,9 +17,9 @@ pub struct RobotDescription {
     pub joints: Vec<JointDescription>,
     /// Index of the root link, the one link that is no joint's child.
     pub root: usize,
-    /// What is doubtful in the file but does not prevent its use.
+    /// Warnings on doubtful but usable values of the file.
     pub warnings: Vec<Warning>,
-    /// Elements the tool does not use (`transmission`, `gazebo`, ...), each with its line.
+    /// Ignored elements (`transmission`, `gazebo`, ...), each with its line.
     pub ignored: Vec<IgnoredElement>,
 }
 
@@ -90,7 +90,7 @@ pub struct JointDescription {
     /// Unit vector of the axis in the joint frame, with the sign of the file.
     /// `[1, 0, 0]` where the file has no `<axis>`; meaningless for fixed and floating joints.
     pub axis: [f64; 3],
-    /// Limits; `None` in each place the file gives nothing usable.
+    /// Limits; `None` where the file has no usable value.
     pub limits: JointLimits,
     /// `<dynamics>` of the file.
     pub dynamics: Option<JointDynamics>,
@@ -100,7 +100,7 @@ pub struct JointDescription {
     pub line: u32,
 }
 
-/// Limits of a joint; `None` means unlimited or not stated.
+/// Limits of a joint; `None` means unlimited or unspecified.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct JointLimits {
     /// Lowest position \[rad or m\].

@@ -24,7 +24,7 @@ use crate::{
 pub const PARALLEL_TOLERANCE_RAD: f64 = 1e-4;
 /// A length below this is zero \[m\].
 pub const LENGTH_TOLERANCE_M: f64 = 1e-6;
-/// A frame origin farther out than this is worth a warning \[m\].
+/// Distance of a frame origin that gives a warning \[m\].
 const FAR_M: f64 = 100.0;
 
 /// The four constants of one joint, at q = 0.
@@ -40,7 +40,7 @@ pub struct DrivingAxisFrame {
     pub theta_rad: f64,
 }
 
-/// How two consecutive axes lie to one another.
+/// Relative position of two consecutive axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisPair {
     /// Neither parallel nor meeting.
@@ -88,7 +88,7 @@ pub struct DrivingAxisJoint {
     pub dynamics: Option<JointDynamics>,
 }
 
-/// A serial arm in driving-axis frames with its lumped links: the model everything else uses.
+/// A serial arm in driving-axis frames with lumped links: the geometry that all other crates use.
 ///
 /// Invariant: at least one joint, `b = β = d' = θ' = 0` for joint 1 (`E_0 = E_1` at `q_1 = 0`).
 #[derive(Debug, Clone)]
@@ -103,7 +103,7 @@ pub struct DrivingAxisChain {
     pub tip_link: String,
     /// Pose of the tip link frame in `E_n` (all joints before it at 0).
     pub tip_in_e: Isometry3<f64>,
-    /// Frozen movable joints and their positions \[rad or m\].
+    /// Locked movable joints and their positions \[rad or m\].
     pub locked: BTreeMap<String, f64>,
     /// Pose of `E_0` in the base link.
     pub base_from_e0: Isometry3<f64>,
@@ -120,7 +120,7 @@ pub struct DrivingAxisChain {
     pub snap_error: f64,
     /// Elements of the URDF that are not used.
     pub ignored: Vec<IgnoredElement>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
@@ -202,7 +202,7 @@ impl DrivingAxisChain {
         self.joints.len()
     }
 
-    /// One sentence on the elements of the URDF that are not used, if there are any.
+    /// A note that lists ignored elements of the URDF, if there are any.
     pub fn ignored_note(&self) -> Option<String> {
         let mut lines: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for element in &self.ignored {
@@ -215,7 +215,7 @@ impl DrivingAxisChain {
                 n => format!("<{tag}> ({n} times, from line {})", lines[0]),
             })
             .collect();
-        (!list.is_empty()).then(|| format!("not used of the URDF: {}", list.join(", ")))
+        (!list.is_empty()).then(|| format!("ignored URDF elements: {}", list.join(", ")))
     }
 
     /// Joint names in chain order.
@@ -259,7 +259,7 @@ impl DrivingAxisChain {
     }
 }
 
-/// Where the frames stand at q = 0 in base coordinates, before snapping.
+/// Frames at q = 0 in base coordinates, before snapping.
 struct PlacedFrames {
     poses: Vec<Isometry3<f64>>,
     pairs: Vec<AxisPair>,
@@ -448,12 +448,12 @@ fn warn_about_near_misses(
             directions.push(format!("axis of joint `{}` and gravity", joint.name));
         }
     }
-    let hint = "if the URDF's angles are rounded, use --snap-rpy 2e-3";
+    let hint = "use --snap-rpy 2e-3 if the URDF's angles are rounded";
     if !angles.is_empty() {
         warnings.push(Warning::new(
             "frame-angle-near-multiple",
             format!(
-                "frame angles within {NEARLY} rad of a multiple of pi/12 are kept: {}; {hint}",
+                "frame angles near a multiple of pi/12 not snapped: {}; {hint}",
                 angles.join(", ")
             ),
         ));
@@ -462,7 +462,7 @@ fn warn_about_near_misses(
         warnings.push(Warning::new(
             "nearly-parallel",
             format!(
-                "nearly parallel directions are treated as not parallel: {}; {hint}",
+                "nearly parallel axes treated as non-parallel: {}; {hint}",
                 directions.join(", ")
             ),
         ));
@@ -471,8 +471,8 @@ fn warn_about_near_misses(
         warnings.push(Warning::new(
             "frame-far-away",
             format!(
-                "frame origins lie far outside the arm because consecutive axes are nearly parallel: \
-                 {}; constants of these joints cannot be identified from noisy recordings; {hint}",
+                "frame origins far from the arm (nearly parallel axes): {}; constants of these joints \
+                 are not identifiable from noisy recordings; {hint}",
                 far.join(", ")
             ),
         ));

@@ -1,11 +1,11 @@
-//! Why a URDF is refused: what is wrong, where, and what to do.
+//! Errors of URDF files: fault, place and hint.
 
 use std::fmt;
 use std::ops::Range;
 
 use crate::IgnoredElement;
 
-/// Where a fault lies: file, line and the link or joint it belongs to.
+/// Place of a fault: file, line and the link or joint it belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UrdfPlace {
     /// Path or label of the text.
@@ -14,7 +14,7 @@ pub struct UrdfPlace {
     pub line: Option<u32>,
     /// The link or joint, as ``joint `elbow` ``.
     pub element: Option<String>,
-    /// Bytes of the text that are at fault, where they are known: an attribute, or the start of a tag.
+    /// Faulty bytes of the text, if known: an attribute, or the start of a tag.
     pub span: Option<Range<usize>>,
 }
 
@@ -33,8 +33,8 @@ impl fmt::Display for UrdfPlace {
 
 /// A URDF that cannot be used.
 ///
-/// `Display` tells what was expected and what was found; [`place`](Self::place) tells where and
-/// [`hint`](Self::hint) what to do, so that the three make the lines `error:`, `in:` and `hint:`.
+/// `Display` states what was expected and found, [`place`](Self::place) the file and line, and
+/// [`hint`](Self::hint) the remedy: the lines `error:`, `in:` and `hint:` of a message.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum UrdfError {
@@ -43,7 +43,7 @@ pub enum UrdfError {
     Unreadable {
         /// The path.
         place: Box<UrdfPlace>,
-        /// Answer of the operating system.
+        /// Error of the operating system.
         #[source]
         cause: std::io::Error,
     },
@@ -70,9 +70,9 @@ pub enum UrdfError {
     NotXml {
         /// Line at which reading stopped.
         place: Box<UrdfPlace>,
-        /// What the XML reader met.
+        /// Message of the XML reader.
         found: String,
-        /// What to do.
+        /// Hint for the user.
         advice: String,
     },
     /// XML of another format.
@@ -124,9 +124,9 @@ pub enum UrdfError {
         attribute: &'static str,
         /// What the attribute holds.
         expected: &'static str,
-        /// Its text in the file.
+        /// Text in the file.
         found: String,
-        /// What to do.
+        /// Hint for the user.
         advice: String,
     },
     /// Two attributes that exclude each other.
@@ -200,7 +200,7 @@ pub enum UrdfError {
         similar: Option<String>,
     },
     /// Joints that mimic each other in a circle, or one that mimics itself.
-    #[error("a joint must not follow itself through `<mimic>`, found {}", arrows(joints))]
+    #[error("cyclic `<mimic>`: {}", arrows(joints))]
     MimicLoop {
         /// The `<mimic>` element.
         place: Box<UrdfPlace>,
@@ -256,8 +256,8 @@ pub enum UrdfError {
         /// Text of its `xyz`.
         found: String,
     },
-    /// The URDF parser refuses what the checks let pass.
-    #[error("the URDF parser refuses the file: {found}")]
+    /// Error of the URDF parser in a file that passed the checks.
+    #[error("URDF parser error: {found}")]
     Refused {
         /// The file.
         place: Box<UrdfPlace>,
@@ -267,12 +267,12 @@ pub enum UrdfError {
 }
 
 impl UrdfError {
-    /// Where the fault lies, as ``arm.urdf, line 12, joint `elbow` ``.
+    /// Place of the fault, as ``arm.urdf, line 12, joint `elbow` ``.
     pub fn place(&self) -> String {
         self.urdf_place().to_string()
     }
 
-    /// Where the fault lies, in parts.
+    /// Place of the fault, in parts.
     pub fn urdf_place(&self) -> &UrdfPlace {
         match self {
             Self::Unreadable { place, .. }
@@ -300,7 +300,7 @@ impl UrdfError {
         }
     }
 
-    /// What to do about it.
+    /// Hint for the user.
     pub fn hint(&self) -> Option<String> {
         crate::urdf::hint(self)
     }
@@ -317,7 +317,7 @@ fn io_reason(cause: &std::io::Error) -> String {
 }
 
 fn bracketed(expected: &str) -> String {
-    // "attribute `name` (a name)" says nothing
+    // "attribute `name` (a name)" is redundant
     if expected == "a name" { String::new() } else { format!(" ({expected})") }
 }
 

@@ -1,4 +1,4 @@
-//! The ten standard inertial parameters of one rigid body, and how they move between frames.
+//! The ten standard inertial parameters of one rigid body and their change of frame.
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
 
@@ -64,7 +64,7 @@ impl InertialParameters {
         }
     }
 
-    /// Sum of two bodies glued together, both seen from the same frame.
+    /// Sum of two bodies fixed to each other, in the same frame.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self {
@@ -144,19 +144,19 @@ impl InertialParameters {
         root
     }
 
-    /// Smallest eigenvalue of the pseudo-inertia: a body made of non-negative mass has none below
-    /// zero.
+    /// Smallest eigenvalue of the pseudo-inertia; not negative for a physically consistent body.
     pub fn smallest_pseudo_inertia_eigenvalue(&self) -> f64 {
         self.pseudo_inertia().symmetric_eigenvalues().min()
     }
 
-    /// Whether some distribution of non-negative mass has these parameters (to round-off).
+    /// Whether the parameters are physically consistent (to round-off): some distribution of
+    /// non-negative mass has them.
     pub fn is_physical(&self) -> bool {
         let scale = self.inertia_origin_kgm2.amax().max(self.mass_kg.abs());
         self.smallest_pseudo_inertia_eigenvalue() >= -1e-9 * scale
     }
 
-    /// The real body nearest to these parameters; a real body itself.
+    /// Projection to the nearest physically consistent body; a consistent body is unchanged.
     ///
     /// Mass and centre of mass are kept, and the second moment about the centre of mass is replaced
     /// by the nearest positive semidefinite one in the Frobenius norm, which does not depend on the
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn transport_there_and_back_is_the_identity_and_keeps_the_invariants() {
+    fn frame_change_round_trips_and_keeps_invariants() {
         let pose = Isometry3::from_parts(
             Vector3::new(0.4, 0.5, -0.6).into(),
             UnitQuaternion::from_euler_angles(0.3, -1.1, 2.0),
@@ -230,13 +230,13 @@ mod tests {
     }
 
     #[test]
-    fn array_order_round_trips() {
+    fn array_round_trips() {
         let numbers: [f64; 10] = std::array::from_fn(|i| i as f64 + 1.0);
         assert_eq!(InertialParameters::from_array(&numbers).to_array(), numbers);
     }
 
     #[test]
-    fn the_triangle_inequality_decides_what_is_physical() {
+    fn triangle_inequality_decides_physical_consistency() {
         assert!(body().is_physical());
         // link 1 of the Stanford arm as printed in Fig. 2 of Lin 1992: 0.276 + 0.255 < 0.71
         let printed = InertialParameters::from_com(
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn the_projection_does_not_depend_on_the_frame_and_projects_once() {
+    fn projection_is_frame_invariant_and_idempotent() {
         let flat = InertialParameters::from_com(
             2.0,
             Vector3::new(0.1, -0.3, 0.2),
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn a_root_of_the_pseudo_inertia() {
+    fn root_squares_to_pseudo_inertia() {
         let body = body();
         let eigen = body.second_moment_com_kgm2().symmetric_eigen();
         let root = InertialParameters::pseudo_inertia_root(
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn the_pseudo_inertia_and_back() {
+    fn pseudo_inertia_round_trips() {
         let back = InertialParameters::from_pseudo_inertia(&body().pseudo_inertia());
         for (a, b) in back.to_array().iter().zip(body().to_array()) {
             assert!((a - b).abs() < 1e-15);

@@ -17,7 +17,7 @@ mod tests {
     use super::nearest;
 
     #[test]
-    fn suggests_only_what_is_alike() {
+    fn suggests_only_similar_names() {
         let known = ["elbow_joint".to_owned(), "wrist_1_joint".to_owned()];
         assert_eq!(nearest("elbwo_joint", &known), Some("elbow_joint"));
         assert_eq!(nearest("Wrist_1_Joint", &known), Some("wrist_1_joint"));

@@ -1,5 +1,5 @@
-//! From the URDF tree to one serial chain: path, frozen joints, lumped links (theory: joint axes
-//! with their URDF sign, everything before the first movable joint is base).
+//! Serial chain of a URDF tree: path, locked joints, lumped links. Joint axes keep their URDF sign;
+//! everything before the first movable joint belongs to the base.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -11,23 +11,22 @@ use crate::{
     UrdfJointType, Warning,
 };
 
-/// Which part of the robot is the arm, and how the rest is held.
+/// Part of the robot that is the arm, and positions of the locked joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainSelection {
     /// First link of the chain; the root of the URDF when absent.
     pub base: Option<String>,
-    /// Last link of the chain; when absent the path through the recorded joints, or else the path
-    /// with most movable joints (ties by file order).
+    /// Last link of the chain; `None`: the tip that contains the recorded joints, else the path with
+    /// the most movable joints (ties by file order).
     pub tip: Option<String>,
-    /// Joints a recording has positions of. Joints on the path that are not among them are locked
-    /// at 0, and that is said.
+    /// Joints with recorded positions. Other joints on the path are locked at 0, with a warning.
     pub recorded_joints: Option<Vec<String>>,
-    /// Movable joints frozen at a position \[rad or m\], by name.
+    /// Positions of locked movable joints \[rad or m\], by name.
     pub locked: BTreeMap<String, f64>,
     /// Gravity acceleration in the base link frame \[m/s2\].
     pub gravity_base: [f64; 3],
-    /// Joint-origin angles within this distance of a multiple of π/12 are taken as that multiple
-    /// \[rad\]. 1e-4 catches 1.5708 and 3.1415; 2e-3 would also catch 1.57 and 3.14.
+    /// Tolerance \[rad\] for snapping joint-origin angles to multiples of π/12: 1e-4 for angles
+    /// rounded to 1.5708, 2e-3 for 1.57.
     pub snap_rpy_rad: f64,
 }
 
@@ -68,7 +67,7 @@ impl JointKind {
     }
 }
 
-/// One movable joint of the chain with everything glued behind it up to the next one.
+/// One movable joint of the chain with all links fixed behind it up to the next one.
 #[derive(Debug, Clone)]
 pub struct ChainJoint {
     /// Joint name of the URDF.
@@ -108,18 +107,18 @@ pub struct SerialChain {
     pub base_from_tip: Isometry3<f64>,
     /// Movable joints from base to tip; never empty.
     pub joints: Vec<ChainJoint>,
-    /// Frozen movable joints and their positions \[rad or m\].
+    /// Locked movable joints and their positions \[rad or m\].
     pub locked: BTreeMap<String, f64>,
     /// Gravity acceleration in the base link frame \[m/s2\].
     pub gravity_base: Vector3<f64>,
     /// Elements of the URDF that are not used.
     pub ignored: Vec<IgnoredElement>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
 impl SerialChain {
-    /// Chooses the chain of a robot and lumps what does not move.
+    /// Selects the chain of a robot and lumps links that do not move.
     ///
     /// # Errors
     /// [`ChainError`] when a named link or joint does not exist, the tip is not below the base, the
@@ -199,8 +198,7 @@ impl<'a> Builder<'a> {
                     self.warnings.push(Warning::new(
                         "joint-not-recorded",
                         format!(
-                            "joint `{}` is on the chain but not recorded: locked at 0 (set another \
-                             position with --lock {}=VALUE)",
+                            "joint `{}` is not recorded; locked at 0 (change with --lock {}=VALUE)",
                             description.name, description.name
                         ),
                     ));
@@ -216,7 +214,7 @@ impl<'a> Builder<'a> {
             });
         }
 
-        // every movable joint below the base that is not a chain joint is frozen
+        // every movable joint below the base that is not on the chain is locked
         let mut stack = vec![self.base];
         while let Some(link) = stack.pop() {
             for &joint in &self.children[link] {
@@ -232,7 +230,7 @@ impl<'a> Builder<'a> {
         for name in unused {
             self.warnings.push(Warning::new(
                 "lock-unused",
-                format!("locked joint `{name}` is not below the base link and has no influence"),
+                format!("--lock {name} has no effect: the joint is not below the base link"),
             ));
         }
 
@@ -240,18 +238,19 @@ impl<'a> Builder<'a> {
         let base_from_tip = self.base_from_link(tip, &locked);
         self.warn_about_missed_snaps();
         for joint in &joints {
-            // a link that is unphysical by itself has its own warning
-            let links_are_sound = joint.body_links.iter().all(|name| {
-                !robot.warnings.iter().any(|w| {
-                    w.code == "inertia-unphysical" && w.message.contains(&format!("`{name}`"))
-                })
+            // a link that is inconsistent by itself has its own warning
+            let links_are_consistent = joint.body_links.iter().all(|name| {
+                !robot
+                    .warnings
+                    .iter()
+                    .any(|w| w.code == "inertia-unphysical" && w.subjects.contains(name))
             });
-            if links_are_sound && !joint.body_in_child.is_physical() {
+            if links_are_consistent && !joint.body_in_child.is_physical() {
                 self.warnings.push(Warning::new(
                     "body-unphysical",
                     format!(
-                        "the body moved by joint `{}` (links {}) has an inertia no rigid body can \
-                         have (smallest eigenvalue of its pseudo-inertia {:.3e})",
+                        "the lumped body of joint `{}` (links {}) is not physically consistent \
+                         (smallest eigenvalue of its pseudo-inertia {:.3e})",
                         joint.name,
                         joint.body_links.join(", "),
                         joint.body_in_child.smallest_pseudo_inertia_eigenvalue()
@@ -273,7 +272,7 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Recorded joints that the URDF has; the others are reported and left out.
+    /// Recorded joints that the URDF has; the others are ignored with a warning.
     fn recorded_in_tree(&mut self) -> Result<Option<Vec<usize>>, ChainError> {
         let Some(names) = &self.selection.recorded_joints else { return Ok(None) };
         let mut found = Vec::new();
@@ -285,9 +284,7 @@ impl<'a> Builder<'a> {
                 }
                 Some(_) => self.warnings.push(Warning::new(
                     "recorded-joint-fixed",
-                    format!(
-                        "recorded joint `{name}` cannot move in the URDF: its columns are not used"
-                    ),
+                    format!("recorded joint `{name}` is fixed in the URDF; columns ignored"),
                 )),
                 None => unknown.push(name.clone()),
             }
@@ -307,7 +304,7 @@ impl<'a> Builder<'a> {
             self.warnings.push(Warning::new(
                 "recorded-joint-unknown",
                 format!(
-                    "recorded joints not in the URDF are not used: {}{} (its movable joints: {})",
+                    "recorded joints not in the URDF, ignored: {}{} (movable joints of the URDF: {})",
                     unknown.join(", "),
                     meant.map_or_else(String::new, |name| format!("; did you mean {name}?")),
                     self.movable_names().join(", ")
@@ -464,7 +461,7 @@ impl<'a> Builder<'a> {
             .collect()
     }
 
-    /// Inertia of a link and all that is glued to it, in its frame, with the links' indices.
+    /// Inertia of a link and all links fixed to it, in its frame, with the links' indices.
     fn glued(
         &self,
         link: usize,
@@ -496,7 +493,7 @@ impl<'a> Builder<'a> {
         (body, links)
     }
 
-    /// Angles that look like a rounded multiple of π/12 but are too far off to be taken as one.
+    /// Warns about angles near a multiple of π/12 but outside the snapping tolerance.
     fn warn_about_missed_snaps(&mut self) {
         let mut missed = Vec::new();
         for joint in &self.robot.joints {
@@ -511,8 +508,8 @@ impl<'a> Builder<'a> {
             self.warnings.push(Warning::new(
                 "snap-missed",
                 format!(
-                    "angles within {NEARLY} rad of a multiple of pi/12 are kept as written: {}; if \
-                     they are rounded, use --snap-rpy 2e-3",
+                    "angles near a multiple of pi/12 not snapped: {}; use --snap-rpy 2e-3 if they \
+                     are rounded",
                     missed.join("; ")
                 ),
             ));
@@ -520,7 +517,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Distance \[rad\] under which something is worth a warning as "nearly" a multiple or parallel.
+/// Distance \[rad\] below which an angle nearly a multiple of π/12, or nearly parallel axes, give a warning.
 pub(crate) const NEARLY: f64 = 5e-3;
 
 pub(crate) fn nearest_twelfth(angle: f64) -> f64 {

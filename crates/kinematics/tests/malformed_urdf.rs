@@ -45,7 +45,7 @@ fn refusals(cases: &[(&str, String)]) -> String {
 }
 
 #[test]
-fn text_that_is_no_urdf() {
+fn rejects_text_that_is_not_urdf() {
     let xacro_root = r#"<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">"#;
     let root = r#"<robot name="arm">"#;
     let page = refusals(&[
@@ -85,7 +85,7 @@ fn text_that_is_no_urdf() {
 }
 
 #[test]
-fn names_and_structure() {
+fn rejects_wrong_names_and_structure() {
     let joint = |name: &str, parent: &str, child: &str| {
         format!(
             "  <joint name=\"{name}\" type=\"fixed\">\n    <parent link=\"{parent}\"/>\n    \
@@ -161,7 +161,7 @@ fn names_and_structure() {
 }
 
 #[test]
-fn numbers() {
+fn rejects_malformed_numbers() {
     let inertia = |new: &str| arm_with(INERTIA, new);
     let axis = |xyz: &str| arm_with(AXIS, &format!("<axis xyz=\"{xyz}\"/>"));
     let limit = |attributes: &str| arm_with(LIMIT, &format!("<limit {attributes}/>"));
@@ -228,7 +228,7 @@ fn numbers() {
 }
 
 #[test]
-fn files_and_bytes() {
+fn rejects_unreadable_files() {
     let folder = std::env::temp_dir().join(format!("armident_malformed_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let missing = load_urdf(&folder.join("missing.urdf")).unwrap_err();
@@ -268,7 +268,7 @@ fn warnings(cases: &[(&str, String)]) -> String {
 }
 
 #[test]
-fn doubtful_but_usable() {
+fn warns_about_doubtful_values() {
     let inertia = |xx: &str, yy: &str, zz: &str| {
         let new = format!(
             "<inertia ixx=\"{xx}\" ixy=\"0\" ixz=\"0\" iyy=\"{yy}\" iyz=\"0\" izz=\"{zz}\"/>"

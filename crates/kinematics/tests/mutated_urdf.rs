@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const ARM: &str = include_str!("arm.urdf");
 
 #[test]
-fn deep_nesting_is_no_danger() {
+fn deep_nesting_does_not_overflow() {
     let deep = format!("{}{}", "<gazebo>".repeat(200_000), "</gazebo>".repeat(200_000));
     assert!(parse_urdf(&ARM.replace("</robot>", &format!("{deep}</robot>")), "deep.urdf").is_ok());
     let deep = deep.replace("gazebo", "link");

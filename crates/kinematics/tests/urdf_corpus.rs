@@ -11,7 +11,7 @@ mod shared;
 
 /// The corpus of real arms, where it is at hand.
 #[test]
-fn real_arms_are_read() {
+fn reads_urdfs_of_real_arms() {
     let Some(folder) = shared("real_arms_are_read", "urdf-corpus") else { return };
     let entries = std::fs::read_dir(folder).unwrap();
     let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();

@@ -1,5 +1,5 @@
-//! Orthogonal accumulation of least-squares rows: the state is one triangle, whatever the number of
-//! rows.
+//! Accumulation of least-squares rows by orthogonal transformations: the state is one triangle,
+//! independent of the number of rows.
 
 use faer::Mat;
 
@@ -7,8 +7,8 @@ use crate::least_squares::{LeastSquares, NumericError, column_norms, solve_trian
 
 /// The triangle `R` of the QR factors of all rows `[A | y]` pushed so far.
 ///
-/// Blocks of rows may be pushed in any order and states merged in any order: the answer is the same
-/// to round-off (orthogonal transformations, no normal equations). Memory is `(p + 1)²` numbers for
+/// Blocks of rows may be pushed and states merged in any order: the result is the same to round-off
+/// (orthogonal transformations, no normal equations). Memory is `(p + 1)²` numbers for
 /// `p` unknowns, cost `2 (p + 1)²` operations a row.
 #[derive(Debug, Clone)]
 pub struct AccumulatedQr {
@@ -124,7 +124,7 @@ impl AccumulatedQr {
             .sum()
     }
 
-    /// `Aᵀ (y - A x)`: how much each column is left in the residual.
+    /// Gradient `Aᵀ (y - A x)`, length p.
     pub fn residual_moments(&self, x: &[f64]) -> Vec<f64> {
         let p = self.unknowns;
         let residual: Vec<f64> = (0..p)
@@ -162,8 +162,8 @@ impl AccumulatedQr {
     }
 
     /// The triangle of the same rows with the columns in another order, column `p` being the right-hand
-    /// side; columns may be left out. Leading columns are projected out of those behind them, so one
-    /// state answers for many choices of unknowns and right-hand sides.
+    /// side; columns may be omitted. Leading columns are projected out of those behind them, so one
+    /// state serves many choices of unknowns and right-hand sides.
     ///
     /// # Panics
     /// When an index is above `p`.
@@ -182,7 +182,7 @@ impl AccumulatedQr {
         )
     }
 
-    /// The same rows for what is left to `x`: right-hand sides `y - A x`.
+    /// The same rows with right-hand sides `y - A x`.
     ///
     /// # Panics
     /// When `x` does not have `p` entries.
@@ -197,8 +197,8 @@ impl AccumulatedQr {
         left
     }
 
-    /// `tr(A C Aᵀ)` for a p x p matrix `C`: with the covariance of the unknowns, the number of
-    /// unknowns that these rows pay for.
+    /// `tr(A C Aᵀ)` for a p x p matrix `C`: with the covariance of the unknowns, the effective number of
+    /// parameters that these rows determine.
     pub fn trace_with(&self, c: &Mat<f64>) -> f64 {
         let p = self.unknowns;
         let r = Mat::from_fn(p, p, |i, j| self.triangle[(i, j)]);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn any_partition_of_the_rows_gives_the_same_answer() {
+    fn qr_is_invariant_to_row_partition() {
         let (a, y) = columns(3000);
         let mut whole = AccumulatedQr::new(3);
         whole.push_columns(&a, &y);
@@ -244,7 +244,7 @@ mod tests {
     /// With the first two columns in front, what is below them in the third is the residual of the
     /// third on the first two.
     #[test]
-    fn reordered_columns_are_projected() {
+    fn reordered_columns_give_projected_triangle() {
         let (a, y) = columns(700);
         let mut qr = AccumulatedQr::new(3);
         qr.push_columns(&a, &y);
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn the_residual_from_the_triangle_is_the_residual_of_the_rows() {
+    fn triangle_residual_equals_row_residual() {
         let (a, y) = columns(700);
         let mut qr = AccumulatedQr::new(3);
         qr.push_columns(&a, &y);

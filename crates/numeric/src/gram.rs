@@ -1,8 +1,7 @@
 //! Gram matrices of columns, and small symmetric systems that are solved many times.
 
-use faer::Mat;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Par};
+use faer::{Accum, Mat, Par};
 
 /// `AᵀA` of columns of one length.
 pub fn gram_of_columns(columns: &[&[f64]]) -> Mat<f64> {
@@ -22,7 +21,7 @@ pub fn products_of_columns(a: &[&[f64]], b: &[&[f64]]) -> Mat<f64> {
     products
 }
 
-/// Scalar product of columns, in several sums at a time: one would wait for itself.
+/// Scalar product of columns, in several independent sums for instruction-level parallelism.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     const SUMS: usize = 8;
     let n = a.len().min(b.len());
@@ -58,7 +57,7 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Of the symmetric matrix with these entries; only `i >= j` is asked for. None if it is not
+    /// Factor of the symmetric matrix with these entries; only `i >= j` is used. `None` if it is not
     /// positive definite.
     pub fn of(order: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let mut lower = vec![0.0; order * order];
@@ -126,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cholesky_solves_and_knows_the_determinant() {
+    fn cholesky_solves_and_gives_log_determinant() {
         let columns = [[1.0, 2.0, 0.5, -1.0], [0.3, -1.0, 2.0, 0.7], [1.1, 0.2, -0.4, 3.0]];
         let views: Vec<&[f64]> = columns.iter().map(|c| &c[..]).collect();
         let gram = gram_of_columns(&views);

@@ -8,7 +8,7 @@ use faer::{Accum, Mat, Par, Side};
 
 use crate::gram::{Cholesky, dot};
 
-/// Why a decomposition has no answer.
+/// Error of a decomposition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NumericError {
@@ -20,7 +20,7 @@ pub enum NumericError {
     NoConvergence,
 }
 
-/// Solution of `A x ≈ y` with what is known about its trust.
+/// Solution of `A x ≈ y` with its covariance, rank and condition number.
 #[derive(Debug, Clone)]
 pub struct LeastSquares {
     /// Minimum-norm solution in the scaled unknowns (unit-norm columns), length p.
@@ -41,7 +41,7 @@ pub struct LeastSquares {
     pub rows: usize,
 }
 
-/// Columns whose norm is at most this times the largest are zero: never scaled up.
+/// Relative norm up to which a column counts as zero and is not scaled up.
 pub(crate) const ZERO_COLUMN: f64 = 1e-10;
 /// Eigenvalues of a correlation matrix below this share of the largest are round-off.
 const NOT_MEASURED: f64 = 1e-13;
@@ -138,11 +138,10 @@ pub(crate) fn solve_triangle(
 
 /// `min |A x - b|² + |x - c|²` for several `b, c`.
 ///
-/// Always has one answer, of whatever rank and however heavy `A` (m x p) is: by the small symmetric system
-/// `(A Aᵀ + 1) w = b - A c`, `x = c + Aᵀ w`, as long as round-off leaves that be (corrections by its own
-/// residual are small), else by orthogonal transformations of `[A; 1]`, where heavy rows stand
-/// first, so that none of the light ones is lost in them. Cost `m² p` to decompose, and `8 m p` per answer;
-/// several times that for heavy `A`.
+/// Has a unique solution for any rank and scale of `A` (m x p). The small symmetric system
+/// `(A Aᵀ + 1) w = b - A c`, `x = c + Aᵀ w` is used if iterative refinement converges, else orthogonal
+/// transformations of `[A; 1]` with heavy rows first, so that light rows are not lost to round-off. Cost
+/// `m² p` to decompose and `8 m p` per solution; several times that for heavy `A`.
 #[derive(Debug, Clone)]
 pub struct DampedLeastSquares {
     a: Mat<f64>,
@@ -150,7 +149,7 @@ pub struct DampedLeastSquares {
     factors: OnceCell<Qr<f64>>,
 }
 
-/// Share of the energy `rᵀ (A Aᵀ + 1)⁻¹ r` of an answer that its last correction may have,
+/// Largest share of the energy `rᵀ (A Aᵀ + 1)⁻¹ r` of a solution in its last correction,
 const RIGHT: f64 = 1e-20;
 /// and its first one,
 const NEARLY_RIGHT: f64 = 1e-8;
@@ -167,12 +166,12 @@ impl DampedLeastSquares {
         Self { a, small, factors: OnceCell::new() }
     }
 
-    /// The same by orthogonal transformations alone: to the last digit where `x` is small beside `c`.
+    /// The same only by orthogonal transformations: accurate to the last digit if `x` is small relative to `c`.
     pub fn accurate(a: Mat<f64>) -> Self {
         Self { a, small: None, factors: OnceCell::new() }
     }
 
-    /// The answer for one pair of right-hand sides.
+    /// Solution for one pair of right-hand sides.
     ///
     /// # Errors
     /// [`NumericError::NotFinite`] when a number is not finite.
@@ -193,7 +192,7 @@ impl DampedLeastSquares {
         Ok(x)
     }
 
-    /// `Aᵀ (A Aᵀ + 1)⁻¹ r`, corrected by its own residual; none where round-off decides.
+    /// `Aᵀ (A Aᵀ + 1)⁻¹ r` with iterative refinement; `None` if round-off dominates.
     fn by_small(&self, r: &[f64]) -> Option<Vec<f64>> {
         let small = self.small.as_ref()?;
         let energy = |a: &[f64], b: &[f64]| dot(a, b).abs();
@@ -246,8 +245,8 @@ impl DampedLeastSquares {
 
 /// A root `R` of the information matrix of a covariance `C`: `RᵀR = C⁺`, p x p.
 ///
-/// Directions without variance (of the correlation matrix, below 1e-13 of the largest) are taken as
-/// not measured, which is what a pseudo-inverse solution means by them.
+/// Directions without variance (of the correlation matrix, below 1e-13 of the largest) count as not
+/// measured, as in a pseudo-inverse solution.
 ///
 /// # Errors
 /// [`NumericError`] when a number is not finite.
@@ -282,7 +281,7 @@ mod tests {
 
     /// `x + 2 y = 5` with weight 1e16 beside `x ≈ 1, y ≈ 1`: (1.4, 1.8), the nearest point of the line.
     #[test]
-    fn heavy_rows_are_met_and_the_rest_stays_near() {
+    fn heavy_rows_hold_with_small_correction() {
         let a = Mat::from_fn(1, 2, |_, j| 1e8 * (1.0 + j as f64));
         let damped = DampedLeastSquares::new(a);
         let x = damped.solve(&[5e8], &[1.0, 1.0]).unwrap();
@@ -291,9 +290,9 @@ mod tests {
         assert_eq!(nan.unwrap_err(), NumericError::NotFinite);
     }
 
-    /// Both ways to the same answer, for rows of very different weight.
+    /// Both solvers agree for rows of very different weight.
     #[test]
-    fn light_systems_are_solved_as_heavy_ones_are() {
+    fn light_and_heavy_systems_agree() {
         let entry = |i: usize, j: usize| (1.0 + (3 * i * j + 7 * i + 5 * j) as f64).sin();
         for weight in [1e-3, 1.0, 1e4] {
             let a = Mat::from_fn(4, 9, |i, j| weight * entry(i, j) * 10.0_f64.powi(i as i32));
@@ -313,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_root_of_the_information_has_it_for_its_product() {
+    fn information_root_squares_to_information() {
         let covariance = Mat::from_fn(3, 3, |i, j| match (i, j) {
             (0, 0) => 4e-6,
             (1, 1) => 9.0,

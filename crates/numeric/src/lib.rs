@@ -1,9 +1,9 @@
 //! Dense linear algebra that knows no robot: least squares, rank decisions, singular values.
 //!
-//! The only crate that names faer. nalgebra's dynamic SVD is silently wrong on low-rank matrices
+//! The only crate that uses faer. nalgebra's dynamic SVD is silently wrong on low-rank matrices
 //! (dimforge/nalgebra#1172), and regressors of arms are exactly such matrices.
 //!
-//! | question | function |
+//! | problem | function |
 //! | --- | --- |
 //! | `min |A x - y|`, rows in blocks, states merged | [`AccumulatedQr`] |
 //! | the same with unknowns that must not be negative | [`AccumulatedQr::solve_non_negative`] |
@@ -11,7 +11,7 @@
 //! | `min |A x - b|² + |x - c|²` | [`DampedLeastSquares`] |
 //! | `R` with `RᵀR` the inverse of a covariance | [`information_root`] |
 //! | rank with its gap | [`rank_of_columns`] |
-//! | which columns depend on which, in a stated order | [`eliminate_in_order`] |
+//! | linear dependence of columns, in a stated order | [`eliminate_in_order`] |
 //! | products of columns with each other; many small symmetric systems | [`gram_of_columns`], [`Cholesky`] |
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! Least squares with some unknowns bound to be zero or more.
+//! Least squares with non-negativity constraints on some unknowns.
 
 use faer::Mat;
 
@@ -12,8 +12,8 @@ const PULL: f64 = 1e-10;
 /// Least squares with bounds.
 #[derive(Debug, Clone)]
 pub struct NonNegative {
-    /// The solution; unknowns at their bound are 0 there and in the covariance. Rank, condition and
-    /// what is undetermined are of all unknowns without bounds: they describe the rows.
+    /// The solution; unknowns at their bound are 0, also in the covariance. Rank, condition number and
+    /// undetermined directions are those without bounds: they describe the rows.
     pub answer: LeastSquares,
     /// Per unknown, whether its bound holds it at 0.
     pub at_bound: Vec<bool>,
@@ -22,9 +22,8 @@ pub struct NonNegative {
 impl AccumulatedQr {
     /// Solves `A x ≈ y` with `x_k >= 0` wherever `bound[k]`, by active sets.
     ///
-    /// Where the solution without bounds obeys them it is the answer, unchanged to the last bit.
-    /// Otherwise Lawson and Hanson's method from that solution clipped: the residual falls at every
-    /// step, so no set of bounds comes twice.
+    /// A feasible unconstrained solution is returned unchanged. Otherwise Lawson and Hanson's method
+    /// starts from the clipped solution: the residual falls at every step, so no active set repeats.
     ///
     /// Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems (1974), chapter 23.
     ///
@@ -131,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn of_all_sets_of_bounds_the_best_is_found() {
+    fn finds_best_active_set() {
         let bound = [true, true, false, true, true];
         for case in 0..20 {
             let seed = 0.7 * f64::from(case);
@@ -156,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn all_unknowns_may_end_at_their_bounds() {
+    fn all_parameters_may_be_at_bound() {
         let qr = rows([-1.0; 5], 0.2);
         let found = qr.solve_non_negative(&[true; 5], 1e-12).unwrap();
         assert_eq!(found.answer.solution, vec![0.0; 5]);

@@ -1,10 +1,10 @@
-//! Rank decisions that show their gap, and elimination of dependent columns in a stated order.
+//! Numerical rank with its gap, and elimination of dependent columns in a stated order.
 
 use faer::Mat;
 
 use crate::least_squares::{NumericError, ZERO_COLUMN, column_norms};
 
-/// A numerical rank with the evidence for it.
+/// A numerical rank with its gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RankDecision {
     /// The rank.
@@ -61,23 +61,23 @@ pub struct DependentColumn {
     pub combination: Vec<(usize, f64)>,
 }
 
-/// Which columns were kept, and what became of the others.
+/// Kept and dropped columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Elimination {
     /// Independent columns, in the order they were taken.
     pub kept: Vec<usize>,
     /// Dependent and zero columns.
     pub dropped: Vec<DependentColumn>,
-    /// Smallest part of a kept column that is new, relative to its norm.
+    /// Smallest remainder of a kept column, relative to its norm.
     pub smallest_kept: f64,
-    /// Largest new part of a dropped column, relative to its norm.
+    /// Largest remainder of a dropped column, relative to its norm.
     pub largest_dropped: f64,
 }
 
 /// Takes columns in the given order and drops each one that lies in the span of those before it.
 ///
 /// Columns are scaled to unit norm and orthogonalised twice against the kept ones (theory of
-/// Algorithm M); what is left of a column decides. Ordinary pivoting finds the same number but
+/// Algorithm M); the norm of the remainder decides. Ordinary pivoting finds the same number but
 /// chooses columns by their values; the order here makes the labels reproducible.
 pub fn eliminate_in_order(a: &Mat<f64>, order: &[usize], tolerance: f64) -> Elimination {
     let norms = column_norms(a, a.ncols());
@@ -133,7 +133,7 @@ mod tests {
 
     /// Structured low-rank matrices, where nalgebra's dynamic SVD fails: every entry 1, integers.
     #[test]
-    fn rank_of_structured_matrices() {
+    fn rank_is_exact_for_structured_matrices() {
         for rows in 2..20 {
             for columns in 2..20 {
                 let ones = Mat::from_fn(rows, columns, |_, _| 1.0);
@@ -145,14 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn a_round_off_column_is_zero_and_not_scaled_up() {
+    fn round_off_column_counts_as_zero() {
         let a = Mat::from_fn(6, 2, |i, j| if j == 0 { 1.0 } else { 1e-13 * (i as f64).sin() });
         let decision = rank_of_columns(&a, 1e-9).unwrap();
         assert_eq!((decision.rank, decision.zero_columns), (1, 1));
     }
 
     #[test]
-    fn elimination_follows_the_order_and_gives_the_combination() {
+    fn elimination_follows_order_and_returns_combinations() {
         // third column = 2 first - 5 second
         let a = Mat::from_fn(8, 3, |i, j| {
             let (x, y) = ((i as f64).sin(), (2.0 * i as f64).cos());

@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_factors_give_the_matrix_back() {
+    fn factors_reconstruct_the_matrix() {
         for (rows, columns) in [(3, 5), (6, 4), (4, 4)] {
             let a = Mat::from_fn(rows, columns, |i, j| ((i * 7 + j * 3) % 5) as f64);
             let ThinSvd { u, s, v } = ThinSvd::of(&a).unwrap();

@@ -1,7 +1,8 @@
 //! From recordings and predictions to what is drawn of them.
 
 use armident_kinematics::DrivingAxisChain;
-use armident_recording::{Recording, RecordingError, quality};
+use armident_motion::quality;
+use armident_recording::{Recording, RecordingError};
 
 use crate::drawing::{
     Channel, Drawing, EffortTraces, JointName, JointResidual, Quality, RecordingTraces, Role,

@@ -2,10 +2,8 @@
 
 use std::ops::Range;
 
-use armident_recording::{
-    HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, Quantity, Recording, RecordingError,
-    default_cutoff_hz,
-};
+use armident_motion::{HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, default_cutoff_hz};
+use armident_recording::{Quantity, Recording, RecordingError};
 
 use crate::drawing::Role;
 
@@ -43,7 +41,7 @@ pub(crate) struct Sheet {
 impl Sheet {
     pub(crate) fn new(joints: &[&str], compared: &Compared<'_>) -> Result<Self, RecordingError> {
         let recording = compared.recording;
-        let grid = armident_recording::EvenGrid::of(recording)?;
+        let grid = armident_motion::EvenGrid::of(recording)?;
         let positions: Vec<Vec<f64>> = joints
             .iter()
             .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))

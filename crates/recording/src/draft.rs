@@ -3,9 +3,9 @@
 
 use crate::error::{Fault, RecordingError};
 use crate::finding::{Action, Finding, FindingKind, percent, places, spans_of};
+use crate::interpolation::{BRIDGED_STEPS, Interpolation};
 use crate::raw::RawColumns;
 use crate::recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
-use crate::resample::{BRIDGED_STEPS, Interpolation};
 use crate::timing::Timing;
 use crate::unwrap::unwrap_turns;
 use crate::velocity_check;

@@ -25,7 +25,7 @@ struct Inner {
 
 impl RecordingError {
     /// A fault of the file or signal `source`.
-    pub(crate) fn new(fault: Fault, source: &str) -> Self {
+    pub fn new(fault: Fault, source: &str) -> Self {
         Self(Box::new(Inner { fault, source_name: source.to_owned(), line: None, column: None }))
     }
 
@@ -37,13 +37,13 @@ impl RecordingError {
     }
 
     /// The same fault with the column it was found in.
-    pub(crate) fn in_column(mut self, column: &str) -> Self {
+    pub fn in_column(mut self, column: &str) -> Self {
         self.0.column = Some(column.to_owned());
         self
     }
 
     /// The same fault in another source.
-    pub(crate) fn of_source(mut self, source: &str) -> Self {
+    pub fn of_source(mut self, source: &str) -> Self {
         source.clone_into(&mut self.0.source_name);
         self
     }

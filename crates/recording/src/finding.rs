@@ -97,7 +97,7 @@ impl fmt::Display for Finding {
 
 impl Finding {
     /// About the time stamps, everywhere.
-    pub(crate) fn of_stamps(kind: FindingKind, action: Action, share: f64) -> Self {
+    pub fn of_stamps(kind: FindingKind, action: Action, share: f64) -> Self {
         Self {
             kind,
             action,
@@ -111,7 +111,7 @@ impl Finding {
     }
 
     /// About a channel.
-    pub(crate) fn of_channel(
+    pub fn of_channel(
         kind: FindingKind,
         action: Action,
         joint: &str,
@@ -126,12 +126,12 @@ impl Finding {
     }
 
     /// The same with its places.
-    pub(crate) fn at(self, spans: Vec<Span>) -> Self {
+    pub fn at(self, spans: Vec<Span>) -> Self {
         Self { spans, ..self }
     }
 
     /// The same with its sentence; `: ` and the channel's name go before it.
-    pub(crate) fn saying(self, text: impl fmt::Display) -> Self {
+    pub fn saying(self, text: impl fmt::Display) -> Self {
         let message = match (&self.joint, self.quantity) {
             (Some(joint), Some(quantity)) => format!("{joint}/{quantity}: {text}"),
             _ => text.to_string(),
@@ -140,18 +140,18 @@ impl Finding {
     }
 
     /// The same with advice.
-    pub(crate) fn advising(self, advice: impl Into<String>) -> Self {
+    pub fn advising(self, advice: impl Into<String>) -> Self {
         Self { advice: Some(advice.into()), ..self }
     }
 }
 
 /// Spans of time of runs of samples `first..=last`.
-pub(crate) fn spans_of(time_s: &[f64], runs: &[(usize, usize)]) -> Vec<Span> {
+pub fn spans_of(time_s: &[f64], runs: &[(usize, usize)]) -> Vec<Span> {
     runs.iter().map(|(from, to)| Span { from_s: time_s[*from], to_s: time_s[*to] }).collect()
 }
 
 /// `at t = 1.250 s`, `from t = 1.000 s to 1.250 s`, `3 times, first at t = 1.250 s`.
-pub(crate) fn places(spans: &[Span]) -> String {
+pub fn places(spans: &[Span]) -> String {
     let Some(first) = spans.first() else { return "everywhere".to_owned() };
     let one = if first.from_s == first.to_s {
         format!("at t = {:.3} s", first.from_s)
@@ -165,7 +165,7 @@ pub(crate) fn places(spans: &[Span]) -> String {
 }
 
 /// A share as a percentage, with as many digits as say something.
-pub(crate) fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {
         p if p >= 9.95 => format!("{p:.0} %"),

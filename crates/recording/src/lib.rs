@@ -1,25 +1,10 @@
-//! Turns recorded files into evenly sampled, filtered joint motions with efforts.
+//! Reads recorded files into checked joint channels.
 //!
-//! # From a file to a motion
+//! # From a file to a recording
 //!
-//! 1. [`read_csv`], or [`read_csv_mapped`] with a [`Mapping`] for files with names and units of
-//!    their own, gives a [`Recording`]: time stamps and joint channels, checked, with notes and
-//!    [`Finding`]s on what was doubtful or repaired.
-//! 2. [`quality()`] measures the recording and lists what else is doubtful in it.
-//! 3. [`Motion::from_recording`] brings the joints asked for onto an even grid ([`EvenGrid`]),
-//!    filters the position ([`ZeroPhaseLowPass`]) and differentiates it ([`differentiate()`]).
-//!    Recorded velocities are not used, because drives smooth them with delay; only where
-//!    accelerations are recorded too, as in exact simulations, are both taken as they are.
-//!
-//! # Filtered regression
-//!
-//! The efforts of an arm are linear in its inertial parameters: effort = regressor × parameters, at
-//! every instant. A linear filter without delay, applied over time to the effort and to each column
-//! of the regressor, leaves the parameters untouched: filtered effort = filtered regressor ×
-//! parameters. So the noise above the band of the motion can be removed from both sides, provided
-//! both go through the *same* filter. [`Motion`] therefore keeps the filter, gives the effort raw
-//! and filtered, and filters columns with [`Motion::filter_columns`]. Filtered samples are no
-//! longer independent; [`Motion::independent_share`] says how many are left.
+//! [`read_csv`], or [`read_csv_mapped`] with a [`Mapping`] for files with names and units of
+//! their own, gives a [`Recording`]: time stamps and joint channels, checked, with notes and
+//! [`Finding`]s on what was doubtful or repaired.
 //!
 //! # Formats
 //!
@@ -46,7 +31,7 @@
 //!
 //! What can be repaired without guessing is repaired, noted and listed in
 //! [`Recording::findings`]; what would change the result is refused with advice; the rest is kept
-//! and told by [`quality()`].
+//! and reported by the quality report of a motion.
 //!
 //! | defect | repaired | refused |
 //! |---|---|---|
@@ -63,15 +48,13 @@
 //!
 //! # Not handled
 //!
-//! Other formats (ROS 1 bags, SQLite bags, MATLAB, NumPy: it is said what converts them); stamps that differ between channels; delays
-//! between position and effort; the end effects of the filter on efforts and regressor columns, which reach two to
-//! three periods of the cutoff into the motion: drop these samples. Positions and speeds are
-//! continued ([`Continuation`]) before they are filtered.
+//! Other formats (ROS 1 bags, SQLite bags, MATLAB, NumPy: it is said what converts them); stamps that differ between
+//! channels; delays between position and effort.
 //!
 //! # Example
 //!
 //! ```
-//! use armident_recording::{Motion, MotionSettings, read_csv_from};
+//! use armident_recording::{Quantity, read_csv_from};
 //!
 //! let mut text = String::from("t,elbow/position,elbow/effort\n");
 //! for k in 0..400 {
@@ -80,39 +63,27 @@
 //! }
 //! let recording = read_csv_from(text.as_bytes(), "swing.csv")?;
 //!
-//! let settings = MotionSettings { cutoff_hz: Some(20.0), ..MotionSettings::default() };
-//! let motion = Motion::from_recording(&recording, &["elbow"], &settings)?;
-//!
-//! assert!((motion.rate_hz - 200.0).abs() < 1e-9);
-//! let middle = motion.len() / 2;
-//! let exact = -36.0 * (6.0 * motion.time_s[middle]).sin();
-//! assert!((motion.acceleration[0][middle] - exact).abs() < 1e-3 * 36.0);
+//! let elbow = recording.joint("elbow").unwrap();
+//! assert_eq!(recording.time_s.len(), 400);
+//! assert!(elbow.channel(Quantity::Effort).is_some() && elbow.channel(Quantity::Velocity).is_none());
 //! # Ok::<(), armident_recording::RecordingError>(())
 //! ```
 
-mod butterworth;
 mod csv;
 mod csv_write;
-mod cutoff;
-mod differentiate;
 mod draft;
-mod ends;
 mod error;
 mod finding;
 mod header;
+mod interpolation;
 mod mapping;
 #[cfg(feature = "mcap")]
 mod mcap;
-mod motion;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod quality;
 mod raw;
 mod read;
 mod recording;
-mod repeated_frames;
-mod resample;
-mod runs;
 mod timing;
 mod units;
 mod unwrap;
@@ -120,33 +91,21 @@ mod velocity_check;
 mod whole_file;
 mod write;
 
-pub use butterworth::{
-    CUTOFF_SHARE_BOUND, DEFAULT_ORDER, HIGHEST_ORDER, LOWEST_CUTOFF_SHARE, ZeroPhaseLowPass,
-};
 pub use csv::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from};
 pub use csv_write::{write_csv, write_csv_to};
-pub use cutoff::{
-    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, RESTING_RANGE,
-    band_edge_hz, common_cutoff_hz, default_cutoff_hz,
-};
-pub use differentiate::differentiate;
 pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
-pub use ends::{Continuation, QUARTIC_TERMS, Quartics};
 pub use error::{Fault, RecordingError};
-pub use finding::{Action, Finding, FindingKind, Span};
+pub use finding::{Action, Finding, FindingKind, Span, percent, places, spans_of};
+pub use interpolation::{BRIDGED_STEPS, Interpolation};
 pub use mapping::Mapping;
 #[cfg(feature = "mcap")]
 pub use mcap::write_mcap_to;
-pub use motion::{DerivativeSource, Motion, MotionSettings};
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet_to;
-pub use quality::{
-    ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
-};
 pub use raw::{RawColumn, RawColumns};
 pub use read::{ReadSettings, read_recording};
 pub use recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
-pub use resample::{BRIDGED_STEPS, EvenGrid, Interpolation};
 pub use timing::{GAP_STEPS, Gap, Timing};
+pub use velocity_check::findings as velocity_findings;
 pub use whole_file::{remove_partial_files, write_whole};
 pub use write::{Encoded, FileFormat, encode};

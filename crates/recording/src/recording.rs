@@ -152,7 +152,7 @@ pub struct Recording {
     /// Columns of the file that were not read.
     pub ignored_columns: Vec<String>,
     /// What reading repaired or left alone although it is doubtful, with place and share; more is
-    /// found by [`quality`](crate::quality()).
+    /// found by the quality report of a motion.
     pub findings: Vec<Finding>,
 }
 

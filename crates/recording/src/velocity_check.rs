@@ -191,7 +191,7 @@ pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) 
 }
 
 /// What is odd about the velocities, without consequences for motions made from positions.
-pub(crate) fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
+pub fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     let lacking: Vec<&str> = recording
         .joints
         .iter()

@@ -4,7 +4,8 @@
 
 use std::fmt::Write as _;
 
-use armident_recording::{Motion, MotionSettings, RecordingError, read_csv_from};
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{RecordingError, read_csv_from};
 use proptest::prelude::*;
 
 /// A valid file of 10 samples at 100 Hz with two joints.

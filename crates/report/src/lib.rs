@@ -5,7 +5,8 @@
 //! page as HTML. A new section is one file and its line in a list.
 //!
 //! ```
-//! use armident_ident::{ArmModel, MinimalSet};
+//! use armident_model::ArmModel;
+//! use armident_ident::MinimalSet;
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 //!
 //! let robot = parse_urdf(include_str!("../../../urdf/stanford.urdf"), "stanford.urdf")?;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use armident_motion::{EvenGrid, differentiate};
 use armident_recording::{
-    BRIDGED_STEPS, EvenGrid, Interpolation, JointChannels, MIN_SAMPLES, Quantity, Recording,
-    Timing, differentiate,
+    BRIDGED_STEPS, Interpolation, JointChannels, MIN_SAMPLES, Quantity, Recording, Timing,
 };
 
 use crate::error::SimulationError;

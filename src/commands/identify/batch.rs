@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 
 use armident_ident::{
-    ArmModel, BatchEstimate, BatchFit, BatchProblem, BatchSettings, BendFound, Chosen, Coupling,
+    BatchEstimate, BatchFit, BatchProblem, BatchSettings, BendFound, Chosen, Coupling,
     CouplingFound, DriveGain, DriveGains, KnownLoad, LAWS, MinimalSet, Recorded, Sought, Term,
     without_loads,
 };
+use armident_model::ArmModel;
+use armident_motion::Motion;
 use armident_page::Correlation;
-use armident_recording::{Motion, Quantity, Recording};
+use armident_recording::{Quantity, Recording};
 use armident_report::{
     ConsistencyReport, DriveGainRow, EffectRow, EndogeneityRow, FitReport, IdentifyReport,
     MergedRow, PayloadRow,
@@ -30,13 +32,13 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     let (model, unused) = robot::load_links(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
-    let cutoff_hz = armident_recording::common_cutoff_hz(&train, &joints, args.cutoff_hz)?;
+    let cutoff_hz = armident_motion::common_cutoff_hz(&train, &joints, args.cutoff_hz)?;
     let loads = payloads(args, &model, &[(&train_files, &train), (&holdout_files, &holdout)])?;
 
     let arm = model.rigid_arm();
     let set = MinimalSet::of(&arm)?;
     let mut problem = BatchProblem::new(&arm, &set).with_loads(&loads);
-    let progress = Progress::of(&args.output, "forming motions");
+    let progress = Progress::of(&args.output, "filtering recordings");
     let drives = drive_gains(&mut problem, &loads, cutoff_hz, &joints, [&mut train, &mut holdout])?;
     let without_loads = |recordings: &[Recording]| -> Result<Vec<Motion>, Failure> {
         let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz)?;
@@ -57,7 +59,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     let unreported = armident_ident::unreported(&train, &joints);
     problem = problem.with_unreported(unreported.iter().map(Option::is_some).collect());
     drop(progress);
-    let progress = Progress::of(&args.output, "choosing by stretches left out");
+    let progress = Progress::of(&args.output, "selecting model structure");
     let motions: Vec<&Motion> = train_motions.iter().collect();
     let sought = Sought {
         couplings: args.coupling == CouplingArg::Auto,
@@ -67,25 +69,25 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     for CouplingFound { coupling, gain } in &couplings {
         let [a, b] = coupling.joints().map(|joint| joints[joint]);
         notes.push(format!(
-            "{a} and {b} share a transmission (ratio {}): the error of stretches left out of the fit is \
-             {:.0} % lower with it",
+            "{a} and {b}: coupled transmission included (ratio {}, cross-validated error {:.0} % lower)",
             coupling.ratio,
             100.0 * gain
         ));
     }
-    for (joint, turn) in joints.iter().zip(problem.turns.iter().flatten()) {
+    for ((joint, turn), kind) in
+        joints.iter().zip(problem.turns.iter().flatten()).zip(&model.chain.joints)
+    {
         if turn.travel() > 0.0 {
             notes.push(format!(
-                "dry friction of {joint} builds up over a travel of {:.2} mrad or mm since the last reversal: stretches left \
-                 out of the fit say so",
-                1e3 * turn.travel()
+                "{joint}: presliding friction included (travel {:.2} {}, selected by cross-validation)",
+                1e3 * turn.travel(),
+                if kind.kind.is_rotational() { "mrad" } else { "mm" }
             ));
         }
     }
     for BendFound { joint, in_errors } in &bends {
         notes.push(format!(
-            "friction of {} grows more slowly than its speed: that part of it is {in_errors:.0} standard errors from none \
-             (--viscous linear leaves it out)",
+            "{}: sublinear viscous friction included (t = {in_errors:.0}); disable with --viscous linear",
             joints[*joint]
         ));
     }
@@ -109,14 +111,13 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         if recorded_velocities || cutoff_hz.is_none() { "recorded" } else { "position" };
     if let Some(gain) = fitted.velocity_gain {
         notes.push(format!(
-            "recorded velocities explain the efforts better than differentiated positions do \
-             (error {:.1} % lower): they are used",
+            "using recorded velocities (error {:.1} % lower than with differentiated positions)",
             100.0 * gain
         ));
     }
     let BatchFit { rows, estimate, holdout_rows, .. } = &fitted;
     drop(progress);
-    let progress = Progress::of(&args.output, "seeking the nearest real links");
+    let progress = Progress::of(&args.output, "projecting to consistent links");
 
     let consistent =
         if args.raw_estimate { None } else { Some(problem.nearest_consistent(estimate)?) };
@@ -125,9 +126,8 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     for ((name, stuck), shown) in joints.iter().zip(&unreported).zip(&shown) {
         let (Some(stuck), Some(shown)) = (stuck, shown) else { continue };
         notes.push(format!(
-            "{name}: its effort repeats one value in {:.0} % of the samples although it moves: efforts that small are \
-             not reported, and all samples of this column together count as one. It shows {:.1} % of the effort that the \
-             model has there, and so do predictions of it",
+            "{name}: effort column has a dead zone (one value in {:.0} % of the moving samples); the column counts as a \
+             single sample. It shows {:.1} % of the modelled effort, and predictions of it are scaled accordingly",
             100.0 * stuck,
             100.0 * shown.share
         ));
@@ -210,9 +210,9 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
     if drives.as_ref().is_some_and(|gains| !gains.absolute) {
         warnings.push(
-            "only the ratios of the drive gains are known: no recording has a known load \
-             (--payload) and no joint an effort in N m or N; their size is set so that the URDF's \
-             inertias fit, and all constants hang on it [only-ratios]"
+            "drive gains are known only relative to each other: no recording has a known payload \
+             (--payload) and no joint an effort in N m or N. They are scaled to match the URDF \
+             inertias; all constants share this scale [only-ratios]"
                 .to_owned(),
         );
     }
@@ -222,7 +222,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
             .map(|k| problem.label(&problem.terms[k], &joints))
             .collect();
         warnings.push(format!(
-            "the recordings determine {} of {} unknowns; open are combinations of {} \
+            "the recordings identify {} of {} parameters; not identified: combinations of {} \
              [not-determined]",
             estimate.rank,
             problem.terms.len(),
@@ -278,7 +278,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         },
         None => ArmModel {
             effects: problem.effects(&estimate.values, &joints),
-            ..model.with_constants(&set, &problem.constants(&estimate.values))
+            ..set.applied_to(model, &problem.constants(&estimate.values))
         },
     };
     found.cutoff_hz = cutoff_hz;
@@ -294,7 +294,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     Ok(Identified { report, model: found, correlation: Some(correlation), read: [train, holdout] })
 }
 
-/// The loads of the command line, in their recordings.
+/// Known payloads of the command line, matched to their recordings.
 fn payloads(
     args: &IdentifyArgs,
     model: &ArmModel,
@@ -310,37 +310,39 @@ fn payloads(
         let Some((_, recording)) = exact.or(by_name) else {
             let known: Vec<String> = pairs().map(|(file, _)| file.display().to_string()).collect();
             return Err(Failure::new(
-                "the load is in a recording that is not read",
+                "the payload's recording is not among the inputs",
                 place,
-                Some(format!("name one of {}", known.join(", "))),
+                Some(format!("use one of {}", known.join(", "))),
             ));
         };
         if given.mass_kg <= 0.0 {
             return Err(Failure::new(
-                format!("the mass of the load must be above zero, found {} kg", given.mass_kg),
+                format!("the payload mass must be positive, found {} kg", given.mass_kg),
                 place,
-                Some("give mass=KG, weighed; leave --payload away for a recording without a load"),
+                Some(
+                    "pass the weighed mass as mass=KG; omit --payload for a recording without a payload",
+                ),
             ));
         }
         if given.com_error_m < 0.0 {
             return Err(Failure::new(
                 format!("com_error must not be negative, found {} m", given.com_error_m),
                 place,
-                Some("give the standard deviation of each coordinate of com, m"),
+                Some("pass the standard deviation of each coordinate of com [m]"),
             ));
         }
         if given.com_error_m > 0.0 && given.com_m.is_none() {
             return Err(Failure::new(
-                "com_error is given without com",
+                "com_error requires com",
                 place,
-                Some("give com=X:Y:Z too, or neither: then the centre is found"),
+                Some("pass com=X:Y:Z too, or omit both to estimate the centre of mass"),
             ));
         }
         if loads.iter().any(|load| load.is_on(&recording.source)) {
             return Err(Failure::new(
-                "the recording has a load already",
+                "the recording already has a payload",
                 place,
-                Some("give one --payload a recording: the mass and centre of all of it"),
+                Some("pass one --payload per recording, with the total mass and its centre"),
             ));
         }
         loads.push(KnownLoad::new(
@@ -354,8 +356,8 @@ fn payloads(
     Ok(loads)
 }
 
-/// Where currents stand in the place of efforts: the gains of the drives, and the recordings with the
-/// efforts that these make of the currents. None where all joints have efforts.
+/// Drive gains of joints with currents instead of efforts; the recordings get efforts computed from the
+/// currents. `None` if all joints have efforts.
 fn drive_gains(
     problem: &mut BatchProblem<'_>,
     loads: &[KnownLoad],
@@ -380,10 +382,12 @@ fn drive_gains(
             let has = recording.joint(joint).is_some_and(|channels| channels.effort.is_some());
             if *is_current && has {
                 return Err(Failure::new(
-                    format!("joint `{joint}` has an effort here and only a current elsewhere"),
+                    format!(
+                        "joint `{joint}` has an effort here but only a current in another recording"
+                    ),
                     &recording.source,
                     Some(
-                        "give recordings with the same channels, or make efforts of the currents with --mapping FILE",
+                        "use recordings with the same channels, or convert currents to efforts with --mapping FILE",
                     ),
                 ));
             }
@@ -417,13 +421,13 @@ fn drive_gains(
         let sources: Vec<&str> = train.iter().map(|r| r.source.as_str()).collect();
         return Err(Failure::new(
             format!(
-                "the currents of {} do not tell the gains of these drives (95 % interval over a factor of ten)",
+                "drive gains of {} are not identifiable from the currents (95 % interval over a factor of ten)",
                 open.join(", ")
             ),
             sources.join(", "),
             Some(
-                "make efforts of them with the gains of the drives (--mapping FILE), add a recording with a \
-                 known load (--payload), or leave joints out with --base and --tip",
+                "convert currents with known drive gains (--mapping FILE), add a recording with a known \
+                 payload (--payload), or exclude joints with --base and --tip",
             ),
         ));
     }
@@ -481,7 +485,7 @@ fn payload_rows(
         .collect()
 }
 
-/// Correlation of every pair of estimates; none of those at their bound, which do not vary.
+/// Correlation of every pair of estimates; `None` for estimates at their bound.
 fn correlations(estimate: &BatchEstimate) -> Vec<Vec<Option<f64>>> {
     let of = |a: usize, b: usize| estimate.covariance[(a, b)];
     let pair = |a, b| {

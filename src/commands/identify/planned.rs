@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use armident_dynamics::RigidArm;
 use armident_effects::EVERYDAY;
 use armident_ident::algorithm2::{Algorithm2Estimate, PLAN_SCHEMA, Plan, algorithm2};
-use armident_ident::{ArmModel, JointFit, MinimalSet};
-use armident_recording::{Motion, Recording};
+use armident_ident::{JointFit, MinimalSet};
+use armident_model::ArmModel;
+use armident_motion::Motion;
+use armident_recording::Recording;
 use armident_report::{
     ConsistencyReport, ConstantRow, EffectRow, FitReport, FitRows, IdentifyReport, StepRow,
 };
@@ -36,19 +38,19 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
     if names != plan.joints {
         return Err(Failure::new(
             format!(
-                "the plan is for the joints {}, the chain has {}",
+                "plan and chain have different joints: {}; {}",
                 plan.joints.join(", "),
                 names.join(", ")
             ),
             plan_path.display(),
-            Some("give the robot and chain options the plan was made with"),
+            Some("use the robot and chain options of the plan"),
         ));
     }
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let files: Vec<PathBuf> =
         plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
     let recordings: Vec<Recording> = recordings::read_all(&files, &args.reading, &args.output)?;
-    let cutoff_hz = armident_recording::common_cutoff_hz(&recordings, &joints, args.cutoff_hz)?;
+    let cutoff_hz = armident_motion::common_cutoff_hz(&recordings, &joints, args.cutoff_hz)?;
     let motions = recordings::motions_with_effort(&recordings, &joints, cutoff_hz)?;
 
     let arm = model.rigid_arm();
@@ -85,7 +87,7 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
     let urdf_errors = effort_errors(&arm, &motions, &joints);
     let mut found = match &consistent {
         Some(consistent) => model.with_links(&consistent.links),
-        None => model.with_constants(&set, &values),
+        None => set.applied_to(model, &values),
     };
     found.cutoff_hz = cutoff_hz;
     found.effort_noise = (estimate.effort_noise.iter().all(|s| s.is_finite()))
@@ -144,12 +146,12 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
 }
 
 fn read_plan(path: &Path) -> Result<Plan, Failure> {
-    let hint = Some("write the plan again with `armident plan`");
+    let hint = Some("create the plan again with `armident plan`");
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::new(format!("cannot read: {error}"), path.display(), hint))?;
     let plan: Plan = serde_json::from_str(&text).map_err(|error| {
         Failure::new(
-            format!("the plan is not valid: {error}"),
+            format!("invalid plan: {error}"),
             format!("{}, line {}", path.display(), error.line()),
             hint,
         )
@@ -158,7 +160,7 @@ fn read_plan(path: &Path) -> Result<Plan, Failure> {
         return Ok(plan);
     }
     Err(Failure::new(
-        format!("the plan has schema `{}`, expected `{PLAN_SCHEMA}`", plan.schema),
+        format!("expected schema `{PLAN_SCHEMA}`, found `{}`", plan.schema),
         path.display(),
         hint,
     ))
@@ -176,7 +178,7 @@ fn algorithm2_warnings(
     let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
     for step in estimate.steps.iter().filter(|s| s.rank < s.columns) {
         warnings.push(format!(
-            "step {} at joint `{}` has rank {} of {}: {} are not separated [not-determined]",
+            "step {} (joint `{}`) is rank deficient ({} of {}): {} are not separately identified [not-determined]",
             step.step,
             step.observed,
             step.rank,
@@ -189,7 +191,8 @@ fn algorithm2_warnings(
         .map(|k| set.constants[k].label())
         .collect();
     if !open.is_empty() {
-        warnings.push(format!("no step of the plan seeks {} [not-determined]", open.join(", ")));
+        warnings
+            .push(format!("no step of the plan identifies {} [not-determined]", open.join(", ")));
     }
     warnings
 }

@@ -3,8 +3,8 @@
 
 use armident_dynamics::RigidArm;
 use armident_effects::{CoulombFriction, Effect, JointMotion, ViscousFriction, directions_with};
+use armident_motion::Motion;
 use armident_numeric::{Mat, NumericError, PseudoInverse};
-use armident_recording::Motion;
 
 use super::plan::{Plan, Step};
 use crate::minimal_set::MinimalSet;

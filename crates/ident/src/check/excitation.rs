@@ -1,7 +1,7 @@
 //! Which constants a recording determines, and why not the others.
 
+use armident_motion::{Motion, RESTING_RANGE};
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::{Motion, RESTING_RANGE};
 
 use super::Verdict;
 use super::rows::JointRows;

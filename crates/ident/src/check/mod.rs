@@ -24,9 +24,10 @@ mod say;
 
 use std::collections::BTreeMap;
 
+pub use armident_motion::QualityReport;
+use armident_motion::{Motion, RESTING_RANGE, quality};
 use armident_numeric::NumericError;
-pub use armident_recording::QualityReport;
-use armident_recording::{Finding, Motion, Quantity, RESTING_RANGE, Recording, quality};
+use armident_recording::{Finding, Quantity, Recording};
 use serde::Serialize;
 
 pub use channel::{ChannelEvidence, ChannelKind};
@@ -35,8 +36,8 @@ pub use excitation::ConstantCheck;
 
 use crate::batch::BatchProblem;
 use crate::minimal_set::MinimalSet;
-use crate::model::ArmModel;
 use crate::unreported::unreported;
+use armident_model::ArmModel;
 
 /// Times the efforts are shifted before they are believed to be in their place.
 const ALIGNMENTS: usize = 2;
@@ -235,7 +236,7 @@ pub fn check(
     let alive: Vec<bool> = (0..names.len()).map(|j| shares[j].is_none() && moves(j)).collect();
     let channels = channel::channels(&problem, &rows, &alive)?;
     let (constants, rank) = excitation::excitation(&problem, &names, &rows, &aligned)?;
-    let differences = armident_recording::differences(&own);
+    let differences = armident_motion::differences(&own);
 
     let is_effort: Vec<bool> = names.iter().map(|name| !signals.contains_key(*name)).collect();
     let mut checks = say::quality(&quality, &differences, &unreported);

@@ -2,8 +2,9 @@
 //! URDF's gravity, the efforts of all joints, and the joint's own effort at other times.
 
 use armident_dynamics::{ArmMotion, RigidArm, inverse_dynamics_of_motion};
+use armident_motion::{Motion, QualityReport};
 use armident_numeric::{AccumulatedQr, NumericError};
-use armident_recording::{Interpolation, Motion, QualityReport, Quantity};
+use armident_recording::{Interpolation, Quantity};
 
 use crate::batch::{BatchProblem, RANK_CUT, Term};
 use crate::rows::EDGE_PERIODS;

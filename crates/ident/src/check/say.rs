@@ -1,15 +1,15 @@
 //! From numbers to verdicts and sentences.
 
-use armident_recording::{
-    Action, CUTOFF_OVER_EDGE, Finding, FindingKind, HIGHEST_CUTOFF_SHARE, Motion, QualityReport,
-    Quantity, RESTING_RANGE,
+use armident_motion::{
+    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, Motion, QualityReport, RESTING_RANGE,
 };
+use armident_recording::{Action, Finding, FindingKind, Quantity};
 
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::delay::Delay;
 use super::excitation::{ConstantCheck, activity};
 use super::{Check, Topic, Verdict};
-use crate::model::ArmModel;
+use armident_model::ArmModel;
 
 /// Evidence (`2 ln` of a likelihood ratio) beyond which a delay is believed: a thousand to one, after
 /// one delay in a hundred recordings is expected.

@@ -4,9 +4,11 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use armident_dynamics::RigidArm;
-use armident_ident::{ArmModel, MinimalSet};
+use armident_ident::MinimalSet;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
-use armident_recording::{JointChannels, Motion, MotionSettings, Recording};
+use armident_model::ArmModel;
+use armident_motion::{Motion, MotionSettings};
+use armident_recording::{JointChannels, Recording};
 
 pub(crate) struct Bench {
     pub(crate) model: ArmModel,

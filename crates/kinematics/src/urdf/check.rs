@@ -41,7 +41,7 @@ pub(super) fn check_element(
     for &name in &unknown {
         match most_similar(name, absent()) {
             Some(meant) => note(format!(
-                "attribute `{name}` of `<{}>` is not used; did you mean `{meant}`?",
+                "ignored attribute `{name}` of `<{}>`; did you mean `{meant}`?",
                 rule.tag
             )),
             None => foreign.push(format!("`{name}`")),
@@ -49,8 +49,8 @@ pub(super) fn check_element(
     }
     match foreign.len() {
         0 => {}
-        1 => note(format!("attribute {} of `<{}>` is not used", foreign[0], rule.tag)),
-        _ => note(format!("attributes {} of `<{}>` are not used", foreign.join(", "), rule.tag)),
+        1 => note(format!("ignored attribute {} of `<{}>`", foreign[0], rule.tag)),
+        _ => note(format!("ignored attributes {} of `<{}>`", foreign.join(", "), rule.tag)),
     }
     check_children(text, node, rule, owner, notes)
 }
@@ -98,7 +98,7 @@ fn check_children(
     for (tag, line) in unknown {
         let meant = most_similar(&tag, absent().map(|c| c.tag))
             .map_or_else(String::new, |meant| format!("; did you mean `<{meant}>`?"));
-        let sentence = format!("`<{tag}>` in `<{}>` is not used{meant}", rule.tag);
+        let sentence = format!("ignored `<{tag}>` in `<{}>`{meant}", rule.tag);
         notes.add("element-ignored", at_line(owner, line), sentence);
     }
     Ok(())
@@ -136,11 +136,11 @@ fn check_value(
     })
 }
 
-/// What to do about a value that does not have its form; `None` if it has.
+/// Hint for a malformed value; `None` if it is well-formed.
 fn fault(form: Form, value: &str, tag: &str) -> Option<String> {
     match form {
         Form::Text => None,
-        Form::Name if value.trim().is_empty() => Some("give a name".to_owned()),
+        Form::Name if value.trim().is_empty() => Some("add a name".to_owned()),
         Form::Name => None,
         Form::JointType if JOINT_TYPES.contains(&value) => None,
         Form::JointType if value == "spherical" => {
@@ -163,10 +163,10 @@ fn number_fault(form: Form, value: &str, tag: &str) -> Option<String> {
     let is_finite = |word: &&&str| word.parse::<f64>().is_ok_and(f64::is_finite);
     if let Some(word) = words.iter().find(|word| !is_finite(word)) {
         return Some(match word.parse::<f64>() {
-            Ok(_) if tag == "limit" => "for no limit leave the attribute out".to_owned(),
-            Ok(_) => "numbers must be finite; give the value of the arm".to_owned(),
+            Ok(_) if tag == "limit" => "omit the attribute for no limit".to_owned(),
+            Ok(_) => "use a finite number".to_owned(),
             Err(_) if word.contains(',') => {
-                "write a point for decimals and spaces between numbers, no commas".to_owned()
+                "use decimal points, and spaces between numbers, no commas".to_owned()
             }
             Err(_) if word.contains("pi") => {
                 "write the number out, such as 3.141592653589793 for pi".to_owned()
@@ -175,8 +175,8 @@ fn number_fault(form: Form, value: &str, tag: &str) -> Option<String> {
         });
     }
     match words.len() {
-        0 => Some(format!("it is empty; write {counted}")),
-        n if n != count => Some(format!("write {counted}, there are {n} here")),
+        0 => Some(format!("empty; write {counted}")),
+        n if n != count => Some(format!("write {counted}, found {n}")),
         _ if form == Form::NotNegative && numbers::<1>(value)?[0] < 0.0 => {
             Some("check the sign".to_owned())
         }
@@ -184,7 +184,7 @@ fn number_fault(form: Form, value: &str, tag: &str) -> Option<String> {
     }
 }
 
-/// The numbers of a value that was checked to have `N`.
+/// The `N` numbers of a checked value.
 pub(super) fn numbers<const N: usize>(value: &str) -> Option<[f64; N]> {
     let mut result = [0.0; N];
     let mut words = value.split_whitespace();
@@ -194,13 +194,13 @@ pub(super) fn numbers<const N: usize>(value: &str) -> Option<[f64; N]> {
     words.next().is_none().then_some(result)
 }
 
-/// One number of an element that was checked.
+/// One number of a checked element.
 pub(super) fn number(node: Node<'_, '_>, attribute: &str) -> Option<f64> {
     numbers::<1>(node.attribute(attribute)?).map(|[value]| value)
 }
 
-/// Writes what `urdf-rs` is to read: no more than the table knows, so that meshes, materials and
-/// extensions cannot make it refuse an arm.
+/// Writes the input of `urdf-rs`: only elements of the table, so that meshes, materials and
+/// extensions cannot cause errors.
 pub(super) fn write_element(out: &mut String, node: Node<'_, '_>, rule: &ElementRule) {
     out.push('<');
     out.push_str(rule.tag);

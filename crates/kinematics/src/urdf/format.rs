@@ -1,6 +1,6 @@
-//! The part of the URDF format that is read, as a table: elements, attributes and what they hold.
+//! The supported part of the URDF format as a table: elements, attributes and value types.
 
-/// What the text of an attribute holds.
+/// Type of an attribute value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     /// A name, not empty.
@@ -58,9 +58,9 @@ pub(super) enum Count {
 pub(super) enum Reader {
     /// `urdf-rs`.
     UrdfRs,
-    /// This crate, because `urdf-rs` does not tell an absent attribute from a zero one.
+    /// This crate, because `urdf-rs` does not distinguish an absent attribute from zero.
     Armident,
-    /// Nobody: part of the format without influence on the result; its content is not checked.
+    /// Not read: part of the format without influence on the result; its content is not checked.
     Nobody,
 }
 

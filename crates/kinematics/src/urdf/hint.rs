@@ -1,10 +1,10 @@
-//! What a user can do about each reason to refuse a URDF.
+//! Hints for each URDF error.
 
 use std::io::ErrorKind;
 
 use crate::UrdfError;
 
-/// The advice that belongs to an error.
+/// The hint of an error.
 pub(crate) fn hint(error: &UrdfError) -> Option<String> {
     let text = match error {
         UrdfError::Unreadable { cause, .. } => match cause.kind() {
@@ -16,8 +16,8 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
         UrdfError::NotUtf8 { utf16: true, .. } => {
             "the file looks like UTF-16: save it as UTF-8".into()
         }
-        UrdfError::NotUtf8 { .. } => "save the file as UTF-8; is it a URDF at all?".into(),
-        UrdfError::Empty { .. } => "was the file written or copied completely?".into(),
+        UrdfError::NotUtf8 { .. } => "save the file as UTF-8, and check that it is a URDF".into(),
+        UrdfError::Empty { .. } => "copy or write the file again: it is empty".into(),
         UrdfError::NotXml { advice, .. } | UrdfError::BadValue { advice, .. } => advice.clone(),
         UrdfError::NotRobot { found, .. } => other_format(found).into(),
         UrdfError::Xacro { place, .. } => {
@@ -25,13 +25,14 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
         }
         UrdfError::NoLinks { misspelt: Some(element), .. }
         | UrdfError::SeveralRoots { misspelt: Some(element), .. } => {
-            format!("is `<{}>` in line {} misspelt?", element.tag, element.line)
+            format!("correct `<{}>` in line {} if it is misspelt", element.tag, element.line)
         }
         UrdfError::NoLinks { .. } => {
-            "is this the right file? a URDF lists its links directly inside `<robot>`".into()
+            "check that this is the right file: a URDF lists its links directly inside `<robot>`"
+                .into()
         }
         UrdfError::MissingAttribute { similar: Some(similar), attribute, .. } => {
-            format!("did you mean `{attribute}` where it says `{similar}`?")
+            format!("did you mean `{attribute}` instead of `{similar}`?")
         }
         UrdfError::MissingAttribute { tag: "inertia", attribute, .. } => {
             format!("write all six; {attribute}=\"0\" only if it is known to be zero")
@@ -43,14 +44,14 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
             format!("remove `{first}` or `{second}`")
         }
         UrdfError::MissingElement { similar: Some(similar), tag, .. } => {
-            format!("did you mean `<{tag}>` where it says `<{similar}>`?")
+            format!("did you mean `<{tag}>` instead of `<{similar}>`?")
         }
         UrdfError::MissingElement { parent: "inertial", tag, .. } => {
             format!("add `<{tag}>`, or remove `<inertial>` if the link has no mass")
         }
         UrdfError::MissingElement { tag, .. } => format!("add `<{tag} link=\"...\"/>`"),
         UrdfError::RepeatedElement { tag: "inertial", .. } => {
-            "keep one, or put the second body on a link of its own with a fixed joint".into()
+            "keep one, or move the second body to a separate link with a fixed joint".into()
         }
         UrdfError::RepeatedElement { .. } => "remove one of the two".into(),
         UrdfError::DuplicateName { tag, .. } => format!("rename or remove one of the two {tag}s"),
@@ -59,9 +60,11 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
             format!("did you mean `{similar}`?")
         }
         UrdfError::UnknownLink { name, .. } => format!("add `<link name=\"{name}\"/>`"),
-        UrdfError::UnknownMimicJoint { .. } => "name a joint of the file, or remove it".into(),
-        UrdfError::MimicLoop { .. } => "remove `<mimic>` from the joint that leads".into(),
-        UrdfError::SelfJoint { .. } => "name the link that the joint moves as its child".into(),
+        UrdfError::UnknownMimicJoint { .. } => {
+            "use the name of a joint in the file, or remove `<mimic>`".into()
+        }
+        UrdfError::MimicLoop { .. } => "remove `<mimic>` from the leading joint".into(),
+        UrdfError::SelfJoint { .. } => "set the child to the link that the joint moves".into(),
         UrdfError::TwoParents { .. } => {
             "remove one of the joints; a URDF cannot describe closed chains".into()
         }
@@ -69,10 +72,10 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
             "cut the loop by removing one joint; a URDF cannot describe closed chains".into()
         }
         UrdfError::SeveralRoots { .. } => {
-            "connect them by joints (type fixed, if nothing moves), or remove all but one".into()
+            "connect them by joints (type fixed if nothing moves), or remove all but one".into()
         }
         UrdfError::ZeroAxis { .. } => {
-            "give the direction of the joint, such as xyz=\"0 0 1\", or make the joint fixed".into()
+            "set the direction of the joint, such as xyz=\"0 0 1\", or make the joint fixed".into()
         }
         UrdfError::Refused { .. } => return None,
     };

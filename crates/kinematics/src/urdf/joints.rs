@@ -10,10 +10,10 @@ use super::xml::UrdfText;
 use crate::error::UrdfError;
 use crate::{JointDescription, JointDynamics, JointLimits, Mimic, UrdfJointType};
 
-/// Length of an axis may differ from 1 by this much without a note: three printed digits.
+/// Tolerance of the length of an axis: three printed digits.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// One joint, with notes on what is doubtful.
+/// One joint, with notes on doubtful values.
 pub(super) fn read_joint(
     text: &UrdfText<'_>,
     node: Node<'_, '_>,
@@ -62,7 +62,7 @@ fn joint_type(
         urdf_rs::JointType::Spherical => {
             return Err(UrdfError::Refused {
                 place: text.place_of(node),
-                found: "spherical joints are not part of the format".to_owned(),
+                found: "spherical joints are not part of the URDF format".to_owned(),
             });
         }
     })
@@ -79,7 +79,7 @@ fn read_axis(
     let is_used = joint_type.is_movable() || joint_type == UrdfJointType::Planar;
     let Some(element) = child(node, "axis") else {
         if is_used {
-            note("axis-missing", "no `<axis>`; the default 1 0 0 is used".to_owned());
+            note("axis-missing", "no `<axis>`; using the default 1 0 0".to_owned());
         }
         return Ok(DEFAULT_AXIS);
     };
@@ -88,8 +88,7 @@ fn read_axis(
         Some((axis, norm)) => {
             if is_used && (norm - 1.0).abs() > UNIT_TOLERANCE {
                 let length = four_digits(norm);
-                let sentence =
-                    format!("the axis {found} has length {length}; its direction is used");
+                let sentence = format!("axis ({found}) normalised (length {length})");
                 note("axis-not-unit", sentence);
             }
             Ok(axis)
@@ -103,7 +102,7 @@ fn read_axis(
     }
 }
 
-/// Limits that can be used; `urdf-rs` gives zeros for a joint without any.
+/// Usable limits; `urdf-rs` returns zeros for a joint without any.
 fn read_limits(
     limit: Option<Node<'_, '_>>,
     joint_type: UrdfJointType,
@@ -128,10 +127,7 @@ fn read_limits(
         match (lower, upper) {
             (Some(low), Some(high)) if low >= high => note(
                 "limit-empty",
-                format!(
-                    "the range from lower {low} to upper {high} is empty; \
-                         treated as unlimited"
-                ),
+                format!("empty range (lower {low}, upper {high}); treated as unlimited"),
             ),
             _ => (limits.lower, limits.upper) = (lower, upper),
         }
@@ -140,7 +136,7 @@ fn read_limits(
     let mut largest = |attribute: &str| match number(limit, attribute) {
         Some(value) if value > 0.0 => Some(value),
         Some(value) => {
-            useless.push(format!("`{attribute}` is {value}"));
+            useless.push(format!("{attribute} is {value}"));
             None
         }
         None => {
@@ -151,12 +147,12 @@ fn read_limits(
     limits.effort = largest("effort");
     limits.velocity = largest("velocity");
     if !useless.is_empty() {
-        let sentence = format!("in `<limit>`, {}; treated as not stated", useless.join(" and "));
+        let sentence = format!("`<limit>` {}; treated as unspecified", useless.join(" and "));
         note("limit-empty", sentence);
     }
     if !absent.is_empty() && version < UrdfVersion::OPEN_LIMITS {
         let sentence = format!(
-            "`<limit>` has {}; treated as not stated, but other readers of URDF refuse the file",
+            "`<limit>` has {}; treated as unspecified, but other URDF readers reject the file",
             absent.join(" and ")
         );
         note("limit-incomplete", sentence);
@@ -171,9 +167,7 @@ fn read_dynamics(
     let (damping, friction) = (dynamics.damping, dynamics.friction);
     for (attribute, value) in [("damping", damping), ("friction", friction)] {
         if value < 0.0 {
-            let sentence = format!(
-                "`{attribute}` is negative ({value}), which feeds energy in; kept as written"
-            );
+            let sentence = format!("negative `{attribute}` ({value}) adds energy; used as is");
             note("dynamics-negative", sentence);
         }
     }
@@ -187,7 +181,7 @@ fn read_mimic(
 ) -> Option<Mimic> {
     // the name comes from the checked document, as all names do
     let master = child(node, "mimic")?.attribute("joint")?.to_owned();
-    let sentence = "`<mimic>` is not followed; treated as an independent joint".to_owned();
+    let sentence = "`<mimic>` ignored; treated as an independent joint".to_owned();
     note("mimic-independent", sentence);
     let mimic = joint.mimic.as_ref();
     Some(Mimic {

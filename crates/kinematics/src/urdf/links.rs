@@ -10,11 +10,11 @@ use super::xml::UrdfText;
 use crate::error::UrdfError;
 use crate::{InertialDescription, LinkDescription};
 
-/// How far principal moments may miss the conditions of a body, relative to the largest:
-/// files print few digits, and thin plates and rods lie on the border.
+/// Tolerance of the consistency conditions relative to the largest principal moment: files print
+/// few digits, and thin plates and rods lie on the border.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
-/// One link, with notes on an inertia that no body has.
+/// One link, with notes on an inconsistent inertia.
 pub(super) fn read_link(
     text: &UrdfText<'_>,
     node: Node<'_, '_>,
@@ -54,16 +54,19 @@ pub(super) fn read_link(
 fn note_inertia(inertial: &InertialDescription, note: &mut impl FnMut(&'static str, String)) {
     let inertia = &inertial.inertia_kgm2;
     if inertial.mass_kg == 0.0 && inertia.iter().any(|&entry| entry != 0.0) {
-        let sentence = "the mass is 0 but the inertia is not; both are used as written";
+        let sentence = "mass 0 with a non-zero inertia; used as is";
         note("mass-zero-inertia", sentence.to_owned());
     }
     if let Some(fault) = inertia_fault(inertia) {
-        note("inertia-unphysical", format!("no body has this inertia, {fault}; used as written"));
+        note(
+            "inertia-unphysical",
+            format!("inertia is not physically consistent ({fault}); used as is"),
+        );
     }
 }
 
-/// Why no distribution of mass has this inertia about its centre of mass \[kg m2\]: principal
-/// moments must not be negative and none may exceed the sum of the others.
+/// Why an inertia about the centre of mass \[kg m2\] is not physically consistent: principal moments
+/// must not be negative and none may exceed the sum of the others. `None` if it is consistent.
 fn inertia_fault(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> Option<String> {
     let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let scale = tensor.amax();
@@ -74,21 +77,21 @@ fn inertia_fault(&[xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> Option<String> {
     let mut moments: [f64; 3] = (tensor / scale).symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     let [least, middle, most] = moments;
-    // what is mere rounding beside the largest is shown as zero
+    // rounding errors relative to the largest are shown as zero
     let shown = moments.map(|m| four_digits(if m.abs() < 1e-12 { 0.0 } else { m * scale }));
     let relation = if least < -INERTIA_TOLERANCE {
-        "one is negative"
+        "include a negative one"
     } else if most - least - middle > INERTIA_TOLERANCE * most {
-        "the largest exceeds the sum of the others"
+        "violate the triangle inequality"
     } else {
         return None;
     };
-    Some(format!("principal moments {} kg m2: {relation}", shown.join(", ")))
+    Some(format!("principal moments {} kg m2 {relation}", shown.join(", ")))
 }
 
-/// Notes the bodies that move but have no `<inertial>`.
+/// Notes moving bodies without `<inertial>`.
 ///
-/// A mere frame, such as a tool point fixed to a link with mass, is no body: a link counts if
+/// A pure frame, such as a tool point fixed to a link with mass, is not a body: a link counts if
 /// nothing fixed to it has an `<inertial>` either, or if it has a shape.
 pub(super) fn note_massless_bodies(
     tree: &Tree<'_>,
@@ -108,7 +111,7 @@ pub(super) fn note_massless_bodies(
             child(nodes[i], "visual").or_else(|| child(nodes[i], "collision")).is_some();
         if moves && link.inertial.is_none() && (has_shape || !group_has_inertial[group[i]]) {
             let concerned = Concerned { kind: "link", name: link.name.clone(), line: link.line };
-            notes.add("no-inertial", concerned, "no `<inertial>`; treated as without mass");
+            notes.add("no-inertial", concerned, "no `<inertial>`; treated as massless");
         }
     }
 }

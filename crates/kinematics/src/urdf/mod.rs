@@ -1,8 +1,8 @@
 //! Reads a URDF file into a checked [`RobotDescription`].
 //!
 //! Two readers share the work. `roxmltree` gives lines and presence: the file is compared with the
-//! table of the format, so that every fault has its place and nothing is dropped in silence.
-//! `urdf-rs` then gives the meaning of what the table knows.
+//! table of the format, so that every fault has a place and nothing is dropped silently. `urdf-rs`
+//! then interprets the elements of the table.
 
 mod check;
 mod format;
@@ -71,8 +71,8 @@ pub fn parse_urdf_bytes(bytes: &[u8], source: &str) -> Result<RobotDescription, 
 /// Reads a URDF from its text; `source` is its label in messages.
 ///
 /// Not used, and therefore not checked: shapes, materials, calibration, safety controllers.
-/// Elements outside links and joints are listed in [`RobotDescription::ignored`]; what is doubtful
-/// but usable is told in [`RobotDescription::warnings`].
+/// Elements outside links and joints are listed in [`RobotDescription::ignored`]; doubtful
+/// but usable values give [`RobotDescription::warnings`].
 ///
 /// # Errors
 /// Any [`UrdfError`] but [`UrdfError::Unreadable`] and [`UrdfError::NotUtf8`].
@@ -159,7 +159,7 @@ fn check_robot<'a, 'i>(
         Concerned { kind, name, line: text.line(node) }
     };
     if robot.attribute("name").is_none_or(|name| name.trim().is_empty()) {
-        let sentence = "no name; other readers of URDF refuse this";
+        let sentence = "no name; other URDF readers reject the file";
         notes.add("robot-name-missing", concerned("robot", robot), sentence);
     }
     for child in robot.children().filter(Node::is_element) {
@@ -176,7 +176,7 @@ fn check_robot<'a, 'i>(
             _ => {
                 let element = IgnoredElement { tag: qualified_tag(child), line: text.line(child) };
                 if let Some(meant) = most_similar(&element.tag, ["link", "joint"]) {
-                    let sentence = format!("not used; did you mean `<{meant}>`?");
+                    let sentence = format!("ignored; did you mean `<{meant}>`?");
                     let name = format!("<{}>", element.tag);
                     let concerned = Concerned { kind: "element", name, line: element.line };
                     notes.add("element-ignored", concerned, sentence);
@@ -211,7 +211,7 @@ fn read_meaning(
     let refused = |found: String| UrdfError::Refused { place: text.place_of(robot), found };
     let meaning = urdf_rs::read_from_string(&known).map_err(|error| refused(error.to_string()))?;
     if (meaning.links.len(), meaning.joints.len()) != (content.links.len(), content.joints.len()) {
-        return Err(refused("it reads another number of links or joints".to_owned()));
+        return Err(refused("different number of links or joints".to_owned()));
     }
     Ok(meaning)
 }

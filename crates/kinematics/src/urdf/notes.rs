@@ -1,4 +1,4 @@
-//! Collects what is doubtful, one warning for all links or joints that share the reason.
+//! Collects warnings; links or joints with the same reason share one.
 
 use crate::Warning;
 
@@ -19,12 +19,12 @@ struct Note {
     concerned: Vec<Concerned>,
 }
 
-/// Notes in the order in which their reasons were first met.
+/// Notes in the order of their first occurrence.
 #[derive(Default)]
 pub(super) struct Notes(Vec<Note>);
 
 impl Notes {
-    /// Notes a reason; notes of one code, sentence and kind become one warning.
+    /// Adds a note; notes with the same code, sentence and kind become one warning.
     pub(super) fn add(
         &mut self,
         code: &'static str,
@@ -45,7 +45,12 @@ impl Notes {
     }
 
     pub(super) fn into_warnings(self) -> Vec<Warning> {
-        self.0.into_iter().map(|note| Warning::new(note.code, note.message())).collect()
+        let warning = |note: Note| {
+            let message = note.message();
+            let names = note.concerned.into_iter().map(|c| c.name);
+            Warning::new(note.code, message).about(names.filter(|name| !name.is_empty()))
+        };
+        self.0.into_iter().map(warning).collect()
     }
 }
 
@@ -61,7 +66,7 @@ impl Note {
             };
             self.concerned.iter().map(name).collect::<Vec<_>>().join(", ")
         };
-        // a long list is easier to read without the lines
+        // long lists omit the line numbers
         let first = self.concerned.first().map_or(0, |c| c.line);
         let names = match self.concerned.len() {
             0..=3 => names(true),
@@ -71,7 +76,7 @@ impl Note {
     }
 }
 
-/// A number with four digits.
+/// A number with four significant digits.
 pub(super) fn four_digits(value: f64) -> String {
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
     if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {

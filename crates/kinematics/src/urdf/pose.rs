@@ -38,8 +38,8 @@ pub(super) fn read_pose(
     let quat = node.and_then(|n| Some((n, n.attribute("quat_xyzw")?)));
     let Some((node, found)) = quat else { return Ok((*urdf.xyz, *urdf.rpy)) };
     if version < UrdfVersion::QUATERNION {
-        let sentence = "attribute `quat_xyzw` of `<origin>` is not used; it counts from \
-                        `<robot version=\"1.1\">` on";
+        let sentence = "ignored attribute `quat_xyzw` of `<origin>`; it requires \
+                        `<robot version=\"1.1\">`";
         note("element-ignored", sentence.to_owned());
         return Ok((*urdf.xyz, *urdf.rpy));
     }
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rpy_of_a_quaternion_rebuilds_its_rotation() {
+    fn quaternion_rpy_rebuilds_its_rotation() {
         for from_right in [0.0, 1e-12, 1e-9, 1e-6, 1.8e-3, 0.4, 2.0, 3.1] {
             let pitch = std::f64::consts::FRAC_PI_2 - from_right;
             for (roll, yaw) in [(0.0, 0.0), (0.3, -2.5), (-3.0, 1.0), (1.0, 1.0)] {
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn unit_vectors_of_extreme_lengths() {
+    fn extreme_lengths_normalise_exactly() {
         assert_eq!(unit_vector([0.0, 1e300, 0.0]).unwrap(), ([0.0, 1.0, 0.0], 1e300));
         assert!(unit_vector([1e-12, 0.0, 0.0]).is_none());
         let (unit, norm) = unit_vector([3.0, 0.0, -4.0]).unwrap();

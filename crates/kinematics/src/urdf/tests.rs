@@ -43,7 +43,7 @@ fn read(text: &str) -> RobotDescription {
 }
 
 #[test]
-fn order_and_lines_are_those_of_the_file() {
+fn order_and_lines_match_the_file() {
     let robot = read(ARM);
     assert_eq!((robot.name.as_str(), robot.source.as_str()), ("test & arm", "test.urdf"));
     let links: Vec<_> = robot.links.iter().map(|l| (l.name.as_str(), l.line)).collect();
@@ -58,7 +58,7 @@ fn order_and_lines_are_those_of_the_file() {
 }
 
 #[test]
-fn numbers_are_those_of_the_file() {
+fn numbers_match_the_file() {
     let robot = read(ARM);
     let boom = robot.links[0].inertial.unwrap();
     assert_eq!(boom.mass_kg, 4.5);
@@ -84,7 +84,7 @@ fn numbers_are_those_of_the_file() {
 }
 
 #[test]
-fn absent_and_zero_are_told_apart() {
+fn absent_and_zero_limits_differ() {
     let robot = read(ARM);
     assert!(robot.links[1].inertial.is_none());
     assert_eq!(robot.links[2].inertial.unwrap().mass_kg, 0.0);
@@ -98,13 +98,13 @@ fn absent_and_zero_are_told_apart() {
 }
 
 #[test]
-fn each_reason_is_one_warning() {
+fn warnings_merge_by_reason() {
     let codes: Vec<_> = read(ARM).warnings.iter().map(|w| w.code).collect();
     assert_eq!(codes, ["axis-not-unit", "mimic-independent", "axis-missing"]);
 }
 
 #[test]
-fn limits_left_out_follow_the_version() {
+fn missing_limits_follow_the_version() {
     let one_sided = ARM.replace("lower=\"-0.1\" ", "");
     assert_eq!(read(&one_sided).joints[0].limits.lower, Some(0.0));
     let newer = one_sided.replace("arm\">", "arm\" version=\"1.2\">");
@@ -113,7 +113,7 @@ fn limits_left_out_follow_the_version() {
 }
 
 #[test]
-fn quaternions_count_from_version_1_1() {
+fn quaternions_require_version_1_1() {
     let old = ARM.replace("rpy=\"0.5 0 -1.5707963267948966\"", "quat_xyzw=\"0 0 2 2\"");
     assert_eq!(read(&old).joints[0].origin_rpy_rad, [0.0; 3]);
     let new = old.replace("arm\">", "arm\" version=\"1.1\">");
@@ -123,7 +123,7 @@ fn quaternions_count_from_version_1_1() {
 }
 
 #[test]
-fn floating_and_planar_joints_are_carried() {
+fn floating_and_planar_joints_are_read() {
     for (name, joint_type) in
         [("floating", UrdfJointType::Floating), ("planar", UrdfJointType::Planar)]
     {
@@ -134,7 +134,7 @@ fn floating_and_planar_joints_are_carried() {
 }
 
 #[test]
-fn numbers_survive_as_printed() {
+fn printed_numbers_parse_exactly() {
     // every digit of a calibrated file counts
     let text =
         ARM.replace("4.5", "0.1234567890123456789").replace("-0.01", "-1.7976931348623157e308");

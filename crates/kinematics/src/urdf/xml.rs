@@ -1,4 +1,4 @@
-//! From text to an XML document with a `<robot>` root, and from positions to places.
+//! XML document with a `<robot>` root, and the place of each position in it.
 
 use std::ops::Range;
 
@@ -95,14 +95,14 @@ impl<'a> UrdfText<'a> {
                 return UrdfError::Xacro { place: self.place(line, None), found };
             }
             Error::NoRootNode => {
-                found = "there is no element".to_owned();
-                "is this a URDF? it starts with `<robot name=\"...\">`".to_owned()
+                found = "no element found".to_owned();
+                "check that this is a URDF: it starts with `<robot name=\"...\">`".to_owned()
             }
             // these carry no position
             Error::UnclosedRootNode | Error::UnexpectedEndOfStream => {
                 line = self.line_at(self.text.trim_end().len());
                 found = "the text ends before the root element is closed".to_owned();
-                "the file seems cut off: was it written or copied completely?".to_owned()
+                "the file is truncated: copy or write it again".to_owned()
             }
             Error::UnexpectedCloseTag(expected, actual, _) => {
                 found = format!("expected `</{expected}>`, found `</{actual}>`");
@@ -117,16 +117,16 @@ impl<'a> UrdfText<'a> {
                 format!("remove what starts with `{prefix}:`, or declare `xmlns:{prefix}`")
             }
             Error::UnexpectedDeclaration(_) => {
-                found = "`<?xml ...?>` stands after other text".to_owned();
+                found = "`<?xml ...?>` after other text".to_owned();
                 "move `<?xml ...?>` to the very start of the file".to_owned()
             }
             Error::UnknownToken(_) if self.text.trim_start().starts_with(['<', '\u{feff}']) => {
-                found = "there is something outside the root element".to_owned();
-                "remove what stands before or after `<robot ...> ... </robot>`".to_owned()
+                found = "content outside the root element".to_owned();
+                "remove everything before and after `<robot ...> ... </robot>`".to_owned()
             }
             Error::InvalidString(expected, _) => {
                 found = format!("`{expected}` is missing");
-                format!("add `{expected}` where it belongs")
+                format!("add `{expected}`")
             }
             Error::InvalidChar2("a quote", actual, _) => {
                 found = format!("expected a quote, found `{}`", char::from(*actual));
@@ -140,11 +140,11 @@ impl<'a> UrdfText<'a> {
             Error::DtdDetected => {
                 line = self.line_at(self.text.find("<!DOCTYPE").unwrap_or(0));
                 found = "a `<!DOCTYPE>` is not supported".to_owned();
-                "remove `<!DOCTYPE ...>`; an HTML page is no URDF".to_owned()
+                "remove `<!DOCTYPE ...>`; an HTML page is not a URDF".to_owned()
             }
             _ if !self.text.trim_start().starts_with(['<', '\u{feff}']) => {
                 found = "the text does not start with `<`".to_owned();
-                "is this a URDF? it starts with `<robot name=\"...\">`".to_owned()
+                "check that this is a URDF: it starts with `<robot name=\"...\">`".to_owned()
             }
             _ => "correct the XML near this line".to_owned(),
         };
@@ -196,7 +196,7 @@ pub(super) fn xacro_expression(value: &str) -> Option<&str> {
     Some(rest.find(['}', ')']).map_or(rest, |end| &rest[..=end]))
 }
 
-/// The candidate that a wrong name most likely means.
+/// The candidate most similar to an unknown name.
 pub(super) fn most_similar<'n>(
     name: &str,
     candidates: impl IntoIterator<Item = &'n str>,

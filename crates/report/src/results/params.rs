@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use armident_dynamics::RigidArm;
-use armident_ident::{ArmModel, MinimalSet};
+use armident_ident::MinimalSet;
+use armident_model::ArmModel;
 use nalgebra::{Isometry3, Matrix3};
 use serde::Serialize;
 

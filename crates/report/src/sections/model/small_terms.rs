@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::is_bend;
 use armident_effects::effect;
+use armident_model::is_bend;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,4 @@
+//! Input checks: are the effort columns what their headers say.
+
+pub(crate) mod effort_columns;
+pub(crate) mod usable;

@@ -1,0 +1,61 @@
+//! Recordings that a diagnosis can use.
+
+use armident_motion::Signals;
+use armident_recording::{Recording, RecordingError};
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DiagnoseError {
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No recording is long enough.
+    #[error("recordings too short to diagnose")]
+    TooShort,
+    /// No joint moves.
+    #[error("no joint moves")]
+    NoMotion,
+    /// The effort of a joint that moves is one number.
+    #[error("the effort column of {0} is constant while the joint moves")]
+    ConstantEffort(String),
+    /// The problem could not be solved.
+    #[error("no joint has both measured and predicted effort")]
+    Unsolvable,
+}
+
+/// The recordings on even grids, if they say something.
+pub(crate) fn usable_signals(
+    names: &[String],
+    recordings: &[Recording],
+    band_hz: f64,
+) -> Result<Vec<Signals>, DiagnoseError> {
+    let of_all = recordings.iter().map(Recording::len).sum();
+    let signals: Vec<Signals> = recordings
+        .iter()
+        .map(|r| Ok(Signals::below(r, names, band_hz)?.thinned(of_all)))
+        .collect::<Result<_, RecordingError>>()?;
+    if signals.iter().any(|s| s.band.kept.len() < 2) {
+        return Err(DiagnoseError::TooShort);
+    }
+    said_something(names, &signals)?;
+    Ok(signals)
+}
+
+/// Refuses recordings from which every estimate would be invented: channels that say one number.
+pub(crate) fn said_something(names: &[String], signals: &[Signals]) -> Result<(), DiagnoseError> {
+    let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
+    if !(0..names.len()).any(moves) {
+        return Err(DiagnoseError::NoMotion);
+    }
+    for (j, name) in names.iter().enumerate() {
+        let recorded = signals.iter().any(|s| !s.effort[j].is_empty());
+        if recorded && moves(j) && signals.iter().all(|s| is_constant(&s.effort[j])) {
+            return Err(DiagnoseError::ConstantEffort(name.clone()));
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn is_constant(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[0] == pair[1])
+}

@@ -1,0 +1,124 @@
+//! Orders of ripple in what is left over.
+
+use armident_effects::{Effect, JointMotion, TorqueRipple};
+use armident_kinematics::JointKind;
+use armident_numeric::dot;
+
+use crate::design::compliant_link::Posed;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+
+/// Orders tried on a rotational joint: whole numbers of cycles a turn.
+const HIGHEST_ORDER: usize = 130;
+/// Orders tried on a translational joint \[cycles per metre\].
+const TRANSLATIONAL: (f64, f64, f64) = (4.0, 60.0, 0.25);
+/// Least share of a joint's leftover that a peak must explain.
+const LEAST_SHARE: f64 = 0.06;
+/// Peaks offered a joint, and their least distance in orders.
+const PEAKS: usize = 2;
+const APART: f64 = 2.0;
+
+/// Order, sine rows, cosine rows.
+type Wave = (f64, Vec<f64>, Vec<f64>);
+
+/// Sine and cosine rows of every order, for every joint: formed once for a set of recordings.
+pub(crate) struct RippleColumns {
+    /// `[joint][order]`
+    joints: Vec<Vec<Wave>>,
+}
+
+impl RippleColumns {
+    pub(crate) fn new(design: &Design<'_>, at: &[Posed<'_>]) -> Self {
+        let joints = (0..design.joints())
+            .map(|j| {
+                let orders: Vec<f64> = match at[0].arm.joints[j].kind {
+                    JointKind::Rotational => (2..=HIGHEST_ORDER).map(|n| n as f64).collect(),
+                    JointKind::Translational => {
+                        let (low, high, step) = TRANSLATIONAL;
+                        let count = ((high - low) / step) as usize;
+                        (0..=count).map(|k| low + step * k as f64).collect()
+                    }
+                };
+                let wave = |order: f64| {
+                    let pieces: Vec<Vec<Vec<f64>>> = at
+                        .iter()
+                        .map(|at| {
+                            let motion: JointMotion<'_> = at.joint(j);
+                            TorqueRipple.columns(&[order, 1.0], &motion)
+                        })
+                        .collect();
+                    let rows = |k: usize| {
+                        let columns = pieces.iter().map(|p| p[k].as_slice());
+                        design.observations.form_law(&design.signals, j, columns)
+                    };
+                    (order, rows(0), rows(1))
+                };
+                orders.into_iter().map(wave).collect()
+            })
+            .collect();
+        Self { joints }
+    }
+
+    /// The orders that explain most of what is left on a joint.
+    fn peaks(&self, joint: usize, residual: &[f64]) -> Vec<f64> {
+        let total = dot(residual, residual);
+        let mut gains: Vec<(f64, f64)> = self.joints[joint]
+            .iter()
+            .map(|(order, sine, cosine)| (wave_gain(sine, cosine, residual), *order))
+            .collect();
+        gains.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut kept: Vec<f64> = Vec::new();
+        for (gain, order) in gains {
+            if gain < LEAST_SHARE * total || kept.len() == PEAKS {
+                break;
+            }
+            if kept.iter().all(|k| (k - order).abs() > APART) {
+                kept.push(order);
+            }
+        }
+        kept
+    }
+
+    /// Adds candidates for the peaks of a residual, with and without a second harmonic; gives their ids.
+    pub(crate) fn offer(
+        &self,
+        design: &Design<'_>,
+        at: &[Posed<'_>],
+        problem: &mut LinearProblem,
+        residual: &[Vec<f64>],
+    ) -> Vec<usize> {
+        let mut offered = Vec::new();
+        for j in 0..design.joints() {
+            for order in self.peaks(j, &residual[j]) {
+                for harmonics in [1.0, 2.0] {
+                    let shape = [order, harmonics];
+                    let known = problem.candidates.iter().any(|g| {
+                        g.slug() == "torque_ripple" && g.location.joints == [j] && g.shape == shape
+                    });
+                    if known {
+                        continue;
+                    }
+                    let id = design.push_joint_law(problem, at, &TorqueRipple, j, &shape);
+                    if let Some(id) = id {
+                        problem.candidates[id].searched = 1;
+                        offered.push(id);
+                    }
+                }
+            }
+        }
+        offered
+    }
+}
+
+/// What a sine and a cosine take from the sum of squares of a residual. Both at once: over a short travel
+/// they are far from orthogonal.
+pub(crate) fn wave_gain(sine: &[f64], cosine: &[f64], residual: &[f64]) -> f64 {
+    let (ss, sc, cc) = (dot(sine, sine), dot(sine, cosine), dot(cosine, cosine));
+    let (sr, cr) = (dot(sine, residual), dot(cosine, residual));
+    let determinant = ss * cc - sc * sc;
+    if determinant > 1e-6 * ss * cc {
+        (cc * sr * sr - 2.0 * sc * sr * cr + ss * cr * cr) / determinant
+    } else {
+        0.0
+    }
+}

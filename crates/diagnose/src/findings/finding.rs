@@ -1,0 +1,475 @@
+//! What is said of an estimate: effects with places, parameters and standard errors.
+
+use std::collections::BTreeMap;
+
+use armident_effects::{Place, effect};
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::compliant_link::mean_inertia;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::findings::fitted_model::law_parameters;
+use crate::findings::residual_map::Character;
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::{Estimate, fit_set};
+use crate::selection::change_significance::{Inconclusive, ReferenceUncertainty};
+use crate::selection::materiality::{
+    Materiality, link_materiality, materiality, surrogate_threshold_beside,
+};
+use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
+use crate::selection::solution::{Selection, Solution};
+use crate::uncertainty::jackknife::Jackknife;
+use armident_model::of_shape;
+
+/// A number with its standard error.
+#[derive(Debug, Clone, Serialize)]
+pub struct Value {
+    /// Estimate.
+    pub value: f64,
+    /// Standard error, if it is known.
+    pub stderr: Option<f64>,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// What else the recordings cannot tell from a finding.
+#[derive(Debug, Clone, Serialize)]
+pub struct Alternative {
+    /// Slug.
+    pub effect: String,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Link.
+    pub link: Option<String>,
+    /// Root mean square effort that it leaves over more than the finding does, in standard deviations
+    /// of one recorded sample.
+    pub left_more: f64,
+    /// The motion that would tell the two apart, in words, if the library knows one.
+    pub separated_by: Option<&'static str>,
+}
+
+/// What a finding stands on.
+#[derive(Debug, Clone, Serialize)]
+pub struct FindingEvidence {
+    /// Root mean square effort that comes back without the finding, in standard deviations of one
+    /// recorded sample, on the joint where it matters most.
+    pub materiality: f64,
+    /// What must come back there for a name.
+    pub least_materiality: f64,
+    /// That joint.
+    pub joint: String,
+    /// Columns that an unnamed structure depends on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub variables: Vec<String>,
+    /// What kind of structure has no name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub character: Option<Character>,
+}
+
+/// One effect that the model leaves out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// Slug of the library, or `unmodelled`.
+    pub effect: String,
+    /// Joints.
+    pub joints: Vec<String>,
+    /// Link, for inertial effects.
+    pub link: Option<String>,
+    /// Window \[s\], for contacts.
+    pub window: Option<[f64; 2]>,
+    /// Recording of the window.
+    pub recording: Option<String>,
+    /// Parameters of the law.
+    pub parameters: BTreeMap<&'static str, Value>,
+    /// 0.5 where it just matters, 0.95 where it matters twice as much as it must.
+    pub confidence: f64,
+    /// Whether the model with it predicts recordings kept out better than the model without it; none
+    /// without such recordings, or where they cannot say (a contact happened once).
+    pub confirmed: Option<bool>,
+    /// Why.
+    pub evidence: FindingEvidence,
+    /// What it may be instead.
+    pub alternatives: Vec<Alternative>,
+}
+
+fn confidence(size: &Materiality) -> f64 {
+    1.0 / (1.0 + (-3.0 * (size.ratio() - 1.0)).exp())
+}
+
+/// A finding and the estimates beside it.
+pub(crate) struct ReportedFinding {
+    pub(crate) finding: Finding,
+    /// without it, and the links with a wrong body; none where there is no such estimate
+    pub(crate) without: Option<(Estimate, Vec<InflatedLink>)>,
+    /// with each alternative in its place, and the links with a wrong body
+    pub(crate) rivals: Vec<(Estimate, Vec<InflatedLink>)>,
+}
+
+/// What is claimed, the most material first. `numbers` has all that is claimed and the small terms
+/// of the model beside it: a friction without the one that nobody names would be too large by it.
+pub(crate) fn reported_findings(
+    design: &Design<'_>,
+    selection: &Selection,
+    numbers: &Solution<'_, '_>,
+) -> Vec<ReportedFinding> {
+    let metric = selection.metric();
+    let solution = selection.solution(design, &metric);
+    let step_s = design.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
+    let mut jackknife = Jackknife::with_lag(numbers.metric, numbers.estimate, step_s);
+    if design.observations.comparison.seeks_change() {
+        let Solution { metric, estimate, .. } = *numbers;
+        let open = ReferenceUncertainty::of(design, numbers.at(), metric, estimate);
+        open.widen(&mut jackknife, metric, estimate);
+    }
+    let jackknife = jackknife.with_shapes(design, numbers.at(), numbers.metric, numbers.estimate);
+    let chance = surrogate_threshold_beside(&metric, &selection.estimate);
+    let mut found: Vec<ReportedFinding> = selection
+        .estimate
+        .set
+        .iter()
+        .map(|&g| {
+            let (size, without) =
+                materiality(&metric, &selection.estimate, g, &selection.point, &chance);
+            let numbers = parameters(numbers, g, &jackknife);
+            let mut finding = finding_of_candidate(&solution, g, &size, numbers);
+            let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
+            let told = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
+            finding.alternatives = rivals.iter().map(told).collect();
+            finding.alternatives.extend(load_unweighed(&solution, g));
+            ReportedFinding {
+                finding,
+                without: without.map(|estimate| (estimate, selection.inflated.clone())),
+                rivals: rivals.into_iter().map(|r| (r.estimate, r.inflated)).collect(),
+            }
+        })
+        .collect();
+    let errors = metric.inertial_errors(&selection.estimate.fit);
+    for &InflatedLink { link, .. } in &selection.inflated {
+        let size = link_materiality(&metric, &selection.estimate, link, &chance);
+        if size.ratio() < 1.0 {
+            continue;
+        }
+        let inflated: Vec<InflatedLink> =
+            selection.inflated.iter().copied().filter(|body| body.link != link).collect();
+        let others = selection.problem.marginalised(selection.scale, &inflated);
+        let change = &errors[10 * link..10 * (link + 1)];
+        let covariance =
+            metric.inertial_covariance(&(10 * link..10 * link + 4).collect::<Vec<_>>());
+        let mut finding = wrong_body(design, link, change, &covariance, &size);
+        let rivals = rivals_of_body(&metric, &selection.estimate, link);
+        let told = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
+        finding.alternatives = rivals.iter().map(told).collect();
+        found.push(ReportedFinding {
+            finding,
+            without: fit_set(&others, selection.estimate.set.clone())
+                .map(|estimate| (estimate, inflated)),
+            rivals: rivals.into_iter().map(|r| (r.estimate, r.inflated)).collect(),
+        });
+    }
+    found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
+    found
+}
+
+fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
+    let design = solution.design;
+    let candidates = &solution.metric.problem.candidates;
+    let told = |by: InPlace| match by {
+        InPlace::Candidate(g) => {
+            let candidate = &candidates[g];
+            (candidate.slug(), candidate.location.joints.clone(), link_of(design, candidate))
+        }
+        InPlace::Body(link) => {
+            let name = design.chain.joints[link].child_link.clone();
+            ("link_inertia_error", vec![link], Some(name))
+        }
+    };
+    let (own, own_joints, own_link) = told(of);
+    let (effect, joints, link) = told(rival.by);
+    // what the library says of a load and a wrong body is of one link
+    let between_links = own_link.is_some() && link.is_some() && own_joints != joints;
+    Alternative {
+        effect: effect.to_owned(),
+        joints: joints.iter().map(|j| design.names[*j].clone()).collect(),
+        link,
+        left_more: rival.left,
+        separated_by: (!between_links).then(|| separated_by(own, effect)).flatten(),
+    }
+}
+
+/// A load is also what a change of the last link may be where no effort holds its mass (one joint, or joints
+/// that stand upright): a load that cannot be weighed is not named.
+fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alternative> {
+    let Solution { design, metric, .. } = *solution;
+    let candidates = &metric.problem.candidates;
+    let last = design.joints() - 1;
+    let of_last = candidates[candidate].slug() == "link_inertia_error"
+        && candidates[candidate].location.joints == [last];
+    (of_last && candidates.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
+        effect: "payload".to_owned(),
+        joints: vec![design.names[last].clone()],
+        link: link_of(design, &candidates[candidate]),
+        left_more: 0.0,
+        separated_by: Some("no motion of this arm, whose efforts do not hold the mass: weigh it"),
+    })
+}
+
+/// A change that may be none: recordings that show it as clearly where nothing changed come about by chance.
+#[derive(Debug, Clone, Serialize)]
+pub struct DoubtfulChange {
+    /// Slug of the effect.
+    pub effect: String,
+    /// Its joints, base to tip; empty for the whole arm.
+    pub joints: Vec<String>,
+    /// Its link, of a load or a wrong body.
+    pub link: Option<String>,
+    /// Probability of numbers as far from nothing where nothing changed.
+    pub chance: f64,
+    /// Whether it is in inconclusive because it may have been there before: the reference does not show it.
+    pub maybe_before: bool,
+}
+
+impl DoubtfulChange {
+    pub(crate) fn of(design: &Design<'_>, inconclusive: &Inconclusive) -> Self {
+        let candidate = &inconclusive.candidate;
+        Self {
+            effect: candidate.slug().to_owned(),
+            joints: candidate.location.joints.iter().map(|j| design.names[*j].clone()).collect(),
+            link: link_of(design, candidate),
+            chance: inconclusive.p_value,
+            maybe_before: inconclusive.maybe_before,
+        }
+    }
+}
+
+/// The link of an inertial effect.
+fn link_of(design: &Design<'_>, candidate: &Candidate) -> Option<String> {
+    candidate
+        .transform
+        .is_some()
+        .then(|| design.chain.joints[candidate.location.joints[0]].child_link.clone())
+}
+
+fn finding_of_candidate(
+    solution: &Solution<'_, '_>,
+    id: usize,
+    size: &Materiality,
+    parameters: BTreeMap<&'static str, Value>,
+) -> Finding {
+    let Solution { design, metric, estimate, .. } = *solution;
+    let candidate = &metric.problem.candidates[id];
+    let names = |joints: &[usize]| joints.iter().map(|j| design.names[*j].clone()).collect();
+    let confidence = confidence(size);
+    let described = described_anyway(metric.problem, estimate, candidate);
+    Finding {
+        effect: candidate.slug().to_owned(),
+        joints: names(&candidate.location.joints),
+        link: link_of(design, candidate),
+        window: candidate.location.window.map(|w| w.1),
+        recording: candidate.location.window.map(|w| stem(&design.signals[w.0].source)),
+        parameters,
+        confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
+        confirmed: None,
+        evidence: FindingEvidence {
+            materiality: size.value,
+            least_materiality: size.least,
+            joint: design.names[size.joint].clone(),
+            variables: match &candidate.kind {
+                CandidateKind::SmoothDirections(flexible) => flexible.basis.variables(),
+                CandidateKind::Law(_) => Vec::new(),
+            },
+            character: None,
+        },
+        alternatives: Vec::new(),
+    }
+}
+
+/// Change of mass and first moment of a link, in the frame of its URDF link.
+fn in_link_frame(design: &Design<'_>, link: usize, change: &[f64]) -> [f64; 4] {
+    let pose = design.chain.joints[link].child_link_in_e;
+    let moment = Vector3::new(change[1], change[2], change[3]);
+    let moved = pose.rotation.inverse() * (moment - pose.translation.vector * change[0]);
+    [change[0], moved.x, moved.y, moved.z]
+}
+
+/// Confidence of a friction law beside a description of the same joint's speed: which of the two the
+/// friction belongs to cannot be told.
+const IN_A_DESCRIPTION: f64 = 0.45;
+
+fn described_anyway(problem: &LinearProblem, estimate: &Estimate, candidate: &Candidate) -> bool {
+    let friction = [Place::Viscous, Place::Drag];
+    if matches!(candidate.kind, CandidateKind::SmoothDirections(_))
+        || !candidate.places.iter().any(|p| friction.contains(p))
+    {
+        return false;
+    }
+    estimate.set.iter().map(|g| &problem.candidates[*g]).any(|other| {
+        other.location == candidate.location
+            && matches!(&other.kind, CandidateKind::SmoothDirections(f) if !f.basis.factors.is_empty())
+    })
+}
+
+/// A link whose inertial errors stand out from those of all others.
+fn wrong_body(
+    design: &Design<'_>,
+    link: usize,
+    change: &[f64],
+    covariance: &[Vec<f64>],
+    size: &Materiality,
+) -> Finding {
+    let joint = &design.chain.joints[link];
+    let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
+    let units = ["kg", "kg m", "kg m", "kg m"];
+    let in_link = in_link_frame(design, link, change);
+    let parameters = (0..4)
+        .map(|p| {
+            // the frames' change is linear
+            let slopes: Vec<f64> = (0..4)
+                .map(|k| {
+                    let unit: Vec<f64> = (0..10).map(|i| f64::from(u8::from(i == k))).collect();
+                    in_link_frame(design, link, &unit)[p]
+                })
+                .collect();
+            let variance: f64 = (0..4)
+                .flat_map(|a| (0..4).map(move |b| (a, b)))
+                .map(|(a, b)| slopes[a] * slopes[b] * covariance[a][b])
+                .sum();
+            let stderr = (variance > 0.0).then(|| variance.sqrt());
+            (names[p], Value { value: in_link[p], stderr, unit: units[p] })
+        })
+        .collect();
+    Finding {
+        effect: "link_inertia_error".to_owned(),
+        joints: vec![joint.name.clone()],
+        link: Some(joint.child_link.clone()),
+        window: None,
+        recording: None,
+        parameters,
+        confidence: confidence(size),
+        confirmed: None,
+        evidence: FindingEvidence {
+            materiality: size.value,
+            least_materiality: size.least,
+            joint: design.names[size.joint].clone(),
+            variables: Vec::new(),
+            character: None,
+        },
+        alternatives: Vec::new(),
+    }
+}
+
+/// Name of a file without folder and ending.
+fn stem(source: &str) -> String {
+    std::path::Path::new(source)
+        .file_stem()
+        .map_or_else(|| source.to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+/// Share of how large a number of a body is likely to be that may be in combinations the motions do not show: with
+/// more, they do not say how large it is.
+const UNSEEN: f64 = 0.1;
+
+/// Which of the numbers of a body are in the combinations of its parameters that motions do not show, and which axes of a
+/// force on the tip load no joint.
+fn unseen(design: &Design<'_>, problem: &LinearProblem, candidate: &Candidate) -> [bool; 4] {
+    if candidate.slug() == "external_contact" {
+        let loads_none =
+            |axis: usize| problem.columns[candidate.columns[axis]].iter().all(Vec::is_empty);
+        return std::array::from_fn(|p| p > 0 && loads_none(p - 1));
+    }
+    let Some(transform) = &candidate.transform else { return [false; 4] };
+    let size = |directions: &[Vec<f64>], p: usize| -> f64 {
+        let of = |d: &Vec<f64>| in_link_frame(design, candidate.location.joints[0], d)[p].powi(2);
+        directions.iter().map(of).sum()
+    };
+    std::array::from_fn(|p| {
+        let hidden = size(&candidate.hidden, p);
+        hidden >= UNSEEN * UNSEEN * (hidden + size(transform, p))
+    })
+}
+
+fn parameters(
+    solution: &Solution<'_, '_>,
+    id: usize,
+    jackknife: &Jackknife,
+) -> BTreeMap<&'static str, Value> {
+    let Solution { design, metric, estimate, point, ref gain, .. } = *solution;
+    let candidate = &metric.problem.candidates[id];
+    let Some(law) = effect(candidate.slug()) else { return BTreeMap::new() };
+    let kind = design.chain.joints[candidate.location.joints.first().copied().unwrap_or(0)].kind;
+    let coefficients = estimate.fit.of_candidate(candidate);
+    let covariance = jackknife.joint_covariance(metric, estimate, id);
+    let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[candidate.location.joints[0]];
+    let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
+        match candidate.slug() {
+            "gravity_direction" => {
+                let delta = [coefficients[0], coefficients[1]];
+                let base = point.tilt;
+                law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]])
+            }
+            "time_delay" => vec![point.delay_s + coefficients[0]],
+            "encoder_offset" => {
+                vec![point.offset[candidate.location.joints[0]] + coefficients[0]]
+            }
+            "joint_elasticity" if shape.is_empty() => {
+                vec![1.0 / coefficients[0], 0.0, motor_inertia(coefficients)]
+            }
+            "joint_elasticity" => vec![shape[0], shape[1], motor_inertia(coefficients)],
+            "backlash" => {
+                let inertia = mean_inertia(solution.at(), candidate.location.joints[0]);
+                let of = of_shape("backlash", shape, inertia);
+                vec![
+                    of.gap_told(coefficients[0]),
+                    of.stiffness,
+                    of.damping,
+                    motor_inertia(coefficients),
+                ]
+            }
+            "link_inertia_error" | "payload" => {
+                let transform = candidate.transform.as_deref().unwrap_or_default();
+                let change: Vec<f64> = (0..10)
+                    .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
+                    .collect();
+                let [mass, x, y, z] = in_link_frame(design, candidate.location.joints[0], &change);
+                if candidate.slug() == "payload" {
+                    vec![mass, x / mass, y / mass, z / mass]
+                } else {
+                    vec![mass, x, y, z]
+                }
+            }
+            _ => {
+                let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
+                law_parameters(&moved, coefficients, gain)
+            }
+        }
+    };
+    let values = of(&candidate.shape, &coefficients);
+    // propagation of the covariance of coefficients and searched constants through the formulas
+    let numbers = [&coefficients[..], &candidate.shape[..]].concat();
+    let slopes: Vec<Vec<f64>> = (0..numbers.len())
+        .map(|k| {
+            let step = 1e-4 * covariance[k][k].sqrt().max(1e-12);
+            let mut moved = numbers.clone();
+            moved[k] += step;
+            let (coefficients, shape) = moved.split_at(coefficients.len());
+            of(shape, coefficients).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
+        })
+        .collect();
+    let unseen = unseen(design, metric.problem, candidate);
+    law.law()
+        .parameters
+        .iter()
+        .zip(&values)
+        .enumerate()
+        .filter(|(p, _)| !unseen.get(*p).is_some_and(|unseen| *unseen))
+        .map(|(p, (parameter, &value))| {
+            let variance: f64 = (0..numbers.len())
+                .flat_map(|a| (0..numbers.len()).map(move |b| (a, b)))
+                .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
+                .sum();
+            let stderr = (variance > 0.0).then(|| variance.sqrt());
+            (parameter.name, Value { value, stderr, unit: parameter.unit(kind) })
+        })
+        .collect()
+}

@@ -1,0 +1,288 @@
+//! The model that an estimate stands for.
+
+use crate::selection::solution::Solution;
+
+use crate::design::compliant_link::mean_inertia;
+use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
+use armident_model::{
+    ArmModel, DiagnosedModel, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
+    changed, of_shape,
+};
+use armident_recording::RecordingError;
+use rayon::prelude::*;
+
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::design::Design;
+use crate::regression::consistent_links::{ConsistentEstimate, consistent_estimate};
+use crate::regression::fit_set::fit_set;
+use crate::regression::relinearise::moves;
+use armident_motion::low_pass;
+
+/// Cut-offs tried for the output of a joint \[Hz\].
+const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), Some(6.0), Some(4.5)];
+
+/// Cut-offs tried for the rigid part \[Hz\].
+const RIGID_HZ: [f64; 7] = [40.0, 20.0, 14.0, 10.0, 7.0, 5.0, 3.5];
+
+/// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws; those of two joints
+/// are formed with it.
+pub(crate) fn law_parameters(
+    candidate: &Candidate,
+    coefficients: &[f64],
+    gain: &[f64],
+) -> Vec<f64> {
+    let Some(law) = effect(candidate.slug()) else { return Vec::new() };
+    let scale = match (candidate.slug(), candidate.location.joints.as_slice()) {
+        ("torque_scale", _) => 1.0,
+        (_, [joint]) => gain[*joint],
+        _ => 1.0,
+    };
+    let coefficients: Vec<f64> = coefficients.iter().map(|c| c / scale).collect();
+    law.parameters(&candidate.shape, &coefficients)
+}
+
+/// The model that an estimate stands for; and by how many standard errors its links are off the estimate's, where these
+/// are of no real bodies.
+pub(crate) fn learned(
+    model: &ArmModel,
+    solution: &Solution<'_, '_>,
+) -> (DiagnosedModel, Option<f64>) {
+    let Solution { design, metric, estimate, point: formed_at, ref gain, .. } = *solution;
+    let problem = metric.problem;
+    let mut found = DiagnosedModel::believed(model);
+    let ConsistentEstimate { change, coefficients, distance_in_standard_errors } =
+        consistent_estimate(design.chain, metric, estimate);
+    let point = moves(problem, estimate, formed_at);
+    for (&g, coefficients) in estimate.set.iter().zip(coefficients) {
+        let candidate = &problem.candidates[g];
+        if candidate.transform.is_some() {
+            continue;
+        }
+        if let CandidateKind::SmoothDirections(flexible) = &candidate.kind {
+            let hats = flexible.transform.first().map_or(0, Vec::len);
+            let scale = gain[candidate.location.joints[0]];
+            found.learned.flexible.push(SmoothTerm {
+                joint: design.names[candidate.location.joints[0]].clone(),
+                basis: flexible.basis.clone(),
+                coefficients: (0..hats)
+                    .map(|h| {
+                        let of_hat = flexible.transform.iter().map(|t| t[h]).zip(&coefficients);
+                        of_hat.map(|(t, c)| t * c).sum::<f64>() / scale
+                    })
+                    .collect(),
+            });
+            continue;
+        }
+        if let ("joint_elasticity" | "backlash", Some(&joint)) =
+            (candidate.slug(), candidate.location.joints.first())
+        {
+            // a compliance to first order says nothing of its damping: that of gears, by experience
+            const DAMPING: f64 = 0.1;
+            let inertia = mean_inertia(solution.at(), joint);
+            let (transmission, share) = if candidate.shape.is_empty() {
+                let stiffness = 1.0 / coefficients[0];
+                let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
+                (Transmission { gap: 0.0, stiffness, damping }, 1.0)
+            } else {
+                (of_shape(candidate.slug(), &candidate.shape, inertia), coefficients[0])
+            };
+            found.learned.transmissions.push(TransmissionTerm {
+                joint: design.names[joint].clone(),
+                transmission,
+                motor_inertia: coefficients[1] / gain[joint],
+                share,
+            });
+            continue;
+        }
+        let Some(law) = effect(candidate.slug()) else { continue };
+        let on_joint = |parameters: Vec<f64>| {
+            EffectOnJoint::new(
+                candidate.slug(),
+                &design.names[candidate.location.joints[0]],
+                parameters,
+            )
+        };
+        match law.law().scope {
+            Scope::Joint if candidate.slug() != "torque_scale" => {
+                found.arm.effects.push(on_joint(law_parameters(candidate, &coefficients, gain)));
+            }
+            Scope::Neighbours => {
+                found.learned.couplings.push(on_joint(law_parameters(
+                    candidate,
+                    &coefficients,
+                    gain,
+                )));
+            }
+            _ => {}
+        }
+    }
+    for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
+        joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
+    }
+    // what the reference and the recordings after it together say of baseline terms
+    let links = problem.link_error_prior.links;
+    for (k, x) in change[10 * links..].iter().enumerate() {
+        let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
+        found.arm.effects.push(EffectOnJoint::new(law.law().slug, &design.names[joint], vec![*x]));
+    }
+    found.learned.tilt_rad = point.tilt;
+    found.learned.encoder_offset = point.offset;
+    found.learned.delay_s = point.delay_s;
+    let has_dry_friction = |name: &String| {
+        found.arm.effects.iter().any(|on| {
+            let law = effect(&on.effect).map(|law| law.law());
+            on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
+        })
+    };
+    let turns = design.names.iter().zip(point.turns);
+    let turns: Vec<Turn> =
+        turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { SHARP }).collect();
+    found.learned.fading_speed = turns.iter().map(|turn| turn.speed()).collect();
+    found.learned.turning_travel = turns.iter().map(|turn| turn.travel()).collect();
+    found.learned.gain.clone_from(gain);
+    found.arm.prior_links = Some(design.chain.joints.iter().map(|j| j.link).collect());
+    (found, distance_in_standard_errors)
+}
+
+/// The believed arm with its rigid body identified again and nothing else.
+pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<DiagnosedModel> {
+    const SCALE: f64 = 1.0;
+    let problem = design.problem_without_trials(&OperatingPoint::of(design.joints()));
+    let metric = problem.marginalised(SCALE, &[]);
+    let change = metric.inertial_errors(&fit_set(&metric, Vec::new())?.fit);
+    let mut found = DiagnosedModel::believed(model);
+    for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
+        joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
+    }
+    Some(found)
+}
+
+/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
+/// recordings; what is left of these is the noise of the model.
+pub(crate) fn choose_outputs(
+    model: &mut DiagnosedModel,
+    design: &Design<'_>,
+) -> Result<(), RecordingError> {
+    let n = design.joints();
+    let discrepancy = |cutoff_hz: &f64| -> Result<(f64, f64), RecordingError> {
+        let mut model = model.clone();
+        model.learned.rigid_cutoff_hz = *cutoff_hz;
+        let mut squares = vec![0.0; n];
+        for signals in design.signals.iter() {
+            for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
+                let differences = predicted.iter().zip(&signals.effort[j]);
+                squares[j] += differences.map(|(p, e)| (p - e).powi(2)).sum::<f64>();
+            }
+        }
+        // each joint in its own unit: a product of errors, not a sum
+        Ok((squares.iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).sum(), *cutoff_hz))
+    };
+    let discrepancies = RIGID_HZ.par_iter().map(discrepancy).collect::<Result<Vec<_>, _>>()?;
+    let least = discrepancies.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    model.learned.rigid_cutoff_hz = least.map_or(model.learned.rigid_cutoff_hz, |(_, hz)| hz);
+    let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
+    for signals in design.signals.iter() {
+        let predicted = model.on_grid(signals)?;
+        for j in 0..n {
+            for (k, cutoff_hz) in OUTPUT_HZ.iter().enumerate() {
+                let smooth = match cutoff_hz {
+                    Some(hz) => low_pass(*hz, signals.rate_hz)?.filter(&predicted[j]),
+                    None => predicted[j].clone(),
+                };
+                squares[j][k] += smooth
+                    .iter()
+                    .zip(&signals.effort[j])
+                    .map(|(p, e)| (p - e).powi(2))
+                    .sum::<f64>();
+            }
+        }
+    }
+    let mut noise = vec![0.0; n];
+    for j in 0..n {
+        let best = (0..OUTPUT_HZ.len()).min_by(|a, b| squares[j][*a].total_cmp(&squares[j][*b]));
+        let Some(best) = best else { continue };
+        model.learned.output_cutoff_hz[j] = OUTPUT_HZ[best];
+        let samples: usize = design.signals.iter().map(|s| s.effort[j].len()).sum();
+        noise[j] = (squares[j][best] / samples.max(1) as f64).sqrt();
+    }
+    model.arm.effort_noise = Some(noise);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::design::compliant_link::Posed;
+    use armident_dynamics::RigidArm;
+    use armident_kinematics::DrivingAxisChain;
+
+    use super::*;
+    use crate::selection::iterate::select;
+    use crate::test_arms::{swung, ur5};
+    use armident_motion::Signals;
+
+    /// The UR5, and one with other links.
+    fn believed_and_real() -> (DrivingAxisChain, DrivingAxisChain) {
+        let believed = ur5();
+        let mut real = believed.clone();
+        for (k, joint) in real.joints.iter_mut().enumerate() {
+            let link = joint.link.to_array();
+            let factor = if k % 2 == 0 { 0.15 } else { -0.1 };
+            joint.link = changed(&joint.link, &link.map(|x| factor * x));
+        }
+        (believed, real)
+    }
+
+    /// The model that is learned from a recording.
+    fn learned_from(recorded: &Signals, chain: &DrivingAxisChain) -> DiagnosedModel {
+        let design = Design::new(chain, vec![recorded.clone()]);
+        let (design, selection) = select(&design).unwrap();
+        let metric = selection.metric();
+        learned(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
+    }
+
+    /// What of an arm with wrong links a channel records too large is too large of their errors as well.
+    #[test]
+    fn the_gain_of_a_channel_holds_for_errors_of_links_too() {
+        const SCALED: usize = 2;
+        const GAIN: f64 = 1.45;
+        let (chain, real) = believed_and_real();
+        let mut recorded = swung(&real, 0.1, |_, _| 0.0);
+        recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
+
+        let found = learned_from(&recorded, &chain);
+        let gain = found.learned.gain[SCALED];
+        assert!((gain - GAIN).abs() < 0.005, "{gain}");
+        let effort = &recorded.effort;
+        for (j, predicted) in found.on_grid(&recorded).unwrap().iter().enumerate() {
+            let left = predicted.iter().zip(&effort[j]).map(|(p, e)| (p - e).powi(2)).sum::<f64>();
+            let left = (left / effort[j].len() as f64).sqrt();
+            // even noise of 0.1 N m from end to end
+            let noise = 0.1 / 12_f64.sqrt() * if j == SCALED { GAIN } else { 1.0 };
+            assert!(left < 1.1 * noise, "joint {}: {left} of {noise}", j + 1);
+        }
+    }
+
+    /// Friction follows the load that a gear carries, not the one that its model is believed to carry.
+    #[test]
+    fn friction_follows_the_load_of_the_real_links() {
+        const LOADED: usize = 1;
+        const OF_LOAD: f64 = 0.1;
+        let (chain, real) = believed_and_real();
+        let mut recorded = swung(&real, 0.1, |_, _| 0.0);
+        let point = OperatingPoint::of(real.joints.len());
+        let moved = recorded.clone();
+        let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
+        let law = effect("load_dependent_friction").unwrap();
+        let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
+        recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);
+
+        let found = learned_from(&recorded, &chain);
+        let friction = found.arm.effects.iter().find(|on| on.effect == law.law().slug).unwrap();
+        assert_eq!(friction.joint, chain.joints[LOADED].name);
+        let [level, of_load] = friction.parameters[..] else { panic!("{friction:?}") };
+        assert!(
+            (level - 1.0).abs() < 0.05 && (of_load / OF_LOAD - 1.0).abs() < 0.01,
+            "{friction:?}"
+        );
+    }
+}

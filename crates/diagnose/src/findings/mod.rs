@@ -1,0 +1,8 @@
+//! What is reported, and the model that results.
+
+pub(crate) mod ablation;
+pub(crate) mod finding;
+pub(crate) mod fitted_model;
+pub(crate) mod next_experiment;
+pub(crate) mod placebo;
+pub(crate) mod residual_map;

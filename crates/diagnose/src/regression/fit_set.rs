@@ -1,0 +1,57 @@
+//! A set of candidates with its fit.
+
+use crate::design::observations::JointColumns;
+use crate::regression::admissible::all_admissible;
+use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
+/// A set of candidates with its fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Estimate {
+    /// candidate ids, rising
+    pub(crate) set: Vec<usize>,
+    pub(crate) fit: LeastSquaresFit,
+    pub(crate) score: f64,
+}
+
+/// Fits a set; none where it cannot be fitted or is not admissible.
+pub(crate) fn fit_set(metric: &Marginalised<'_>, mut set: Vec<usize>) -> Option<Estimate> {
+    set.sort_unstable();
+    set.dedup();
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    if !all_admissible(metric.problem, &set, &fit) {
+        return None;
+    }
+    let score = metric.score(fit.sum_of_squares, count, &set);
+    Some(Estimate { set, fit, score })
+}
+
+/// The estimate of a set without those candidates beside `named` that have the wrong sign.
+pub(crate) fn admissible_part(
+    metric: &Marginalised<'_>,
+    mut set: Vec<usize>,
+    named: &[usize],
+) -> Option<Estimate> {
+    loop {
+        let columns = metric.columns_of(&set);
+        let fit = metric.fit(columns)?;
+        let before = set.len();
+        set.retain(|g| named.contains(g) || all_admissible(metric.problem, &[*g], &fit));
+        if set.len() == before {
+            return fit_set(metric, set);
+        }
+    }
+}
+
+/// A set whose names do not count: without the effect in question they may be inadmissible.
+pub(crate) fn fit_any_sign(
+    metric: &Marginalised<'_>,
+    set: Vec<usize>,
+) -> Option<(Estimate, JointColumns)> {
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    let residual = metric.residual(&fit);
+    let score = metric.score(fit.sum_of_squares, count, &set);
+    Some((Estimate { set, fit, score }, residual))
+}

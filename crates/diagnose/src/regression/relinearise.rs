@@ -1,0 +1,154 @@
+//! The operating point of the next iteration: what a fit adds to it, and the step of springs and links.
+
+use crate::design::candidate::Candidate;
+use crate::design::compliant_link::{Posed, mean_inertia};
+use crate::design::linear_problem::LinearProblem;
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
+use armident_model::{OperatingPoint, Spring, of_shape};
+/// The springs that an estimate has found, beside which its links are fitted.
+pub(crate) fn springs(
+    metric: &Marginalised<'_>,
+    found: &Estimate,
+    at: &[Posed<'_>],
+) -> Vec<Spring> {
+    let candidates = found.set.iter().map(|g| &metric.problem.candidates[*g]);
+    let rings = |candidate: &&Candidate| {
+        candidate.slug() == "joint_elasticity" && candidate.moves_its_link()
+    };
+    candidates
+        .filter(rings)
+        .map(|candidate| {
+            let joint = candidate.location.joints[0];
+            let transmission =
+                of_shape(candidate.slug(), &candidate.shape, mean_inertia(at, joint));
+            Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] }
+        })
+        .collect()
+}
+
+/// Springs that columns were formed beside, and those then fitted.
+pub(crate) struct Step {
+    pub(crate) from: Vec<Spring>,
+    pub(crate) to: Vec<Spring>,
+}
+
+/// Makes the step of springs and links from one operating point to the next as long as their last two say: what is
+/// fitted changes with what columns were formed beside, by a share of it that these two steps tell (Aitken 1926), and
+/// where it changes no longer lies beyond the fit where that share is positive, before it where it is negative: what a
+/// spring and its links are is nearly one, and columns say what a link does to a spring only near both.
+pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Option<&Step>) {
+    /// Times the step that was fitted, at most: of two steps alone a share near one is not known.
+    const LONGEST: f64 = 3.0;
+    let Some(last) = last else { return };
+    let stiffness = |springs: &[Spring], joint: usize| {
+        let there = springs.iter().find(|spring| spring.joint == joint);
+        there.map(|spring| spring.transmission.stiffness.ln())
+    };
+    let (mut along, mut moved) = (0.0, 0.0);
+    for spring in &to.springs {
+        let steps = [&last.from, &last.to, &from.springs, &to.springs];
+        let steps = steps.map(|springs| stiffness(springs, spring.joint));
+        if let [Some(from_before), Some(to_before), Some(from), Some(to)] = steps {
+            along += (to - to_before) * (from - from_before);
+            moved += (from - from_before).powi(2);
+        }
+    }
+    if moved == 0.0 {
+        return;
+    }
+    let share = along / moved;
+    let factor = 1.0 / (1.0 - share).max(1.0 / LONGEST);
+    let scaled = |to: f64, from: f64| from * (to / from).powf(factor);
+    for spring in &mut to.springs {
+        if let Some(other) = from.springs.iter().find(|other| other.joint == spring.joint) {
+            let (to, from) = (&mut spring.transmission, &other.transmission);
+            to.stiffness = scaled(to.stiffness, from.stiffness);
+            to.damping = scaled(to.damping, from.damping);
+        }
+    }
+    if let (Some(to), Some(from)) = (&mut to.links, &from.links) {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = from + factor * (*to - from));
+    }
+}
+
+/// The operating point with what a fit adds to it.
+pub(crate) fn moves(
+    problem: &LinearProblem,
+    found: &Estimate,
+    from: &OperatingPoint,
+) -> OperatingPoint {
+    let mut point = OperatingPoint::of(from.offset.len());
+    point.links.clone_from(&from.links);
+    point.springs.clone_from(&from.springs);
+    point.turns.clone_from(&from.turns);
+    for &g in &found.set {
+        let candidate = &problem.candidates[g];
+        let coefficients = found.fit.of_candidate(candidate);
+        match candidate.slug() {
+            "gravity_direction" => {
+                point.tilt = [from.tilt[0] + coefficients[0], from.tilt[1] + coefficients[1]];
+            }
+            "time_delay" => point.delay_s = from.delay_s + coefficients[0],
+            "encoder_offset" => {
+                let j = candidate.location.joints[0];
+                point.offset[j] = from.offset[j] + coefficients[0];
+            }
+            "torque_scale" => point.gain[candidate.location.joints[0]] = 1.0 + coefficients[0],
+            _ => {}
+        }
+    }
+    point
+}
+
+/// By what the links are changed, where one of them moves by itself behind its motor, or seems to to first order, or
+/// friction follows the load.
+pub(crate) fn other_links(metric: &Marginalised<'_>, found: &Estimate) -> Option<Vec<f64>> {
+    let candidates = || found.set.iter().map(|g| &metric.problem.candidates[*g]);
+    let matters = |candidate: &Candidate| {
+        candidate.moves_its_link()
+            || ["joint_elasticity", "load_dependent_friction"].contains(&candidate.slug())
+    };
+    if !candidates().any(matters) {
+        return None;
+    }
+    let mut change = metric.inertial_errors(&found.fit);
+    for candidate in candidates() {
+        candidate.add_to_links(&found.fit.of_candidate(candidate), &mut change);
+    }
+    change.iter().any(|x| *x != 0.0).then_some(change)
+}
+
+/// Whether a move of the operating point no longer matters.
+pub(crate) fn has_converged(to: &OperatingPoint, from: &OperatingPoint) -> bool {
+    (to.tilt[0] - from.tilt[0]).hypot(to.tilt[1] - from.tilt[1]) < STILL.0
+        && to.offset.iter().zip(&from.offset).all(|(a, b)| (a - b).abs() < STILL.1)
+        && (to.delay_s - from.delay_s).abs() < STILL.2
+        && to.gain.iter().zip(&from.gain).all(|(a, b)| (a - b).abs() < STILL.3)
+}
+
+/// Whether the constants of a transmission are those beside which its links were fitted; what is none always is.
+pub(crate) fn is_settled(
+    candidate: &Candidate,
+    before: &[Candidate],
+    point: &OperatingPoint,
+) -> bool {
+    let near = |a: f64, b: f64| (a / b).ln().abs() < SETTLED;
+    if !candidate.moves_its_link() {
+        return true;
+    }
+    if candidate.slug() == "joint_elasticity" {
+        let same = |spring: &&Spring| spring.joint == candidate.location.joints[0];
+        let fitted_beside = point.springs.iter().find(same);
+        return fitted_beside.is_some_and(|s| near(candidate.shape[0], s.transmission.stiffness));
+    }
+    let same =
+        |other: &&Candidate| other.kind == candidate.kind && other.location == candidate.location;
+    before.iter().find(same).is_some_and(|other| near(candidate.shape[0], other.shape[0]))
+}
+
+/// Moves of the operating point below these no longer matter \[rad, rad or m, s, 1\].
+pub(crate) const STILL: (f64, f64, f64, f64) = (1e-3, 5e-4, 2e-4, 2e-3);
+
+/// A stiffness or a gap that moves by less than this share is settled.
+pub(crate) const SETTLED: f64 = 5e-3;

@@ -1,0 +1,110 @@
+//! The set of laws with the shortest description: a beam search over adding, removing and replacing.
+
+use crate::regression::fit_set::{Estimate, fit_set};
+use std::collections::{HashMap, HashSet};
+
+use rayon::prelude::*;
+
+use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
+
+/// Sets kept at every step.
+const BEAM: usize = 5;
+/// Successors of one set that are kept.
+const SUCCESSORS: usize = 8;
+/// Most candidates in a set: beyond, the description has stopped to be one.
+const MOST_CANDIDATES: usize = 60;
+
+/// The best set reachable from any of the starts and from the empty set, of candidates that are not banned.
+pub(crate) fn search(
+    metric: &Marginalised<'_>,
+    starts: &[Vec<usize>],
+    banned: &HashSet<usize>,
+) -> Option<Estimate> {
+    let mut known: HashMap<Vec<usize>, Option<f64>> = HashMap::new();
+    let mut expanded: HashSet<Vec<usize>> = HashSet::new();
+    let mut front: Vec<Estimate> = Vec::new();
+    for start in starts.iter().chain([&Vec::new()]) {
+        let allowed: Vec<usize> = start.iter().copied().filter(|g| !banned.contains(g)).collect();
+        front.extend(fit_set(metric, allowed));
+    }
+    loop {
+        front.sort_by(|a, b| a.score.total_cmp(&b.score));
+        front.dedup_by(|a, b| a.set == b.set);
+        front.truncate(BEAM);
+        let Some(next) = front.iter().find(|a| !expanded.contains(&a.set)).cloned() else { break };
+        expanded.insert(next.set.clone());
+        front.extend(successors(metric, &next, banned, &mut known));
+    }
+    front.into_iter().next()
+}
+
+fn successors(
+    metric: &Marginalised<'_>,
+    from: &Estimate,
+    banned: &HashSet<usize>,
+    known: &mut HashMap<Vec<usize>, Option<f64>>,
+) -> Vec<Estimate> {
+    let candidates = &metric.problem.candidates;
+    // what may stay when a candidate comes in, and its fit: few different ones
+    let staying = |g: usize| -> Vec<Vec<usize>> {
+        let candidate = &candidates[g];
+        let stay: Vec<usize> =
+            from.set.iter().copied().filter(|o| !candidates[*o].excludes(candidate)).collect();
+        // links load the same joints: beside a changed one another has little to add, but in its place it may. Where
+        // no change is sought, single links stand for errors of all, and the best of pairs is no name
+        let link_changed =
+            metric.problem.observations.comparison.seeks_change() && candidate.is_of_link();
+        let replaced = stay.iter().filter(|o| link_changed && candidates[**o].is_of_link());
+        let instead = replaced.map(|r| stay.iter().copied().filter(|o| o != r).collect());
+        std::iter::once(stay.clone()).chain(instead).collect()
+    };
+    let exchanges: Vec<(usize, Vec<usize>)> = (0..candidates.len())
+        .filter(|g| !banned.contains(g) && !from.set.contains(g))
+        .filter(|_| from.set.len() < MOST_CANDIDATES)
+        .flat_map(|g| staying(g).into_iter().map(move |rest| (g, rest)))
+        .collect();
+    let mut rests: HashMap<Vec<usize>, Option<LeastSquaresFit>> = HashMap::new();
+    for (_, rest) in &exchanges {
+        if rest.len() < from.set.len() && !rests.contains_key(rest) {
+            let fit = metric.fit(metric.columns_of(rest));
+            rests.insert(rest.clone(), fit);
+        }
+    }
+    let score_with = |(g, rest): &(usize, Vec<usize>)| -> Option<(f64, Vec<usize>)> {
+        let fit = match rests.get(rest) {
+            Some(fit) => fit.as_ref()?,
+            None => &from.fit,
+        };
+        let mut added: Vec<usize> =
+            candidates[*g].columns.iter().copied().filter(|c| !fit.columns.contains(c)).collect();
+        added.sort_unstable();
+        added.dedup();
+        let left = (fit.sum_of_squares - metric.gain(fit, &added)).max(f64::MIN_POSITIVE);
+        let mut set = [rest.clone(), vec![*g]].concat();
+        set.sort_unstable();
+        Some((metric.score(left, fit.columns.len() + added.len(), &set), set))
+    };
+    let mut scored: Vec<(f64, Vec<usize>)> = exchanges.par_iter().filter_map(score_with).collect();
+    for k in 0..from.set.len() {
+        let mut set = from.set.clone();
+        set.remove(k);
+        let columns = metric.columns_of(&set);
+        if let Some(fit) = metric.fit(columns.clone()) {
+            scored.push((metric.score(fit.sum_of_squares, columns.len(), &set), set));
+        }
+    }
+    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept = Vec::new();
+    for (_, set) in scored {
+        if kept.len() == SUCCESSORS {
+            break;
+        }
+        if known.get(&set).is_some_and(Option::is_none) {
+            continue;
+        }
+        let found = fit_set(metric, set.clone());
+        known.insert(set, found.as_ref().map(|a| a.score));
+        kept.extend(found);
+    }
+    kept
+}

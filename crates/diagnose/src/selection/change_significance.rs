@@ -1,0 +1,367 @@
+//! What of a change is certain, with what its reference leaves open.
+
+use crate::selection::levels::CHANCE;
+use armident_effects::EVERYDAY;
+use armident_numeric::Cholesky;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::compliant_link::Posed;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::link_error_prior::as_large_as;
+use crate::design::observations::JointColumns;
+use crate::design::rebuild::recreate_lasting;
+use crate::regression::fit_set::{Estimate, fit_any_sign, fit_set};
+use crate::regression::marginalised::Marginalised;
+use crate::selection::materiality::{estimate_without, held};
+use crate::uncertainty::jackknife::Jackknife;
+use armident_model::OperatingPoint;
+
+/// A change that is not named is told where it alone would be none less often than this.
+const TOLD: f64 = 0.05;
+
+/// A change that is not certain.
+#[derive(Debug, Clone)]
+pub(crate) struct Inconclusive {
+    pub(crate) candidate: Candidate,
+    /// p_value that it is none
+    pub(crate) p_value: f64,
+    /// whether it is in inconclusive only because it may have been there before
+    pub(crate) maybe_before: bool,
+}
+
+/// Removes changes that may be none, the most inconclusive first, and tells them. A change is certain where its
+/// coefficients are far from nothing although the same effect may have been there before: a reference that does not
+/// excite it says nothing of it, and a motion that does would then look like a change.
+pub(crate) fn certain(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    metric: &Marginalised<'_>,
+    mut of: Estimate,
+    point: &OperatingPoint,
+) -> (Estimate, Vec<Inconclusive>) {
+    let mut told: Vec<Inconclusive> = Vec::new();
+    if of.set.is_empty() {
+        return (of, told);
+    }
+    let candidates = &metric.problem.candidates;
+    let open = ReferenceUncertainty::of(design, at, metric, &of);
+    let most = CHANCE / candidates.len() as f64;
+    loop {
+        let mut inconclusive = open.p_values(metric, &of, point);
+        inconclusive.retain(|(p_value, _)| *p_value > most);
+        inconclusive.sort_by(|a, b| b.0.total_cmp(&a.0));
+        if inconclusive.is_empty() {
+            break;
+        }
+        let closed = ReferenceUncertainty::default().p_values(metric, &of, point);
+        // one that the others can do without, or else all of them
+        let alone =
+            inconclusive.iter().find_map(|d| Some((estimate_without(metric, &of, d.1)?, vec![*d])));
+        let left =
+            of.set.iter().copied().filter(|g| inconclusive.iter().all(|d| d.1 != *g)).collect();
+        let next = alone.or_else(|| Some((fit_set(metric, left)?, inconclusive.clone())));
+        let Some((next, gone)) = next else { break };
+        for (p_value, g) in gone {
+            let candidate = candidates[g].clone();
+            let maybe_before = closed.iter().any(|(p_value, c)| *c == g && *p_value <= most);
+            if told.iter().all(|inconclusive| !same(&inconclusive.candidate, &candidate)) {
+                told.push(Inconclusive { candidate, p_value, maybe_before });
+            }
+        }
+        of = next;
+    }
+    told.retain(|inconclusive| inconclusive.maybe_before || inconclusive.p_value < TOLD);
+    told.retain(|inconclusive| {
+        of.set.iter().all(|g| !same(&candidates[*g], &inconclusive.candidate))
+    });
+    told.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    (of, told)
+}
+
+/// Whether two candidates are one effect at one place.
+fn same(a: &Candidate, b: &Candidate) -> bool {
+    a.kind == b.kind && a.location == b.location
+}
+
+/// Effects that may have been there before.
+#[derive(Default)]
+pub(crate) struct ReferenceUncertainty {
+    /// of laws
+    columns: Vec<JointColumns>,
+}
+
+impl ReferenceUncertainty {
+    /// Those of an estimate. The baseline terms of joints are free in all recordings anyway; a contact comes and goes; a
+    /// description without a name is none of an effect.
+    pub(crate) fn of(
+        design: &Design<'_>,
+        at: &[Posed<'_>],
+        metric: &Marginalised<'_>,
+        of: &Estimate,
+    ) -> Self {
+        let throughout = design.acting_throughout();
+        let mut all = throughout.problem_of_arm(at);
+        let mut open = Self::default();
+        for &g in &of.set {
+            let candidate = &metric.problem.candidates[g];
+            let baseline = EVERYDAY.iter().any(|law| law.law().slug == candidate.slug());
+            if baseline
+                || candidate.location.window.is_some()
+                || matches!(candidate.kind, CandidateKind::SmoothDirections(_))
+            {
+                continue;
+            }
+            if let Some(id) = recreate_lasting(&throughout, at, &mut all, candidate) {
+                let columns = all.candidates[id].columns.iter();
+                open.columns.extend(columns.map(|c| all.columns[*c].clone()));
+            }
+        }
+        open
+    }
+
+    /// Chances that candidates of an estimate are none; a description without a name has none.
+    fn p_values(
+        &self,
+        metric: &Marginalised<'_>,
+        of: &Estimate,
+        point: &OperatingPoint,
+    ) -> Vec<(f64, usize)> {
+        let mut problem = self.problem(metric, of);
+        // how far from nothing is asked of a size as well that is held at 1 elsewhere
+        problem.candidates.iter_mut().for_each(|candidate| candidate.is_of_size_one = false);
+        let named = of.set.iter().enumerate().filter(|(_, g)| {
+            !matches!(metric.problem.candidates[**g].kind, CandidateKind::SmoothDirections(_))
+        });
+        let Some((opened, fitted)) = fitted(&problem, metric) else {
+            return named.map(|(_, g)| (1.0, *g)).collect();
+        };
+        let jackknife = Jackknife::of(&opened, &fitted);
+        let mut told = Jackknife::of(metric, of);
+        self.widen(&mut told, metric, of);
+        let p_value = |(k, g): (usize, usize)| {
+            let free = p_value(&opened, &fitted, k, &jackknife, point).unwrap_or(1.0);
+            // nor may the numbers as they are told be none: where the size is held they do not say
+            if metric.problem.candidates[g].is_of_size_one {
+                return free;
+            }
+            free.max(p_value(metric, of, g, &told, point).unwrap_or(1.0))
+        };
+        named.map(|(k, g)| (p_value((k, *g)), *g)).collect()
+    }
+
+    /// How far coefficients of an estimate can be trusted where this is free.
+    pub(crate) fn widen(
+        &self,
+        jackknife: &mut Jackknife,
+        metric: &Marginalised<'_>,
+        of: &Estimate,
+    ) {
+        let problem = self.problem(metric, of);
+        let Some((opened, fitted)) = fitted(&problem, metric) else { return };
+        for (g, here) in of.set.iter().zip(&problem.candidates) {
+            let covariance = opened.covariance(&fitted.fit, &here.columns);
+            let columns = metric.problem.candidates[*g].columns.iter().zip(&here.columns);
+            for (k, (column, here)) in columns.enumerate() {
+                let change = fitted.fit.coefficient(*here) - of.fit.coefficient(*column);
+                jackknife.leave_open(*column, covariance[k][k], change);
+            }
+        }
+    }
+
+    /// The problem of an estimate's candidates, in their order, in which these effects are free in all recordings.
+    fn problem(&self, metric: &Marginalised<'_>, of: &Estimate) -> LinearProblem {
+        let problem = metric.problem;
+        let (small, _) = problem.restricted(&of.set);
+        let rigid = problem.rigid;
+        let mut link_error_prior = problem.link_error_prior.clone();
+        let deviations: Vec<f64> =
+            self.columns.iter().map(|c| as_large_as(&problem.effort, c)).collect();
+        link_error_prior.extend(&deviations);
+        let (known, own) = small.columns.split_at(rigid);
+        let columns = known.iter().chain(&self.columns).chain(own).cloned().collect();
+        let mut opened = LinearProblem::new(
+            small.observations.clone(),
+            small.effort.clone(),
+            columns,
+            link_error_prior,
+        );
+        opened.rigid = rigid + self.columns.len();
+        opened.candidates = small.candidates;
+        for column in opened.candidates.iter_mut().flat_map(|candidate| &mut candidate.columns) {
+            *column += self.columns.len();
+        }
+        opened.known = small.known;
+        opened
+    }
+}
+
+/// A problem in which a reference leaves effects open, with links that are no better known than a URDF's, and the fit
+/// of its candidates.
+fn fitted<'p>(
+    problem: &'p LinearProblem,
+    metric: &Marginalised<'_>,
+) -> Option<(Marginalised<'p>, Estimate)> {
+    let opened = problem.marginalised(metric.scale.max(REFERENCE_SCALE), &metric.inflated);
+    // signs are asked of what is named, not of this
+    let (fitted, _) = fit_any_sign(&opened, (0..problem.candidates.len()).collect())?;
+    Some((opened, fitted))
+}
+
+/// Probability that coefficients of nothing are as far from zero as those of a law: all of them together, or one of
+/// them alone. The size of what the model leaves over is known from the independent samples of the reference. None
+/// where they are numerically dependent.
+fn p_value(
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
+    jackknife: &Jackknife,
+    point: &OperatingPoint,
+) -> Option<f64> {
+    let candidate = &metric.problem.candidates[candidate];
+    let mut coefficients = of.fit.of_candidate(candidate);
+    for (column, amount) in held(candidate, point) {
+        let place = candidate.columns.iter().position(|c| *c == column)?;
+        coefficients[place] += amount;
+    }
+    let (covariance, _) = jackknife.covariance(metric, of, candidate);
+    let count = coefficients.len();
+    let cholesky = Cholesky::of(count, |i, j| covariance[i][j])?;
+    let samples = samples_before(metric.problem, candidate);
+    let tail = |squares: f64, freedom: usize| -> Option<f64> {
+        let freedom = freedom as f64;
+        Some(FisherSnedecor::new(freedom, samples).ok()?.sf(squares / freedom))
+    };
+    let together = cholesky.forward(&coefficients).iter().map(|x| x * x).sum();
+    let largest =
+        (0..count).map(|k| coefficients[k].powi(2) / covariance[k][k]).fold(0.0, f64::max);
+    Some(tail(together, count)?.min(count as f64 * tail(largest, 1)?))
+}
+
+/// Independent samples of the joints of a candidate before the change, of the joint that has the fewest.
+fn samples_before(problem: &LinearProblem, candidate: &Candidate) -> f64 {
+    let rows = &problem.observations;
+    let of_joint = |j: usize| {
+        let before = &rows.weight(j)[..rows.judged_from()];
+        before.iter().filter(|w| **w > 0.0).count() as f64 * rows.weights.share
+    };
+    let everywhere = candidate.location.joints.is_empty() || candidate.transform.is_some();
+    let joints =
+        if everywhere { (0..rows.joints()).collect() } else { candidate.location.joints.clone() };
+    joints.into_iter().map(of_joint).filter(|n| *n > 0.0).fold(f64::INFINITY, f64::min).max(1.0)
+}
+
+/// Relative inertial error with which the reference is looked at first: what a URDF is off by.
+pub(crate) const REFERENCE_SCALE: f64 = 0.2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::transmission::push_transmission;
+    use armident_dynamics::RigidArm;
+
+    use crate::test_arms::{swung, ur5};
+    use armident_model::Spring;
+    use armident_model::Transmission;
+    use armident_motion::Signals;
+
+    /// What stays of these changes, as joints.
+    fn stays(
+        before: Signals,
+        after: Signals,
+        wanted: impl Fn(&Candidate) -> bool,
+    ) -> (Vec<Vec<usize>>, Vec<Inconclusive>) {
+        let chain = ur5();
+        let (design, _) = Design::new(&chain, vec![before, after]).against_reference(1);
+        let point = OperatingPoint::of(design.joints());
+        let problem = design.problem(&point);
+        let at = design.at(&point);
+        let all =
+            (0..problem.candidates.len()).filter(|g| wanted(&problem.candidates[*g])).collect();
+        let metric = problem.marginalised(0.0, &[]);
+        let found = fit_set(&metric, all).unwrap();
+        let (certain, inconclusive) = certain(&design, &at, &metric, found, &point);
+        let joints = certain.set.iter().map(|g| problem.candidates[*g].location.joints.clone());
+        (joints.collect(), inconclusive)
+    }
+
+    /// An offset that came stays, and those that are fitted to noise go, whatever else is in the estimate.
+    #[test]
+    fn what_may_be_chance_goes() {
+        let chain = ur5();
+        let before = swung(&chain, 0.1, |_, _| 0.0);
+        let after = swung(&chain, 0.1, |j, _| if j == 2 { 0.3 } else { 0.0 });
+        let (joints, inconclusive) =
+            stays(before, after, |candidate| candidate.slug() == "torque_offset");
+        assert_eq!(joints, [[2]]);
+        assert!(
+            inconclusive.iter().all(|inconclusive| inconclusive.p_value > 1e-4),
+            "{inconclusive:?}"
+        );
+        assert!(inconclusive.iter().all(|inconclusive| !inconclusive.maybe_before));
+    }
+
+    /// Two joints that a transmission couples: a reference full of noise does not say whether they were coupled
+    /// before, whether they were or not; another one does.
+    #[test]
+    fn what_may_have_been_before_goes() {
+        let chain = ur5();
+        let friction = |v: f64| 0.5 * v + 0.5 * v.signum();
+        let coupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[4] + v[5]) } else { 0.0 };
+        let is_coupling = |candidate: &Candidate| {
+            candidate.slug() == "joint_coupling"
+                && candidate.location.joints == [4, 5]
+                && candidate.shape == [1.0]
+        };
+        let after = || swung(&chain, 0.1, coupled);
+        let uncoupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[j]) } else { 0.0 };
+        for before in [swung(&chain, 50.0, coupled), swung(&chain, 50.0, uncoupled)] {
+            let (joints, inconclusive) = stays(before, after(), is_coupling);
+            assert!(joints.is_empty(), "{joints:?}");
+            assert!(inconclusive[0].maybe_before, "{}", inconclusive[0].p_value);
+        }
+        let (joints, _) = stays(swung(&chain, 0.1, uncoupled), after(), is_coupling);
+        assert_eq!(joints, [[4, 5]]);
+    }
+
+    /// A joint that has become soft stays, though the size of what its spring does is no longer fitted.
+    #[test]
+    fn a_spring_of_size_one_stays() {
+        const JOINT: usize = 1;
+        const MOTOR_INERTIA: f64 = 0.2;
+        let chain = ur5();
+        let transmission = Transmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
+        let spring = Spring { joint: JOINT, transmission, share: 1.0 };
+        let point =
+            OperatingPoint { springs: vec![spring], ..OperatingPoint::of(chain.joints.len()) };
+        let (before, mut after) = (swung(&chain, 0.1, |_, _| 0.0), swung(&chain, 0.1, |_, _| 0.0));
+        let rigid = RigidArm::from_chain(&chain);
+        let softer =
+            transmission.difference(&Posed::new(&chain, &rigid, &after, &point), JOINT).unwrap();
+        for (effort, more) in after.effort.iter_mut().zip(softer) {
+            effort.iter_mut().zip(more).for_each(|(e, m)| *e += m);
+        }
+        let accelerated = after.effort[JOINT].iter_mut().zip(&after.acceleration[JOINT]);
+        accelerated.for_each(|(e, a)| *e += MOTOR_INERTIA * a);
+        let (design, _) = Design::new(&chain, vec![before, after]).against_reference(1);
+        let at = design.at(&point);
+        let mut problem = design.problem(&point);
+        let shape = [transmission.stiffness, transmission.damping];
+        let pushed = push_transmission(
+            &design,
+            &at,
+            &mut problem,
+            "joint_elasticity",
+            JOINT,
+            &shape,
+            &mut Vec::new(),
+        );
+        let candidate = pushed.unwrap();
+        assert!(problem.candidates[candidate].is_of_size_one);
+        let metric = problem.marginalised(0.0, &[]);
+        let found = fit_set(&metric, vec![candidate]).unwrap();
+        let (certain, inconclusive) = certain(&design, &at, &metric, found, &point);
+        assert_eq!(certain.set, [candidate], "{inconclusive:?}");
+    }
+}

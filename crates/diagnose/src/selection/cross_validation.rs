@@ -1,0 +1,404 @@
+//! Blocked cross-validation: what an effect explains must also be explained in blocks of the
+//! recordings that its coefficients have not seen.
+
+use crate::regression::folds::{SHORT_BLOCKS, all_errors, folds, folds_of, metrics};
+
+use armident_effects::EVERYDAY;
+
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::linear_problem::LinearProblem;
+use crate::design::observations::JointColumns;
+use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
+use crate::regression::marginalised::Marginalised;
+use crate::selection::levels::CHANCE;
+use crate::selection::materiality::{estimate_without, held, set_without};
+use armident_model::{OperatingPoint, is_bend};
+
+/// Removes effects that do not lower the error of unseen blocks by more than its standard error,
+/// the least useful first. Windows are exempt: no other block has seen them; so is what the operating
+/// point holds.
+pub(crate) fn confirm(
+    metric: &Marginalised<'_>,
+    mut of: Estimate,
+    point: &OperatingPoint,
+) -> Estimate {
+    loop {
+        // ids of the restricted problem stand in the order of the candidates they were made from
+        let originals = with_relatives(metric.problem, &of.set);
+        let (small, ids) = metric.problem.restricted(&originals);
+        let folds = folds(&small);
+        let small_id = |g: usize| originals.iter().position(|o| *o == g).map(|k| ids[k]);
+        let set: Vec<usize> = of.set.iter().filter_map(|g| small_id(*g)).collect();
+        let metrics = metrics(&folds, metric.scale, &metric.inflated);
+        let errors = |set: &[usize]| all_errors(&folds, &metrics, set);
+        let with = errors(&set);
+        let mut worst: Option<(f64, Estimate)> = None;
+        for &g in &of.set {
+            let candidate = &metric.problem.candidates[g];
+            if candidate.location.window.is_some() || !held(candidate, point).is_empty() {
+                continue;
+            }
+            let Some(without) = estimate_without(metric, &of, g) else { continue };
+            let rest: Vec<usize> = without.set.iter().filter_map(|g| small_id(*g)).collect();
+            let gains = gains(candidate, &errors(&rest), &with);
+            if gains.len() < 2 {
+                continue;
+            }
+            let mut ratio = in_standard_errors(&gains);
+            if metric.problem.observations.comparison.seeks_change() {
+                let least = least_log_bayes_factor(
+                    metric.problem.candidates.len(),
+                    metric.problem,
+                    candidate,
+                );
+                ratio = ratio.min(log_bayes_factor(metric.problem, &gains) / least);
+            }
+            if ratio < 1.0 && worst.as_ref().is_none_or(|w| ratio < w.0) {
+                worst = Some((ratio, without));
+            }
+        }
+        match worst {
+            Some((_, without)) => of = without,
+            None => return of,
+        }
+    }
+}
+
+/// Logarithms of the error of blocks without a candidate over that with it, added up over the joints where it acts and
+/// an effort is recorded: as a ratio, so that no block outweighs the others, and joint by joint, so that none does
+/// that is badly modelled.
+fn gains(candidate: &Candidate, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
+    gains_on((!acts_everywhere(candidate)).then_some(&candidate.location.joints), without, with)
+}
+
+/// The same on these joints, or on all.
+fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
+    let of_block = |(without, with): (&Vec<f64>, &Vec<f64>)| {
+        let recorded = || (0..with.len()).filter(|j| with[*j] > 0.0).collect();
+        let joints = joints.cloned().unwrap_or_else(recorded);
+        joints.iter().map(|j| (without[*j] / with[*j]).ln()).sum::<f64>()
+    };
+    without.iter().zip(with).map(of_block).filter(|gain| gain.is_finite()).collect()
+}
+
+/// Whether errors of blocks that were not fitted are surely less than others: what a model is imperfect by repeats
+/// itself, so that scores differ by more than they should.
+pub(crate) fn surely_less(errors: &[Vec<f64>], than: &[Vec<f64>]) -> bool {
+    let gains = gains_on(None, than, errors);
+    gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
+}
+
+/// Whether a candidate loads other joints than those it is named by.
+fn acts_everywhere(candidate: &Candidate) -> bool {
+    candidate.location.joints.is_empty() || candidate.transform.is_some()
+}
+
+/// How many standard errors the gain in the blocks must be off zero.
+const CONSISTENT: f64 = 2.0;
+
+/// Twice the logarithm of how much more probable a candidate makes blocks of a change that were not fitted.
+fn log_bayes_factor(problem: &LinearProblem, gains: &[f64]) -> f64 {
+    let rows = &problem.observations;
+    let judged = (rows.len() - rows.judged_from()) as f64 / gains.len().max(1) as f64;
+    rows.weights.share * judged * gains.iter().sum::<f64>()
+}
+
+/// What that must be for a candidate chosen from so many.
+fn least_log_bayes_factor(choices: usize, problem: &LinearProblem, candidate: &Candidate) -> f64 {
+    2.0 * (choices as f64 / CHANCE).ln() + problem.price_of_onset(candidate)
+}
+
+/// Adds the changes by which blocks that were not fitted become clearly more probable, the most probable
+/// first. The search prices every coefficient of a change by the number of independent samples, of which an
+/// imperfect model has few; a block that was not fitted has paid for them already.
+pub(crate) fn with_changes(metric: &Marginalised<'_>, mut of: Estimate) -> Estimate {
+    let problem = metric.problem;
+    let linear = |g: &usize| {
+        let candidate = &problem.candidates[*g];
+        matches!(candidate.kind, CandidateKind::Law(_))
+            && candidate.shape.is_empty()
+            && candidate.location.window.is_none()
+    };
+    loop {
+        let candidates: Vec<usize> = (0..problem.candidates.len())
+            .filter(|g| linear(g) && !of.set.contains(g))
+            .filter(|g| {
+                of.set.iter().all(|o| !problem.candidates[*o].excludes(&problem.candidates[*g]))
+            })
+            .collect();
+        let all = [of.set.clone(), candidates.clone()].concat();
+        let (small, ids) = problem.restricted(&all);
+        let folds = folds(&small);
+        let metrics = metrics(&folds, metric.scale, &metric.inflated);
+        let errors = |set: &[usize]| all_errors(&folds, &metrics, set);
+        let set = &ids[..of.set.len()];
+        let without = errors(set);
+        let mut best: Option<(f64, Estimate)> = None;
+        for (&g, &id) in candidates.iter().zip(&ids[of.set.len()..]) {
+            let candidate = &problem.candidates[g];
+            let gains = gains(candidate, &without, &errors(&[set, &[id]].concat()));
+            let log_factor = log_bayes_factor(problem, &gains);
+            let least = least_log_bayes_factor(candidates.len(), problem, candidate);
+            let sure = gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT;
+            if !sure
+                || log_factor < least
+                || best.as_ref().is_some_and(|b| b.0 >= log_factor - least)
+            {
+                continue;
+            }
+            let found = fit_set(metric, [of.set.clone(), vec![g]].concat());
+            best = found.map(|found| (log_factor - least, found)).or(best);
+        }
+        match best {
+            Some((_, found)) => of = found,
+            None => return of,
+        }
+    }
+}
+
+/// What predicts best, of what was named and of the terms every joint has.
+pub(crate) struct Predictor {
+    pub(crate) estimate: Estimate,
+    pub(crate) scale: f64,
+}
+
+impl Predictor {
+    /// Another estimate with the terms that this one has beside what was named. Without what it lacks, others
+    /// may want a wrong sign: those are left out too; so is the bend of a friction that it lacks, which would take its place.
+    pub(crate) fn beside(
+        &self,
+        metric: &Marginalised<'_>,
+        named: &Estimate,
+        other: &Estimate,
+    ) -> Option<Estimate> {
+        let candidates = &metric.problem.candidates;
+        let mut set = other.set.clone();
+        let lacking: Vec<usize> =
+            named.set.iter().copied().filter(|g| !other.set.contains(g)).collect();
+        let stands_alone = |g: &usize| {
+            is_bend(candidates[*g].slug())
+                && lacking.iter().any(|l| candidates[*l].location == candidates[*g].location)
+        };
+        let beside = self.estimate.set.iter().filter(|g| !named.set.contains(g));
+        for &g in beside.filter(|g| !stands_alone(g)) {
+            if set.iter().all(|o| *o != g && !candidates[*o].excludes(&candidates[g])) {
+                set.push(g);
+            }
+        }
+        admissible_part(metric, set, &[])
+    }
+}
+
+/// Relative inertial errors tried for the prediction, beside the one of the selection.
+const SCALES: [f64; 4] = [0.05, 0.2, 0.8, 3.2];
+
+/// The estimate with terms that are too small to be named and with inertial errors of another size, where
+/// blocks that were not fitted are then predicted better by more than the standard error of that: a
+/// name needs to matter, a prediction needs every term that helps.
+pub(crate) fn predictor(metric: &Marginalised<'_>, named: &Estimate) -> Predictor {
+    let problem = metric.problem;
+    let extended = with_baseline(problem, &named.set);
+    let (small, ids) = problem.restricted(&extended);
+    let folds = folds(&small);
+    let small_id = |g: &usize| extended.iter().position(|o| o == g).map(|k| ids[k]);
+    let mut scales = vec![metric.scale];
+    scales.extend(SCALES.iter().filter(|s| **s != metric.scale));
+    // logarithms of squared errors, `[fold][joint]`: no block and no joint outweighs the others
+    let errors = |found: &Estimate, metrics: &[Marginalised<'_>]| -> Vec<Vec<f64>> {
+        let set: Vec<usize> = found.set.iter().filter_map(&small_id).collect();
+        let squares = all_errors(&folds, metrics, &set).into_iter();
+        squares.map(|of| of.iter().map(|e| e.max(f64::MIN_POSITIVE).ln()).collect()).collect()
+    };
+    // by joint, or over all joints
+    let gains = |before: &[Vec<f64>], after: &[Vec<f64>], joint: Option<usize>| -> Vec<f64> {
+        before
+            .iter()
+            .zip(after)
+            .map(|(b, a)| match joint {
+                Some(j) => b[j] - a[j],
+                None => b.iter().zip(a).map(|(b, a)| b - a).sum(),
+            })
+            .collect()
+    };
+    let mut best: Option<(Predictor, Vec<Vec<f64>>)> = None;
+    for scale in scales {
+        let full = problem.marginalised(scale, &metric.inflated);
+        let metrics = metrics(&folds, scale, &metric.inflated);
+        let of = |set: Vec<usize>| admissible_part(&full, set, &named.set);
+        let Some(short) = of(named.set.clone()) else { continue };
+        let of_short = errors(&short, &metrics);
+        let mut found = (short, of_short);
+        if let Some(long) = of(extended.clone()) {
+            // terms of those joints only that are the better for it: all of them at once; where that does not pay, one
+            // after the other, the most first
+            let of_long = errors(&long, &metrics);
+            let total = |gains: Vec<f64>| gains.iter().sum::<f64>();
+            let mut helped: Vec<(f64, usize)> = (0..problem.observations.joints())
+                .map(|j| (total(gains(&found.1, &of_long, Some(j))), j))
+                .filter(|(gain, _)| *gain > 0.0)
+                .collect();
+            helped.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let with = |set: &[usize], joints: &[(f64, usize)]| {
+                let on_joints = |g: &usize| {
+                    let of_candidate = problem.candidates[*g].location.joints.first();
+                    !set.contains(g) && joints.iter().any(|(_, j)| Some(j) == of_candidate)
+                };
+                let beside = long.set.iter().copied().filter(|g| on_joints(g));
+                let chosen = of(set.iter().copied().chain(beside).collect())?;
+                let errors = errors(&chosen, &metrics);
+                Some((chosen, errors))
+            };
+            let pays =
+                |before: &[Vec<f64>], after: &[Vec<f64>]| total(gains(before, after, None)) > 0.0;
+            match with(&found.0.set, &helped) {
+                Some(all) if pays(&found.1, &all.1) => found = all,
+                _ => {
+                    for joint in &helped {
+                        if let Some(more) = with(&found.0.set, std::slice::from_ref(joint))
+                            && pays(&found.1, &more.1)
+                        {
+                            found = more;
+                        }
+                    }
+                }
+            }
+        }
+        let better = best
+            .as_ref()
+            .is_none_or(|(_, before)| in_standard_errors(&gains(before, &found.1, None)) > 1.0);
+        if better {
+            best = Some((Predictor { estimate: found.0, scale }, found.1));
+        }
+    }
+    best.map_or_else(
+        || Predictor { estimate: named.clone(), scale: metric.scale },
+        |(predictor, _)| predictor,
+    )
+}
+
+/// By how many standard errors a candidate of an estimate lowers the error of blocks that were not fitted, on
+/// its joints.
+pub(crate) fn usefulness(
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    candidate: usize,
+) -> Option<f64> {
+    let (small, ids) = metric.problem.restricted(&of.set);
+    let joints = &metric.problem.candidates[candidate].location.joints;
+    let without: Vec<usize> =
+        of.set.iter().zip(&ids).filter(|(g, _)| **g != candidate).map(|(_, id)| *id).collect();
+    let folds = folds(&small);
+    let gains: Vec<f64> = folds
+        .iter()
+        .zip(&metrics(&folds, metric.scale, &metric.inflated))
+        .map(|(fold, metric)| {
+            let [with, without] = [&ids, &without].map(|set| {
+                let errors = fold.errors(set, metric);
+                joints.iter().map(|j| errors[*j]).sum::<f64>()
+            });
+            (without / with).ln()
+        })
+        .filter(|gain| gain.is_finite())
+        .collect();
+    (gains.len() > 1).then(|| in_standard_errors(&gains))
+}
+
+/// Mean of some numbers over its standard error.
+pub(crate) fn in_standard_errors(gains: &[f64]) -> f64 {
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// What an estimate leaves with the terms of a plain identification beside it.
+pub(crate) fn with_baseline_terms(metric: &Marginalised<'_>, named: &Estimate) -> JointColumns {
+    let extended = with_baseline(metric.problem, &named.set);
+    let found = admissible_part(metric, extended, &named.set);
+    metric.residual(&found.as_ref().unwrap_or(named).fit)
+}
+
+/// The candidates of an estimate and the terms of a plain identification beside it.
+pub(crate) fn with_baseline_terms_of(metric: &Marginalised<'_>, named: &Estimate) -> Vec<usize> {
+    let extended = with_baseline(metric.problem, &named.set);
+    admissible_part(metric, extended, &named.set).map_or_else(|| named.set.clone(), |a| a.set)
+}
+
+/// A set with the terms of a plain identification on every joint, where nothing named takes their place.
+fn with_baseline(problem: &LinearProblem, set: &[usize]) -> Vec<usize> {
+    let candidates = &problem.candidates;
+    let mut all = set.to_vec();
+    // a description without a name has terms of its own
+    let described = |candidate: &Candidate| {
+        set.iter().any(|g| {
+            candidates[*g].location == candidate.location
+                && matches!(candidates[*g].kind, CandidateKind::SmoothDirections(_))
+        })
+    };
+    for (g, candidate) in candidates.iter().enumerate() {
+        if described(candidate) {
+            continue;
+        }
+        let baseline = EVERYDAY.iter().any(|law| law.law().slug == candidate.slug());
+        if baseline && all.iter().all(|o| *o != g && !candidates[*o].excludes(candidate)) {
+            all.push(g);
+        }
+    }
+    all
+}
+
+/// What the reference by itself leaves over of blocks that were not fitted, on each joint, in its order and in
+/// units of its noise: where nothing changed, that is what the model of the arm is imperfect by. None where a part of
+/// it cannot be fitted.
+pub(crate) fn imperfection(problem: &LinearProblem, scale: f64) -> Option<JointColumns> {
+    let rows = &problem.observations;
+    let until = rows.judged_from();
+    let reference = problem.restricted(&[]).0.of_rows(|row| row < until);
+    let folds = folds_of(&reference, &rows.starts[..=rows.comparison.first_judged()], SHORT_BLOCKS);
+    let mut left_over: JointColumns = vec![Vec::with_capacity(until); rows.joints()];
+    for fold in &folds {
+        // blocks follow each other without gaps
+        let residual = fold.residual(&[], &fold.fitted.marginalised(scale, &[]))?;
+        for (all, of_block) in left_over.iter_mut().zip(residual) {
+            all.extend(of_block);
+        }
+    }
+    Some(left_over)
+}
+
+/// The candidates of a set and the simpler relatives that could take their places.
+fn with_relatives(problem: &LinearProblem, set: &[usize]) -> Vec<usize> {
+    let mut all = set.to_vec();
+    for &g in set {
+        all.extend(set_without(problem, set, g));
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_arms::{design, ur5};
+
+    /// Friction that nobody named helps a prediction, also beside a law that is no joint's own.
+    #[test]
+    fn a_prediction_takes_what_helps_beside_a_law_without_a_joint() {
+        let chain = ur5();
+        let friction = |j: usize, v: f64| if j == 2 { 0.3 * v } else { 0.0 };
+        let design = design(&chain, &chain, friction);
+        let problem = design.problem(&OperatingPoint::of(design.joints()));
+        let of = |slug: &str, joints: &[usize]| {
+            let is = |g: &Candidate| g.slug() == slug && g.location.joints == joints;
+            problem.candidates.iter().position(is).unwrap()
+        };
+        let metric = problem.marginalised(0.0, &[]);
+        let named = fit_set(&metric, vec![of("gravity_direction", &[])]).unwrap();
+        let found = predictor(&metric, &named).estimate;
+        let viscous = of("viscous_friction", &[2]);
+        assert!(found.set.contains(&viscous) && found.set.contains(&named.set[0]));
+        let coefficient = found.fit.of_candidate(&problem.candidates[viscous])[0];
+        assert!((coefficient - 0.3).abs() < 0.01, "{coefficient}");
+    }
+}

@@ -1,0 +1,264 @@
+//! From design to the estimate: search, scans, refinement, operating point.
+
+use crate::design::observations::Weights;
+use crate::regression::relinearise::{
+    Step, has_converged, is_settled, moves, other_links, springs, stride,
+};
+use crate::selection::change_significance::{REFERENCE_SCALE, certain};
+use crate::selection::solution::Selection;
+use armident_numeric::dot;
+
+use crate::design::candidate::Candidate;
+use crate::design::contact::ContactColumns;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::rebuild::recreate;
+use crate::design::ripple::RippleColumns;
+use crate::regression::fit_set::{Estimate, fit_set};
+use crate::regression::score::PRICE_OF_CHOICE;
+use crate::selection::cross_validation::{
+    confirm, imperfection, with_baseline_terms, with_changes,
+};
+use crate::selection::materiality::{held, prune};
+use crate::selection::prior_scale::{ScaleCriterion, ScaleFit, SearchState, best_of_scales};
+use crate::selection::refine_shape::{fractional_ripples, refine};
+use crate::selection::reversal::with_reversal_models;
+use crate::selection::rivals::{baseline_first, load_first};
+use crate::selection::simulated_candidates::with_simulated_candidates;
+use crate::selection::weights::{
+    discrepancies, discrepancies_after, independent_share, initial_discrepancies, stuck_weights,
+};
+use armident_model::OperatingPoint;
+
+/// Logarithm of the ratio of two discrepancies that are the same.
+const SAME_DISCREPANCY: f64 = 0.3;
+
+/// Share of the independent samples from which on their number was clearly overrated.
+const FEWER_SAMPLES: f64 = 0.8;
+/// Passes of moving the operating point; what is dear to try is tried from this one on wherever it moves: a spring that was
+/// not seen yet keeps it moving, and takes some passes to weigh the joints anew.
+const PASSES: usize = 8;
+const ALL_FROM: usize = 3;
+
+/// The estimate to what the recordings show.
+///
+/// How far all links may be off is chosen before the operating point is right and every law was tried, in one of two
+/// ways ([`ScaleCriterion`]). Where they part, both are walked to their ends, and the shorter description is the estimate.
+pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)> {
+    let point = OperatingPoint::of(design.joints());
+    let ripple = RippleColumns::new(design, &design.at(&point));
+    let initial = design.weighted(initial_weights(design, &point)?);
+    let mut state = SearchState::new(ScaleCriterion::All);
+    let mut end = iterate(&initial, &ripple, &mut state)?;
+    if design.observations.comparison.seeks_change() {
+        return Some((end.design, end.found));
+    }
+    if state.criteria_disagree {
+        let other = iterate(&initial, &ripple, &mut SearchState::new(ScaleCriterion::WhatMatters));
+        // what still moves is no solution where the other one has converged
+        let is_better = |other: &IterationEnd<'_>| match (other.converged, end.converged) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => {
+                let shares = [&end.design, &other.design].map(|d| d.observations.weights.share);
+                let share = shares[0].min(shares[1]);
+                other.found.length(share) < end.found.length(share)
+            }
+        };
+        if let Some(other) = other.filter(is_better) {
+            end = other;
+        }
+    }
+    let IterationEnd { design, found, .. } = end;
+    let found = with_reversal_models(&design, &found).unwrap_or(found);
+    Some((design, found))
+}
+
+/// Weights from what the believed arm leaves over on rows and joints, before anything is known. None where what is
+/// before a change cannot be fitted.
+fn initial_weights(design: &Design<'_>, point: &OperatingPoint) -> Option<Weights> {
+    let seeks_change = design.observations.comparison.seeks_change();
+    let mut first = design.problem(point);
+    let mut weights = design.observations.weights.clone();
+    if !seeks_change {
+        let stuck = stuck_weights(&first);
+        if stuck != weights.stuck {
+            weights = design.observations.with_stuck_weights(stuck);
+            first = design.weighted(weights.clone()).problem(point);
+        }
+    }
+    let weighted = design.weighted(weights);
+    if seeks_change {
+        // what changed must not tell how few samples of the arm's discrepancy are independent
+        let left_over = imperfection(&first, REFERENCE_SCALE)?;
+        let rows = &first.observations;
+        let reference = &rows.starts[..=rows.comparison.first_judged()];
+        let share = independent_share(&left_over, reference, rows.rows_hz);
+        let discrepancy: Vec<f64> =
+            left_over.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect();
+        let weights = with_discrepancies(&weighted, discrepancy);
+        let share = share.min(weights.share);
+        return Some(weights.with_share(share));
+    }
+    let discrepancy = initial_discrepancies(&weighted, &weighted.at(point), &first);
+    Some(with_discrepancies(&weighted, discrepancy))
+}
+
+/// Weights for these discrepancies before a change and after it.
+fn with_discrepancies(design: &Design<'_>, discrepancy: Vec<f64>) -> Weights {
+    let before = design.observations.with_discrepancy_before(discrepancy.clone());
+    design.observations.weighted(before).with_discrepancy(discrepancy)
+}
+
+/// Where an iteration ended.
+struct IterationEnd<'a> {
+    /// with the weights it ended with
+    design: Design<'a>,
+    found: Selection,
+    /// whether nothing moved any more
+    converged: bool,
+}
+
+/// From the believed arm to where the operating point, the weights and the estimate no longer move.
+fn iterate<'a>(
+    initial: &Design<'a>,
+    ripple: &RippleColumns,
+    state: &mut SearchState,
+) -> Option<IterationEnd<'a>> {
+    let mut weighted = initial.weighted(initial.observations.weights.clone());
+    let mut point = OperatingPoint::of(weighted.joints());
+    let seeks_change = initial.observations.comparison.seeks_change();
+    let mut last = None;
+    let mut last_step = None;
+    let mut is_right = false;
+    for pass in 0..PASSES {
+        let design = &weighted;
+        let at = design.at(&point);
+        let contact = ContactColumns::new(design, &at);
+        let mut problem = design.problem_at(&at);
+        let start: Vec<usize> = state
+            .candidates
+            .iter()
+            .filter_map(|g| recreate(design, &at, &contact, &mut problem, g))
+            .collect();
+        let (mut best, starts) =
+            best_of_scales(design, &at, ripple, &contact, &mut problem, start, &point, state)?;
+        best.estimate = with_operating_terms(&problem, &best, &point);
+        // what is dear to try waits until the configuration is right
+        let metric = problem.marginalised(best.scale, &best.inflated);
+        let pruned = prune(&metric, best.estimate.clone(), &point);
+        // beside wrong links a spring that was found may look like none until it is polished again
+        let all = is_right
+            || !point.springs.is_empty()
+            || has_converged(&moves(&problem, &pruned, &point), &point)
+            || pass >= ALL_FROM;
+        if all {
+            best = with_simulated_candidates(
+                design,
+                &at,
+                (ripple, &contact),
+                &mut problem,
+                starts,
+                state,
+                best,
+            );
+            best.estimate = with_operating_terms(&problem, &best, &point);
+        }
+        let ScaleFit { scale, inflated, estimate: found } = best;
+        let found = prune(&problem.marginalised(scale, &inflated), found, &point);
+        let rough = found.score;
+        let metric = (scale, &inflated[..]);
+        let found = refine(design, &at, &contact, &mut problem, metric, state, found, |_| true);
+        let polished = rough - found.score > PRICE_OF_CHOICE;
+        let found = prune(&problem.marginalised(scale, &inflated), found, &point);
+        let mut inconclusive = Vec::new();
+        let mut found = confirm(&problem.marginalised(scale, &inflated), found, &point);
+        // simpler relatives that came in need to matter as well
+        if !seeks_change {
+            found = prune(&problem.marginalised(scale, &inflated), found, &point);
+        }
+        if seeks_change {
+            let metric = problem.marginalised(scale, &inflated);
+            found = load_first(&metric, with_changes(&metric, found));
+            found = prune(&metric, found, &point);
+            (found, inconclusive) = certain(design, &at, &metric, found, &point);
+        } else {
+            found = baseline_first(&problem.marginalised(scale, &inflated), found, &point);
+        }
+        let fractional = fractional_ripples(design, &problem, &found);
+        let candidates: Vec<Candidate> =
+            found.set.iter().map(|g| problem.candidates[*g].clone()).collect();
+        let settled = candidates.iter().all(|g| is_settled(g, &state.candidates, &point));
+        state.candidates = candidates;
+        let again = !fractional.is_empty();
+        state.no_ripple.extend(fractional);
+        if again {
+            state.candidates.retain(|g| {
+                g.slug() != "torque_ripple" || !state.no_ripple.contains(&g.location.joints[0])
+            });
+        }
+        let mut target = moves(&problem, &found, &point);
+        let metric = problem.marginalised(scale, &inflated);
+        let links = other_links(&metric, &found);
+        // the links behind a transmission were found beside it, and it beside those of the pass before
+        let still = has_converged(&target, &point)
+            && (links.is_none() || (point.links.is_some() && settled));
+        // a spring that went must not shape the columns of the next pass
+        target.springs = if links.is_some() { springs(&metric, &found, &at) } else { Vec::new() };
+        target.links = links;
+        let step = Step { from: point.springs.clone(), to: target.springs.clone() };
+        stride(&mut target, &point, last_step.replace(step).as_ref());
+        let (discrepancy, share) = if seeks_change {
+            (discrepancies_after(&metric, &found), problem.observations.weights.share)
+        } else {
+            // of what no term of a plain identification explains: a short estimate must not look like few samples
+            let residual = with_baseline_terms(&metric, &found);
+            let share = independent_share(
+                &residual,
+                &problem.observations.starts,
+                problem.observations.rows_hz,
+            );
+            (discrepancies(&metric, &found), share.min(problem.observations.weights.share))
+        };
+        let differs = |(new, old): (&f64, &f64)| (new / old).ln().abs() > SAME_DISCREPANCY;
+        // what was not tried yet must not make a joint unimportant
+        let reweighted = share < FEWER_SAMPLES * problem.observations.weights.share
+            || ((all || !seeks_change)
+                && discrepancy.iter().zip(&problem.observations.weights.discrepancy).any(differs));
+        // moves that were not confirmed must not end the search before all was tried
+        // beside a law on the wrong size others were chosen, and how far links may be off, that took its part
+        is_right = still && !again && !reweighted && !polished;
+        let converged = is_right && all;
+        // with other weights or sizes another scale may be right; a reference holds its own
+        state.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
+        let point_now = point.clone();
+        let found =
+            Selection { problem, estimate: found, scale, inflated, point: point_now, inconclusive };
+        last = Some((found, converged));
+        if converged || pass + 1 == PASSES {
+            break;
+        }
+        point = target;
+        if reweighted || !seeks_change {
+            let weights = design.observations.with_discrepancy(discrepancy);
+            weighted =
+                design.weighted(if reweighted { weights.with_share(share) } else { weights });
+        }
+    }
+    let (found, converged) = last?;
+    Some(IterationEnd { design: weighted, found, converged })
+}
+
+/// The estimate with what the operating point holds: at the right one nothing is left to add.
+fn with_operating_terms(
+    problem: &LinearProblem,
+    best: &ScaleFit,
+    point: &OperatingPoint,
+) -> Estimate {
+    let held = (0..problem.candidates.len())
+        .filter(|g| !held(&problem.candidates[*g], point).is_empty())
+        .filter(|g| !best.estimate.set.contains(g));
+    let set: Vec<usize> = best.estimate.set.iter().copied().chain(held).collect();
+    let metric = problem.marginalised(best.scale, &best.inflated);
+    fit_set(&metric, set).unwrap_or_else(|| best.estimate.clone())
+}

@@ -1,0 +1,312 @@
+//! Searches with every size of the errors that all links have.
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use crate::design::candidate::Candidate;
+use crate::design::compliant_link::Posed;
+use crate::design::contact::ContactColumns;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::ripple::RippleColumns;
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::{Estimate, fit_set};
+use crate::selection::beam_search::search;
+use crate::selection::materiality::prune;
+use armident_model::OperatingPoint;
+
+/// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
+const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
+/// a draft, another body, one many times as heavy.
+const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
+/// Beyond this relative error of all links no single one is called wrong.
+const ALL_LINKS_WRONG: f64 = 0.2;
+/// Most links whose body is called wrong; more are a wrong arm.
+const MOST_INFLATED_LINKS: usize = 2;
+/// Rounds of scanning what is left over.
+const ROUNDS: usize = 6;
+
+/// By what the size of inertial errors is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ScaleCriterion {
+    /// the estimate with all that seems to be there
+    All,
+    /// what is left of it once what does not matter has gone: small laws take the part of a link that is wrong, and
+    /// leave it to errors of all links when they go
+    WhatMatters,
+}
+
+/// What was found about the estimate so far, kept from one problem to the next.
+#[derive(Debug, Clone)]
+pub(crate) struct SearchState {
+    pub(crate) candidates: Vec<Candidate>,
+    /// candidates whose constants were polished
+    pub(crate) polished: Vec<Candidate>,
+    /// ripple is not offered on these joints: its order was no whole number
+    pub(crate) no_ripple: HashSet<usize>,
+    /// inertial error of the last pass
+    pub(crate) scale: Option<f64>,
+    criterion: ScaleCriterion,
+    /// whether another choice would have been made once
+    pub(crate) criteria_disagree: bool,
+}
+
+impl SearchState {
+    pub(crate) fn new(criterion: ScaleCriterion) -> Self {
+        Self {
+            candidates: Vec::new(),
+            polished: Vec::new(),
+            no_ripple: HashSet::new(),
+            scale: None,
+            criterion,
+            criteria_disagree: false,
+        }
+    }
+}
+
+/// What one search gives.
+#[derive(Debug, Clone)]
+pub(crate) struct ScaleFit {
+    pub(crate) scale: f64,
+    pub(crate) inflated: Vec<InflatedLink>,
+    pub(crate) estimate: Estimate,
+}
+
+/// Searches with every scale of inertial errors; the scans that one brings are offered to all.
+pub(crate) fn best_of_scales(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    ripple: &RippleColumns,
+    contact: &ContactColumns,
+    problem: &mut LinearProblem,
+    start: Vec<usize>,
+    point: &OperatingPoint,
+    state: &mut SearchState,
+) -> Option<(ScaleFit, Vec<Vec<usize>>)> {
+    let baseline: Vec<usize> = (0..problem.candidates.len())
+        .filter(|g| {
+            ["viscous_friction", "coulomb_friction"].contains(&problem.candidates[*g].slug())
+        })
+        .collect();
+    let mut starts = vec![start, baseline];
+    // widely spaced scales first, then the neighbours of the best; later passes stay near it
+    let mut found = Found::default();
+    let first = match state.scale {
+        Some(before) => [vec![0], neighbours(before)].concat(),
+        None => (0..SCALES.len()).step_by(2).collect(),
+    };
+    let mut tried = Vec::new();
+    let mut try_scales = |scales: Vec<usize>, found: &mut Found| {
+        for k in scales {
+            if !tried.contains(&k) {
+                tried.push(k);
+                let of_scale =
+                    laws_at(SCALES[k], design, at, ripple, contact, problem, &mut starts, state);
+                found.extend(problem, of_scale, point);
+            }
+        }
+    };
+    try_scales(first, &mut found);
+    if state.scale.is_none() {
+        let beside = found.best(state.criterion).map(|best| neighbours(best.scale));
+        try_scales(beside.unwrap_or_default(), &mut found);
+    }
+    let [by_all, by_what_matters] = [ScaleCriterion::All, ScaleCriterion::WhatMatters]
+        .map(|by| found.best(by).map(|b| b.scale));
+    state.criteria_disagree |= by_all != by_what_matters;
+    Some((found.best(state.criterion)?.clone(), starts))
+}
+
+/// What was found with some scales, each with the score of what matters of it.
+#[derive(Default)]
+struct Found(Vec<(ScaleFit, f64)>);
+
+impl Found {
+    fn extend(&mut self, problem: &LinearProblem, found: Option<ScaleFit>, point: &OperatingPoint) {
+        self.0.extend(found.map(|found| {
+            let score = if problem.observations.comparison.seeks_change() {
+                found.estimate.score
+            } else {
+                let metric = problem.marginalised(found.scale, &found.inflated);
+                prune(&metric, found.estimate.clone(), point).score
+            };
+            (found, score)
+        }));
+    }
+
+    fn best(&self, by: ScaleCriterion) -> Option<&ScaleFit> {
+        let score = |(found, of_what_matters): &(ScaleFit, f64)| match by {
+            ScaleCriterion::All => found.estimate.score,
+            ScaleCriterion::WhatMatters => *of_what_matters,
+        };
+        self.0.iter().min_by(|a, b| score(a).total_cmp(&score(b))).map(|(found, _)| found)
+    }
+}
+
+pub(crate) fn keep_better(best: &mut Option<ScaleFit>, found: Option<ScaleFit>) {
+    if let Some(found) = found
+        && best.as_ref().is_none_or(|b| found.estimate.score < b.estimate.score)
+    {
+        *best = Some(found);
+    }
+}
+
+/// The best estimate at one scale, with ripples and contacts scanned on what is left until nothing new
+/// comes.
+pub(crate) fn laws_at(
+    scale: f64,
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    ripple: &RippleColumns,
+    contact: &ContactColumns,
+    problem: &mut LinearProblem,
+    starts: &mut Vec<Vec<usize>>,
+    state: &SearchState,
+) -> Option<ScaleFit> {
+    let mut found = None;
+    for round in 0..ROUNDS {
+        let now = search_at(scale, problem, starts, state)?;
+        let metric = problem.marginalised(scale, &now.inflated);
+        let mut residuals = vec![metric.residual(&now.estimate.fit)];
+        if round == 0 {
+            residuals.extend(fit_set(&metric, Vec::new()).map(|a| metric.residual(&a.fit)));
+        }
+        let mut offered = Vec::new();
+        for residual in &residuals {
+            offered.extend(ripple.offer(design, at, problem, residual));
+            offered.extend(contact.offer(design, problem, residual));
+        }
+        starts.push(now.estimate.set.clone());
+        found = Some(now);
+        if offered.is_empty() {
+            break;
+        }
+        starts.extend(offered.iter().map(|g| vec![*g]));
+    }
+    found
+}
+
+pub(crate) fn search_at(
+    scale: f64,
+    problem: &LinearProblem,
+    starts: &[Vec<usize>],
+    state: &SearchState,
+) -> Option<ScaleFit> {
+    let banned = banned(problem, state, scale);
+    let found = search(&problem.marginalised(scale, &[]), starts, &banned)?;
+    Some(with_inflated_links(problem, scale, found, starts, &banned))
+}
+
+/// Places of a scale and of those beside it.
+fn neighbours(scale: f64) -> Vec<usize> {
+    let at = SCALES.iter().position(|s| *s == scale).unwrap_or(0);
+    (at.saturating_sub(1)..(at + 2).min(SCALES.len())).collect()
+}
+
+/// Groups that may not be named: ripples of no whole order, and single links where all links are
+/// uncertain, which wrong bodies stand for.
+fn banned(problem: &LinearProblem, state: &SearchState, scale: f64) -> HashSet<usize> {
+    (0..problem.candidates.len())
+        .filter(|&g| {
+            let candidate = &problem.candidates[g];
+            (candidate.slug() == "torque_ripple"
+                && state.no_ripple.contains(&candidate.location.joints[0]))
+                || (scale > 0.0
+                    && !problem.observations.comparison.seeks_change()
+                    && candidate.slug() == "link_inertia_error")
+                || candidate
+                    .location
+                    .window
+                    .is_some_and(|(r, _)| r < problem.observations.comparison.first_judged())
+        })
+        .collect()
+}
+
+/// Whether single links are called wrong by errors larger than those of all others: where a change is sought, a link that
+/// changed is a law like the others.
+pub(crate) fn may_be_inflated(problem: &LinearProblem, scale: f64) -> bool {
+    scale > 0.0 && scale <= ALL_LINKS_WRONG && !problem.observations.comparison.seeks_change()
+}
+
+/// Scores of a set with a further link whose body is wrong: each link, in every size of its errors.
+pub(crate) fn with_one_more(
+    problem: &LinearProblem,
+    scale: f64,
+    set: &[usize],
+    inflated: &[InflatedLink],
+) -> Vec<(Vec<InflatedLink>, f64)> {
+    let right =
+        (0..problem.link_error_prior.links).filter(|l| inflated.iter().all(|body| body.link != *l));
+    let bodies: Vec<InflatedLink> =
+        right.flat_map(|link| TIMES.map(|times| InflatedLink { link, times })).collect();
+    // the columns of the set alone: errors of every size are integrated out of them
+    let (small, set) = problem.restricted(set);
+    let with = |body: &InflatedLink| {
+        let inflated = [inflated, &[*body]].concat();
+        let score = fit_set(&small.marginalised(scale, &inflated), set.clone())?.score;
+        Some((inflated, score))
+    };
+    bodies.par_iter().filter_map(with).collect()
+}
+
+/// Lets the errors of single links be larger than those of all others, as long as that is a shorter
+/// description.
+fn with_inflated_links(
+    problem: &LinearProblem,
+    scale: f64,
+    mut found: Estimate,
+    starts: &[Vec<usize>],
+    banned: &HashSet<usize>,
+) -> ScaleFit {
+    let mut inflated = Vec::new();
+    if may_be_inflated(problem, scale) {
+        while inflated.len() < MOST_INFLATED_LINKS {
+            let trials = with_one_more(problem, scale, &found.set, &inflated);
+            let least = trials.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((trial, score)) = least else { break };
+            if score >= found.score {
+                break;
+            }
+            let metric = problem.marginalised(scale, &trial);
+            let starts = [starts, &[found.set.clone()]].concat();
+            let Some(next) = search(&metric, &starts, banned) else { break };
+            (found, inflated) = (next, trial);
+        }
+    }
+    ScaleFit { scale, inflated, estimate: found }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_arms::{design, ur5};
+
+    /// What does not matter gives a size the shortest estimate, until it has gone.
+    #[test]
+    fn a_size_is_chosen_by_all_that_seems_there_or_by_what_matters_of_it() {
+        let chain = ur5();
+        let design = design(&chain, &chain, |j, v| if j == 1 { 2.0 * v.signum() } else { 0.0 });
+        let point = OperatingPoint::of(design.joints());
+        let problem = design.problem(&point);
+        let of = |slug: &str, joint: usize| {
+            let is = |g: &Candidate| g.slug() == slug && g.location.joints == [joint];
+            problem.candidates.iter().position(is).unwrap()
+        };
+        let (coulomb, idle) = (of("coulomb_friction", 1), of("viscous_friction", 4));
+        let with = |scale: f64, set: Vec<usize>| {
+            let estimate = fit_set(&problem.marginalised(scale, &[]), set).unwrap();
+            ScaleFit { scale, inflated: Vec::new(), estimate }
+        };
+        let mut found = Found::default();
+        // by its score the longer one would be the better one
+        let mut flattered = with(0.03, vec![coulomb, idle]);
+        let other = with(0.0, vec![coulomb]);
+        flattered.estimate.score = other.estimate.score - 1.0;
+        found.extend(&problem, Some(flattered), &point);
+        found.extend(&problem, Some(other), &point);
+        assert_eq!(found.best(ScaleCriterion::All).unwrap().scale, 0.03);
+        assert_eq!(found.best(ScaleCriterion::WhatMatters).unwrap().scale, 0.0);
+    }
+}

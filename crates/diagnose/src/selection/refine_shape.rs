@@ -1,0 +1,266 @@
+//! Constants that were tried on a grid, polished; and candidates formed again in another problem.
+
+use crate::design::rebuild::{continuous, known, recreate};
+use crate::design::transmission::push_transmission;
+use std::collections::{HashMap, HashSet};
+
+use crate::design::candidate::Candidate;
+use crate::design::compliant_link::Posed;
+use crate::design::contact::ContactColumns;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::regression::admissible::all_admissible;
+use crate::regression::elimination::{InflatedLink, NuisanceElimination};
+use crate::regression::fit_set::{Estimate, fit_set};
+use crate::regression::marginalised::Marginalised;
+use crate::selection::cross_validation::with_baseline_terms_of;
+use crate::selection::prior_scale::SearchState;
+use armident_model::Load;
+
+/// Share of an order that a ripple of a rotational joint may be off a whole number.
+const WHOLE_ORDER: f64 = 0.12;
+/// Share of the first step of a constant with which one goes on that was polished before: steps that improve are repeated,
+/// so that it gets as far as it has to.
+const POLISHED: f64 = 0.125;
+
+/// Polishes the constants that were tried on a grid. Everyday terms of the same joints are fitted beside them, with any
+/// sign: what is too small to be named would otherwise be made up for by the constants.
+pub(crate) fn refine(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    contact: &ContactColumns,
+    problem: &mut LinearProblem,
+    (scale, inflated): (f64, &[InflatedLink]),
+    state: &mut SearchState,
+    found: Estimate,
+    polished: impl Fn(&Candidate) -> bool,
+) -> Estimate {
+    let named = found.set.len();
+    let unnamed = baseline_beside(problem, (scale, inflated), &found, &polished);
+    // a problem of the estimate's columns alone: trials are then cheap
+    let (small, set) = problem.restricted(&[&found.set[..], &unnamed].concat());
+    let mut elimination = small.elimination(scale, inflated);
+    let best = fit_named(&small.marginalised_by(&mut elimination), set, named);
+    let Some(best) = best else { return found };
+    let near = HashMap::new();
+    let mut trials = Trials { design, at, contact, small, elimination, best, named, near };
+    for round in 0..2 {
+        for k in 0..named {
+            let candidate = trials.candidate(k).clone();
+            if !polished(&candidate) {
+                continue;
+            }
+            let again = round > 0 || known(state.polished.iter(), &candidate).is_some();
+            if !again {
+                for shape in beside(&candidate) {
+                    trials.improved_by(k, &Candidate { shape, ..candidate.clone() });
+                }
+            }
+            for c in 0..continuous(&candidate) {
+                let (mut step, smallest, relative) = step_of(&candidate, c);
+                if again {
+                    step *= POLISHED;
+                }
+                while step > smallest {
+                    let moved = |sign: f64| {
+                        let mut trial = trials.candidate(k).clone();
+                        if relative {
+                            trial.shape[c] *= 1.0 + sign * step;
+                        } else {
+                            trial.shape[c] += sign * step;
+                        }
+                        if let Some((_, window)) = &mut trial.location.window {
+                            window[c] = trial.shape[c];
+                        }
+                        let long = |(_, window): &(usize, [f64; 2])| window[1] - window[0] >= step;
+                        trial.location.window.as_ref().is_none_or(long).then_some(trial)
+                    };
+                    let both = [moved(-1.0), moved(1.0)];
+                    if !both.iter().flatten().any(|trial| trials.improved_by(k, trial)) {
+                        step *= 0.5;
+                    }
+                }
+            }
+        }
+    }
+    // back to the full problem
+    let Trials { small, best, .. } = trials;
+    let best = best.set[..named].iter().map(|g| &small.candidates[*g]);
+    let set: Vec<usize> =
+        best.clone().filter_map(|g| recreate(design, at, contact, problem, g)).collect();
+    let new = best.filter(|g| polished(g) && continuous(g) > 0);
+    state.polished.extend(new.cloned());
+    fit_set(&problem.marginalised(scale, inflated), set).unwrap_or(found)
+}
+
+/// An estimate, and what to try in its place.
+struct Trials<'a, 'e> {
+    design: &'a Design<'e>,
+    at: &'a [Posed<'e>],
+    contact: &'a ContactColumns,
+    small: LinearProblem,
+    elimination: NuisanceElimination,
+    best: Estimate,
+    /// so many candidates of the estimate have a name; the others stand beside them
+    named: usize,
+    /// loads on links that moved last, by joint and recording
+    near: HashMap<usize, Vec<Option<Load>>>,
+}
+
+/// Fits a set in its order, of which the first candidates have a name; none where it cannot be fitted or these are not
+/// admissible.
+fn fit_named(metric: &Marginalised<'_>, set: Vec<usize>, named: usize) -> Option<Estimate> {
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    all_admissible(metric.problem, &set[..named], &fit).then(|| {
+        let score = metric.score(fit.sum_of_squares, count, &set);
+        Estimate { set, fit, score }
+    })
+}
+
+/// Everyday terms of the joints on which constants of laws of one joint are polished, where these are admissible. Not
+/// beside a coupling: friction of its two joints with any sign is a coupling of another ratio (on a TX40 it took the
+/// ratio of the wrist from 0.93 to 0.66, and half of what was gained).
+fn baseline_beside(
+    problem: &LinearProblem,
+    (scale, inflated): (f64, &[InflatedLink]),
+    found: &Estimate,
+    polished: impl Fn(&Candidate) -> bool,
+) -> Vec<usize> {
+    let candidates = &problem.candidates;
+    let shaped: HashSet<usize> = found
+        .set
+        .iter()
+        .map(|g| &candidates[*g])
+        .filter(|candidate| polished(candidate) && !candidate.shape.is_empty())
+        .filter(|candidate| candidate.location.joints.len() == 1)
+        .flat_map(|candidate| candidate.location.joints.iter().copied())
+        .collect();
+    if shaped.is_empty() || problem.observations.comparison.seeks_change() {
+        return Vec::new();
+    }
+    let mut all = with_baseline_terms_of(&problem.marginalised(scale, inflated), found);
+    all.retain(|g| {
+        !found.set.contains(g) && candidates[*g].location.joints.iter().all(|j| shaped.contains(j))
+    });
+    all
+}
+
+impl Trials<'_, '_> {
+    /// The trial in the small problem.
+    fn formed(&mut self, trial: &Candidate) -> Option<usize> {
+        let (design, at, small) = (self.design, self.at, &mut self.small);
+        if !trial.moves_its_link() {
+            return recreate(design, at, self.contact, small, trial);
+        }
+        let (joint, slug) = (trial.location.joints[0], trial.slug());
+        let near = self.near.entry(joint).or_default();
+        known(small.candidates.iter(), trial)
+            .or_else(|| push_transmission(design, at, small, slug, joint, &trial.shape, near))
+    }
+
+    /// Candidate in this place of the estimate.
+    fn candidate(&self, k: usize) -> &Candidate {
+        &self.small.candidates[self.best.set[k]]
+    }
+
+    /// Takes another candidate in a place of the estimate, if the score is better by it.
+    fn improved_by(&mut self, k: usize, trial: &Candidate) -> bool {
+        let mark = self.small.mark();
+        let id = self.formed(trial);
+        let next = id.and_then(|id| {
+            let mut set = self.best.set.clone();
+            set[k] = id;
+            let metric = self.small.marginalised_by(&mut self.elimination);
+            fit_named(&metric, set, self.named)
+        });
+        match next.filter(|next| next.score < self.best.score - 1e-3) {
+            Some(next) => {
+                self.best = next;
+                true
+            }
+            None => {
+                self.small.back_to(mark);
+                self.elimination.truncate(mark.columns);
+                false
+            }
+        }
+    }
+}
+
+/// Shapes around one that are tried before it is polished: a spring that hardly damps rings in step with the recordings
+/// in a narrow band of stiffness only, beside which the discrepancy has a bottom of its own, at a damping that is too high.
+fn beside(candidate: &Candidate) -> Vec<Vec<f64>> {
+    /// Stiffness over that of the shape, 2 % of the resonance apart, and damping over it.
+    const STIFFNESSES: [f64; 11] = [0.8, 0.84, 0.88, 0.92, 0.96, 1.0, 1.04, 1.08, 1.12, 1.16, 1.2];
+    const DAMPINGS: [f64; 2] = [0.5, 0.2];
+    // a spring too stiff to ring in the band has no shape
+    let ("joint_elasticity", &[stiffness, damping]) =
+        (candidate.slug(), candidate.shape.as_slice())
+    else {
+        return Vec::new();
+    };
+    let all = DAMPINGS.iter().flat_map(|d| STIFFNESSES.map(|k| vec![k * stiffness, d * damping]));
+    all.collect()
+}
+
+/// First step of a constant, the smallest, and whether they are relative.
+fn step_of(candidate: &Candidate, constant: usize) -> (f64, f64, bool) {
+    match candidate.slug() {
+        // the damping of a spring is not known within a factor
+        "joint_elasticity" if constant == 1 => (0.6, 0.01, true),
+        "joint_elasticity" => (0.16, 0.001, true),
+        "external_contact" => (0.16, 0.01, false),
+        "torque_ripple" => (0.25, 0.01, false),
+        "joint_coupling" => (0.1, 0.002, true),
+        _ => (0.16, 0.005, true),
+    }
+}
+
+/// Joints whose ripple ended at an order that is no whole number.
+pub(crate) fn fractional_ripples(
+    design: &Design<'_>,
+    problem: &LinearProblem,
+    found: &Estimate,
+) -> Vec<usize> {
+    found
+        .set
+        .iter()
+        .map(|g| &problem.candidates[*g])
+        .filter(|g| {
+            g.slug() == "torque_ripple"
+                && design.chain.joints[g.location.joints[0]].kind.is_rotational()
+        })
+        .filter(|g| (g.shape[0] - g.shape[0].round()).abs() > WHOLE_ORDER)
+        .map(|g| g.location.joints[0])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::selection::prior_scale::ScaleCriterion;
+    use crate::test_arms::{STRIBECK, rubbing, stribeck, ur5};
+    use armident_model::OperatingPoint;
+
+    /// Viscous friction that nobody names does not change the speed that friction falls in.
+    #[test]
+    fn what_is_not_named_is_not_made_up_for() {
+        let chain = ur5();
+        let design = rubbing(&chain, 0.3);
+        let point = OperatingPoint::of(design.joints());
+        let at = design.at(&point);
+        let contact = ContactColumns::new(&design, &at);
+        let mut problem = design.problem(&point);
+        let start = stribeck(&design, &at, &mut problem, 0.2);
+        let found = fit_set(&problem.marginalised(0.0, &[]), vec![start]).unwrap();
+        let all = |_: &Candidate| true;
+        let mut state = SearchState::new(ScaleCriterion::All);
+        let found =
+            refine(&design, &at, &contact, &mut problem, (0.0, &[]), &mut state, found, all);
+        let [candidate] = found.set[..] else { panic!("{:?}", found.set) };
+        let speed = problem.candidates[candidate].shape[0];
+        assert!((speed / STRIBECK[2] - 1.0).abs() < 0.015, "{speed}");
+    }
+}

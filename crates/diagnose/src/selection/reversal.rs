@@ -1,0 +1,197 @@
+//! How dry friction turns: a drive train that winds up first reverses its friction over some hundredths, sometimes a
+//! third of the working speed, or over some thousandths of a radian, a stiff one at once.
+//!
+//! Names are found with friction that turns at once. How it turns is tried afterwards, by blocks that were not fitted: it
+//! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
+
+use armident_effects::{LIBRARY, MotionScale, Place, Scope, Turn};
+use armident_model::{OperatingPoint, SHARP};
+
+use crate::design::candidate::Candidate;
+use crate::design::compliant_link::Posed;
+use crate::design::contact::ContactColumns;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::rebuild::recreate;
+use crate::regression::fit_set::fit_set;
+use crate::regression::folds::fold_errors;
+use crate::selection::cross_validation::{confirm, in_standard_errors, with_baseline_terms_of};
+use crate::selection::materiality::prune;
+use crate::selection::solution::Selection;
+
+/// Speeds below which the direction fades that are tried, as shares of the root mean square speed; travels are
+/// [`Turn::TRAVEL_SHARES`].
+const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
+/// Stretches that were not fitted must say so by this many standard errors; by more on joints that rest somewhere, whose
+/// friction is known to hold them, and to be sharp where it breaks away.
+const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
+const LEAST_GAIN_WITH_RESTS: f64 = 2.0;
+
+/// The selection with friction that does not turn at once where that explains more; none where it does nowhere.
+pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Option<Selection> {
+    let point = OperatingPoint { turns: turns_shown(design, of)?, ..of.point.clone() };
+    let at = design.at(&point);
+    let contact = ContactColumns::new(design, &at);
+    let mut problem = design.problem(&point);
+    let candidates = of.estimate.set.iter().map(|g| &of.problem.candidates[*g]);
+    let set = candidates
+        .map(|g| recreate(design, &at, &contact, &mut problem, g))
+        .collect::<Option<_>>()?;
+    let metric = problem.marginalised(of.scale, &of.inflated);
+    let found = prune(&metric, fit_set(&metric, set)?, &point);
+    let found = confirm(&metric, found, &point);
+    drop(metric);
+    let inconclusive = Vec::new();
+    Some(Selection {
+        problem,
+        estimate: found,
+        scale: of.scale,
+        inflated: of.inflated.clone(),
+        point,
+        inconclusive,
+    })
+}
+
+/// By joint; none where friction turns at once on all of them.
+fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
+    let set = with_baseline_terms_of(&of.metric(), &of.estimate);
+    let (small, set) = of.problem.restricted(&set);
+    let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.candidates[*g])).collect();
+    if dry.is_empty() {
+        return None;
+    }
+    let errors =
+        |problem: &LinearProblem, set: &[usize]| fold_errors(problem, set, of.scale, &of.inflated);
+    let sharp = errors(&small, &set);
+    let mut best = vec![(0.0, SHARP); design.joints()];
+    for share in
+        SPEED_SHARES.map(Turn::Speed).into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel))
+    {
+        let on_joint = |scale: &MotionScale| match share {
+            Turn::Speed(share) => Turn::Speed(share * scale.speed_rms),
+            Turn::Travel(share) => Turn::Travel(share * scale.position_deviation),
+        };
+        let turns: Vec<Turn> = design.scale.iter().map(on_joint).collect();
+        let at = design.at(&OperatingPoint { turns: turns.clone(), ..of.point.clone() });
+        let mut problem = small.clone();
+        let set: Vec<usize> = set
+            .iter()
+            .map(|&g| match dry.contains(&g) {
+                true => turned(design, &at, &mut problem, g),
+                false => Some(g),
+            })
+            .collect::<Option<_>>()?;
+        let turned = errors(&problem, &set);
+        for j in 0..design.joints() {
+            let gains: Vec<f64> =
+                sharp.iter().zip(&turned).map(|(s, t)| (s[j] / t[j]).ln()).collect();
+            if gains.iter().any(|gain| !gain.is_finite()) {
+                continue;
+            }
+            let mean = gains.iter().sum::<f64>() / gains.len() as f64;
+            if mean > best[j].0 && in_standard_errors(&gains) > least_gain(design, j) {
+                best[j] = (mean, turns[j]);
+            }
+        }
+    }
+    best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, turn)| *turn).collect())
+}
+
+/// By how many standard errors blocks that were not fitted must say how friction of a joint turns.
+fn least_gain(design: &Design<'_>, joint: usize) -> f64 {
+    match design.signals.iter().any(|s| s.rests(joint)) {
+        true => LEAST_GAIN_WITH_RESTS,
+        false => LEAST_GAIN_IN_ERRORS,
+    }
+}
+
+/// Whether a candidate is dry friction of one joint.
+fn is_dry(candidate: &Candidate) -> bool {
+    candidate.places.contains(&Place::Dry)
+        && candidate.location.joints.len() == 1
+        && law_of(candidate).is_some()
+}
+
+fn law_of(candidate: &Candidate) -> Option<&'static dyn armident_effects::Effect> {
+    let law = LIBRARY.iter().find(|law| law.law().slug == candidate.slug())?;
+    (law.law().scope == Scope::Joint).then_some(*law)
+}
+
+/// The candidate with friction as it is at these recordings, added to a problem.
+fn turned(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    problem: &mut LinearProblem,
+    candidate: usize,
+) -> Option<usize> {
+    let of = problem.candidates[candidate].clone();
+    design.push_joint_law(problem, at, law_of(&of)?, of.location.joints[0], &of.shape)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::test_arms::{design, ur5};
+
+    /// Coulomb friction of the first two joints, which turns at once.
+    fn with_coulomb_friction(design: &Design<'_>) -> Selection {
+        let point = OperatingPoint::of(design.joints());
+        let problem = design.problem(&point);
+        let coulomb = |joint: usize| {
+            let is = |g: &Candidate| g.slug() == "coulomb_friction" && g.location.joints == [joint];
+            problem.candidates.iter().position(is).unwrap()
+        };
+        let set = vec![coulomb(0), coulomb(1)];
+        let found = fit_set(&problem.marginalised(0.0, &[]), set).unwrap();
+        let (inflated, inconclusive) = (Vec::new(), Vec::new());
+        Selection { problem, estimate: found, scale: 0.0, inflated, point, inconclusive }
+    }
+
+    /// Of two joints with Coulomb friction, one turns it within 0.04 rad/s (a tenth of its speed), the other at once.
+    #[test]
+    fn a_joint_that_winds_up_is_told_from_a_stiff_one() {
+        let chain = ur5();
+        let design = design(&chain, &chain, |j, v| match j {
+            0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
+            1 => 4.0 * v.signum(),
+            _ => 0.0,
+        });
+        let sharp = with_coulomb_friction(&design);
+        let regularised_sign = with_reversal_models(&design, &sharp).unwrap();
+        let turns = &regularised_sign.point.turns;
+        let Turn::Speed(speed) = turns[0] else { panic!("{turns:?}") };
+        assert!((0.02..0.05).contains(&speed) && turns[1].speed() < 0.02, "{turns:?}");
+        let level = |of: &Selection| {
+            of.estimate.fit.of_candidate(&of.problem.candidates[of.estimate.set[0]])[0]
+        };
+        assert!((level(&regularised_sign) - 4.0).abs() < 0.02, "{}", level(&regularised_sign));
+        assert!((level(&sharp) - 4.0).abs() > (level(&regularised_sign) - 4.0).abs());
+    }
+
+    /// Of two joints with Coulomb friction, one builds it up over 4 mrad, the other at once.
+    #[test]
+    fn friction_that_builds_up_over_a_travel_is_told() {
+        const TRAVEL_RAD: f64 = 0.004;
+        const STEP_S: f64 = 1.0 / 200.0;
+        let chain = ur5();
+        // samples come in the order of time
+        let deflection = Cell::new(0.0);
+        let design = design(&chain, &chain, |j, v| match j {
+            0 => {
+                let side = v.signum();
+                let left = (-(v * STEP_S / TRAVEL_RAD).abs()).exp();
+                deflection.set(side + (deflection.get() - side) * left);
+                4.0 * deflection.get()
+            }
+            1 => 4.0 * v.signum(),
+            _ => 0.0,
+        });
+        let sharp = with_coulomb_friction(&design);
+        let turned = with_reversal_models(&design, &sharp).unwrap();
+        let turns = &turned.point.turns;
+        assert!((0.5..2.0).contains(&(turns[0].travel() / TRAVEL_RAD)), "{turns:?}");
+        assert!(turns[1].travel() < 1e-3, "{turns:?}");
+    }
+}

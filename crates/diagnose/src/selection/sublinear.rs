@@ -1,0 +1,158 @@
+//! Friction that grows more slowly than the speed, beside what was named.
+//!
+//! Names and their numbers are found with a line over the speed. A line through friction that bends errs at low and at high
+//! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from block to block,
+//! and blocks that were not fitted are explained no worse: as `identify` chooses it.
+
+use armident_effects::SublinearViscousFriction;
+use armident_ident::student_t_975;
+
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
+use crate::regression::folds::{LEFT_OUT_PER_RECORDING, fold_errors, time_blocks};
+use crate::regression::marginalised::Marginalised;
+use crate::selection::cross_validation::Predictor;
+use crate::selection::solution::Selection;
+use crate::uncertainty::jackknife::Jackknife;
+
+/// What predicts best with bends on the joints that show one, and the problem that has their candidates behind those of the
+/// selection; none where no joint does.
+pub(crate) fn with_sublinear_friction(
+    design: &Design<'_>,
+    selection: &Selection,
+    best: &Predictor,
+) -> Option<(LinearProblem, Predictor)> {
+    let Predictor { estimate, scale } = best;
+    let scale = *scale;
+    let at = design.at(&selection.point);
+    let push = |problem: &mut LinearProblem, joint: usize| {
+        design.push_joint_law(problem, &at, &SublinearViscousFriction, joint, &[])
+    };
+    let of = |problem: &LinearProblem, estimate: &Estimate, bends: &[usize]| {
+        beside(&problem.marginalised(scale, &selection.inflated), estimate, bends)
+    };
+    let joints = {
+        let (mut small, set) = selection.problem.restricted(&estimate.set);
+        let estimate = fit_set(&small.marginalised(scale, &selection.inflated), set)?;
+        let recorded: Vec<usize> =
+            (0..design.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
+        let bends: Vec<usize> =
+            recorded.into_iter().filter_map(|joint| push(&mut small, joint)).collect();
+        sublinear_joints(&small, &estimate, &bends, (scale, &selection.inflated))?
+    };
+    let mut problem = selection.problem.clone();
+    let bends: Vec<usize> = joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
+    let estimate = of(&problem, estimate, &bends)?;
+    Some((problem, Predictor { estimate, scale }))
+}
+
+/// Joints of bends that are shown beside an estimate.
+fn sublinear_joints(
+    problem: &LinearProblem,
+    estimate: &Estimate,
+    bends: &[usize],
+    (scale, inflated): (f64, &[InflatedLink]),
+) -> Option<Vec<usize>> {
+    let metric = problem.marginalised(scale, inflated);
+    let with = |bends: &[usize]| beside(&metric, estimate, bends);
+    let is_possible =
+        |bend: &usize| may_be_sublinear(problem, estimate, *bend) && with(&[*bend]).is_some();
+    let possible: Vec<usize> = bends.iter().copied().filter(is_possible).collect();
+    let all = with(&possible)?;
+    let jackknife = Jackknife::of(&metric, &all);
+    let starts = &problem.observations.starts;
+    let quantile = student_t_975(time_blocks(starts, LEFT_OUT_PER_RECORDING).len() as f64 - 1.0);
+    let errors = |set: &[usize]| fold_errors(problem, set, scale, inflated);
+    let (before, after) = (errors(&estimate.set), errors(&all.set));
+    let shown = |bend: &usize| {
+        let candidate = &problem.candidates[*bend];
+        let (covariance, _) = jackknife.covariance(&metric, &all, candidate);
+        let in_errors = all.fit.of_candidate(candidate)[0] / covariance[0][0].sqrt();
+        let joint = candidate.location.joints[0];
+        let gain: f64 = before.iter().zip(&after).map(|(b, a)| (b[joint] / a[joint]).ln()).sum();
+        (in_errors > quantile && gain > 0.0).then_some(joint)
+    };
+    let there = possible.iter().filter(|bend| all.set.contains(bend));
+    let joints: Vec<usize> = there.filter_map(shown).collect();
+    (!joints.is_empty()).then_some(joints)
+}
+
+/// The estimate with bends that have the right sign, in the place of viscous friction where that has the wrong one beside
+/// them; none where something else has.
+fn beside(metric: &Marginalised<'_>, estimate: &Estimate, bends: &[usize]) -> Option<Estimate> {
+    let candidates = &metric.problem.candidates;
+    let gives_way = |g: &usize| {
+        candidates[*g].slug() == "viscous_friction"
+            && bends.iter().any(|bend| candidates[*bend].location == candidates[*g].location)
+    };
+    let stays: Vec<usize> = estimate.set.iter().copied().filter(|g| !gives_way(g)).collect();
+    admissible_part(metric, [&estimate.set[..], bends].concat(), &stays)
+}
+
+/// Whether friction of the joint may bend beside an estimate: what is named may have its place, and Stribeck friction bends
+/// at a speed of its own.
+fn may_be_sublinear(problem: &LinearProblem, estimate: &Estimate, bend: usize) -> bool {
+    let bend = &problem.candidates[bend];
+    let bends_by_itself = |other: &Candidate| {
+        let is_description = matches!(other.kind, CandidateKind::SmoothDirections(_));
+        other.location == bend.location && (other.slug() == "stribeck_friction" || is_description)
+    };
+    let mut others = estimate.set.iter().map(|g| &problem.candidates[*g]);
+    !others.any(|other| other.excludes(bend) || bends_by_itself(other))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_arms::{design, ur5};
+    use armident_model::OperatingPoint;
+    use armident_model::is_bend;
+
+    /// Of two joints whose friction grows with the speed one bends; names stay a line's.
+    #[test]
+    fn friction_that_bends_is_told_from_a_line() {
+        const BENDS: usize = 0;
+        let chain = ur5();
+        let design = design(&chain, &chain, |j, v| match j {
+            BENDS => 2.0 * v.signum() + 3.0 * v.signum() * v.abs().sqrt(),
+            1 => 2.0 * v.signum() + 3.0 * v,
+            _ => 0.0,
+        });
+        let point = OperatingPoint::of(design.joints());
+        let problem = design.problem(&point);
+        let of = |slug: &str, joint: usize| {
+            let is = |g: &Candidate| g.slug() == slug && g.location.joints == [joint];
+            problem.candidates.iter().position(is).unwrap()
+        };
+        let named = ["viscous_friction", "coulomb_friction"];
+        let set = named.iter().flat_map(|slug| [of(slug, 0), of(slug, 1)]).collect();
+        let viscous = of("viscous_friction", BENDS);
+        let estimate = fit_set(&problem.marginalised(0.0, &[]), set).unwrap();
+        let best = Predictor { estimate: estimate.clone(), scale: 0.0 };
+        let (inflated, inconclusive) = (Vec::new(), Vec::new());
+        let selection = Selection { problem, estimate, scale: 0.0, inflated, point, inconclusive };
+
+        let (problem, sublinear) = with_sublinear_friction(&design, &selection, &best).unwrap();
+        let bends: Vec<&Candidate> = sublinear
+            .estimate
+            .set
+            .iter()
+            .map(|g| &problem.candidates[*g])
+            .filter(|g| is_bend(g.slug()))
+            .collect();
+        let [bend] = bends[..] else { panic!("{bends:?}") };
+        assert_eq!(bend.location.joints, [BENDS]);
+        let coefficient = sublinear.estimate.fit.of_candidate(bend)[0];
+        assert!((coefficient - 3.0).abs() < 0.05, "{coefficient}");
+
+        // without the friction that was named its bend goes as well
+        let metric = problem.marginalised(0.0, &[]);
+        let rest = selection.estimate.set.iter().copied().filter(|g| *g != viscous).collect();
+        let without = fit_set(&metric, rest).unwrap();
+        let model = sublinear.beside(&metric, &selection.estimate, &without).unwrap();
+        assert!(model.set.iter().all(|g| !is_bend(problem.candidates[*g].slug())));
+    }
+}

@@ -1,0 +1,126 @@
+//! What models leave over more than noise, and how many samples of it are independent.
+
+use armident_numeric::{Cholesky, dot, gram_of_columns};
+use rayon::prelude::*;
+
+use crate::design::compliant_link::Posed;
+use crate::design::design::Design;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::smooth;
+use crate::regression::fit_set::Estimate;
+use crate::regression::marginalised::Marginalised;
+
+/// A joint that leaves over more than this many times its noise has an imperfect model, which then
+/// weighs less; and changes of its discrepancy (logarithm) that no longer matter.
+const CLEAR_DISCREPANCY: f64 = 1.5;
+
+/// What all columns of the library together leave over on each joint, each joint by itself, and how much of
+/// the sample is left beside so many columns.
+fn left_by_all(problem: &LinearProblem) -> Vec<Option<(Vec<f64>, f64)>> {
+    const HOLD: f64 = 1e-6;
+    (0..problem.observations.joints())
+        .into_par_iter()
+        .map(|j| {
+            let blocks: Vec<&[f64]> = problem
+                .columns
+                .iter()
+                .map(|c| c[j].as_slice())
+                .filter(|c| c.iter().any(|x| *x != 0.0))
+                .collect();
+            let effort = &problem.effort[j];
+            let gram = gram_of_columns(&blocks);
+            let norm: Vec<f64> = (0..blocks.len()).map(|k| gram[(k, k)].sqrt()).collect();
+            let cholesky = Cholesky::of(blocks.len(), |a, b| {
+                gram[(a, b)] / (norm[a] * norm[b]) + if a == b { HOLD } else { 0.0 }
+            })?;
+            let rhs: Vec<f64> = blocks.iter().zip(&norm).map(|(c, n)| dot(c, effort) / n).collect();
+            let solution = cholesky.solve(&rhs);
+            let mut residual = effort.clone();
+            for ((column, x), n) in blocks.iter().zip(&solution).zip(&norm) {
+                for (r, c) in residual.iter_mut().zip(*column) {
+                    *r -= x / n * c;
+                }
+            }
+            let samples = effort.len() as f64 * problem.observations.weights.share;
+            // each column takes one independent sample
+            let free = (1.0 - blocks.len() as f64 / samples).max(0.1);
+            Some((residual, free))
+        })
+        .collect()
+}
+
+/// Weights of the rows in which joints stick, from what all columns of the library together leave there.
+pub(crate) fn stuck_weights(problem: &LinearProblem) -> Vec<f64> {
+    let left = left_by_all(problem);
+    let weight = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| match left {
+        Some((residual, _)) => problem.observations.stuck_weight_for(j, residual),
+        None => problem.observations.weights.stuck[j],
+    };
+    left.iter().enumerate().map(weight).collect()
+}
+
+/// What all columns of the library together and a description without a name leave over on each joint, each
+/// joint by itself, in units of its noise: less is not in the reach of any estimate. Clearly more than 1 where
+/// efforts were smoothed before they were recorded, so that the noise above the band says nothing about the
+/// band, and where the joint moves by what is not in its own recording.
+pub(crate) fn initial_discrepancies(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    problem: &LinearProblem,
+) -> Vec<f64> {
+    let discrepancy = |(j, left): (usize, Option<(Vec<f64>, f64)>)| {
+        let Some((residual, free)) = left else { return 1.0 };
+        let left = problem.observations.in_band_noise(j, &residual) / free.sqrt();
+        if left <= CLEAR_DISCREPANCY {
+            return 1.0;
+        }
+        // weighed down by what only a description explains, the joint would not be worth describing
+        let left = left * smooth::least_left(design, at, j, &residual).sqrt();
+        if left > CLEAR_DISCREPANCY { left } else { 1.0 }
+    };
+    left_by_all(problem).into_iter().enumerate().map(discrepancy).collect()
+}
+
+/// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
+/// of rows. The recordings begin at `starts`, whose last is the end. Model errors last longer than noise in the
+/// band does.
+pub(crate) fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz: f64) -> f64 {
+    // as long as a motion lasts; beyond, the estimate is noise
+    const LONGEST_S: f64 = 2.0;
+    let mut time = 0.0;
+    for residual in residual {
+        let square = dot(residual, residual).max(f64::MIN_POSITIVE);
+        let correlation = |lag: usize| -> f64 {
+            let pairs = starts.windows(2).map(|p| &residual[p[0]..p[1]]);
+            pairs
+                .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
+                .sum::<f64>()
+                / square
+        };
+        let lags = (1..(LONGEST_S * rows_hz) as usize).map(correlation);
+        time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
+    }
+    residual.len() as f64 / time
+}
+
+/// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
+pub(crate) fn discrepancies(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
+    let residual = metric.residual(&found.fit);
+    (0..residual.len())
+        .map(|j| {
+            let left = metric.problem.observations.in_band_noise(j, &residual[j]);
+            // only downward: what an estimate has not yet explained must not make it unimportant
+            let left = if left > CLEAR_DISCREPANCY { left } else { 1.0 };
+            left.min(metric.problem.observations.weights.discrepancy[j])
+        })
+        .collect()
+}
+
+/// The same where a change is sought: what is left over after it may be more than the model of the reference is
+/// imperfect by, and a joint on which it is must not decide about the others.
+pub(crate) fn discrepancies_after(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
+    let rows = &metric.problem.observations;
+    let residual = metric.residual(&found.fit);
+    let left = residual.iter().enumerate().map(|(j, residual)| rows.in_band_noise(j, residual));
+    left.zip(&rows.weights.discrepancy_before).map(|(left, before)| left.max(*before)).collect()
+}

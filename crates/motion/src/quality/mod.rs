@@ -1,0 +1,268 @@
+//! How good a recording is: timing, noise, steps, bandwidth, and everything doubtful.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::cutoff::{band_edge_hz, noise_sigma};
+use crate::duplicate_frames::RepeatedFrames;
+use crate::grid::EvenGrid;
+use armident_recording::{
+    Action, Finding, FindingKind, JointChannels, Quantity, Recording, Span, Timing, percent,
+    places, velocity_findings,
+};
+mod stuck;
+
+use stuck::{quantisation_step, saturated, stuck};
+
+/// Positions beyond this are four turns; arms rarely do that, degrees always \[rad\].
+const FAR_POSITION: f64 = 25.0;
+/// Jitter that is told, as a share of the step.
+const SMALLEST_JITTER: f64 = 1e-3;
+/// Rates of two recordings are the same within this share.
+const SAME_RATE: f64 = 0.01;
+
+/// What can be measured of a recording without a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct QualityReport {
+    /// Where the recording comes from.
+    pub source: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// Rate, jitter and gaps of the stamps.
+    pub timing: Timing,
+    /// Each channel, in the order of the recording.
+    pub channels: Vec<ChannelQuality>,
+    /// What reading repaired, then everything else that is doubtful.
+    pub findings: Vec<Finding>,
+}
+
+/// What can be measured of one channel, in its unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelQuality {
+    /// The joint.
+    pub joint: String,
+    /// What is recorded.
+    pub quantity: Quantity,
+    /// Smallest value.
+    pub smallest: f64,
+    /// Largest value.
+    pub largest: f64,
+    /// Standard deviation of the white noise, from the spectrum above a quarter of the sample rate;
+    /// of quantised values the step over √12 at least, once they move by several steps per sample.
+    pub noise: Option<f64>,
+    /// Step in which the values are quantised; none if none can be seen.
+    pub step: Option<f64>,
+    /// Of a position: frequency below which its motion lies \[Hz\], see [`band_edge_hz`].
+    pub band_edge_hz: Option<f64>,
+    /// Share of the samples in flat tops at the largest or smallest value.
+    pub saturated_share: f64,
+    /// Share of the samples that repeat a value although the joint moves.
+    pub stuck_share: f64,
+}
+
+/// Measures a recording and lists what is doubtful in it.
+///
+/// The findings of reading come first. Thresholds, and why:
+///
+/// | finding | from | because |
+/// |---|---|---|
+/// | uneven stamps | 0.1 % of the step beyond the rounding of the stamps | below it resampling changes nothing |
+/// | repeated frames | all channels of all joints equal the frame before, a joint moves steadily before and after | coarse encoders and rest repeat some channels |
+/// | gap | 2.5 median steps | one lost sample with jitter is less |
+/// | stuck | 20 samples and 0.1 s, the joint moves 20 steps of its encoder | shorter repetitions are rounding |
+/// | saturated | 3 flat tops of 5 samples, or one of 10, one of them entered with 4 steps | a smooth peak of 5 samples is entered with 3 at most |
+/// | velocity scale, sign | correlation 0.95, off by 8 % | sensors are calibrated better |
+/// | velocity unrelated | correlation below 0.5 | noisy velocities of slow joints reach 0.6 |
+/// | velocity delay | one sample | a sample is how well stamps are known |
+/// | suspected unit | beyond 25 rad (four turns) | arms rarely do that, degrees always |
+pub fn quality(recording: &Recording) -> QualityReport {
+    let timing = Timing::of(&recording.time_s);
+    // a recording that is mostly gaps has no grid, so no spectrum
+    let grid = EvenGrid::of(recording).ok();
+    let findings = findings_at(recording, &timing);
+    let all: Vec<(&JointChannels, Quantity, &[f64])> = recording
+        .joints
+        .iter()
+        .flat_map(|joint| joint.channels().map(move |(quantity, values)| (joint, quantity, values)))
+        .collect();
+    let channels = all
+        .into_par_iter()
+        .map(|(joint, quantity, values)| {
+            of_channel(joint, quantity, values, grid.as_ref(), &findings)
+        })
+        .collect();
+    let (source, samples) = (recording.source.clone(), recording.len());
+    QualityReport { source, samples, timing, channels, findings }
+}
+
+/// What [`quality`] finds doubtful, without the measures of the channels: a fraction of its time.
+pub fn findings(recording: &Recording) -> Vec<Finding> {
+    findings_at(recording, &Timing::of(&recording.time_s))
+}
+
+/// Share of the samples in which the effort of each joint repeats a value although the joint moves; 0 of joints
+/// that are not recorded.
+pub fn stuck_effort_shares(recording: &Recording, joints: &[&str]) -> Vec<f64> {
+    let timing = Timing::of(&recording.time_s);
+    let of_joint = |name: &&str| {
+        let joint = recording.joints.iter().find(|joint| joint.name == **name);
+        let found = joint.map(|joint| stuck(&recording.time_s, &timing, joint)).unwrap_or_default();
+        let effort = found.iter().find(|finding| finding.quantity == Some(Quantity::Effort));
+        effort.map_or(0.0, |finding| finding.share)
+    };
+    joints.par_iter().map(of_joint).collect()
+}
+
+fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
+    let mut findings = recording.findings.clone();
+    findings.extend(of_stamps(timing, recording.len()));
+    let repeated = RepeatedFrames::of(recording);
+    findings.extend(repeated.map(|repeated| repeated.finding(&recording.time_s)));
+    findings.extend(recording.joints.iter().filter_map(far_position));
+    findings.extend(velocity_findings(recording, timing));
+    let of_joint = |joint: &JointChannels| {
+        let mut of_joint = stuck(&recording.time_s, timing, joint);
+        of_joint.extend(saturated(&recording.time_s, joint));
+        of_joint
+    };
+    let of_joints: Vec<Vec<Finding>> = recording.joints.par_iter().map(of_joint).collect();
+    findings.extend(of_joints.into_iter().flatten());
+    findings
+}
+
+fn of_channel(
+    joint: &JointChannels,
+    quantity: Quantity,
+    values: &[f64],
+    grid: Option<&EvenGrid>,
+    findings: &[Finding],
+) -> ChannelQuality {
+    let share = |kind| {
+        let of_this = |finding: &&Finding| {
+            finding.kind == kind
+                && finding.quantity == Some(quantity)
+                && finding.joint.as_deref() == Some(joint.name.as_str())
+        };
+        findings.iter().find(of_this).map_or(0.0, |finding| finding.share)
+    };
+    let even = grid.map(|grid| (grid.resample(values), grid.rate_hz()));
+    let band_edge_hz = even
+        .as_ref()
+        .filter(|_| quantity == Quantity::Position)
+        .and_then(|(even, rate_hz)| band_edge_hz(even, *rate_hz));
+    ChannelQuality {
+        joint: joint.name.clone(),
+        quantity,
+        smallest: values.iter().copied().fold(f64::MAX, f64::min),
+        largest: values.iter().copied().fold(f64::MIN, f64::max),
+        noise: even.as_ref().and_then(|(even, _)| noise_sigma(even)),
+        step: quantisation_step(values),
+        band_edge_hz,
+        saturated_share: share(FindingKind::Saturated),
+        stuck_share: share(FindingKind::Stuck),
+    }
+}
+
+/// Jitter and gaps.
+fn of_stamps(timing: &Timing, samples: usize) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if !timing.is_even && timing.jitter > SMALLEST_JITTER {
+        let message = format!(
+            "the stamps are uneven: the steps of {:.3} ms vary by {} (standard deviation); motions \
+             are resampled evenly",
+            1e3 * timing.median_step_s,
+            percent(timing.jitter)
+        );
+        let finding = Finding::of_stamps(FindingKind::UnevenStamps, Action::Kept, 1.0);
+        findings.push(finding.saying(message));
+    }
+    if !timing.gaps.is_empty() {
+        let lost_s: f64 = timing.gaps.iter().map(|gap| gap.length_s - timing.median_step_s).sum();
+        let lost = (lost_s / timing.median_step_s).round();
+        let share = lost / (lost + samples as f64);
+        let spans: Vec<Span> = timing
+            .gaps
+            .iter()
+            .map(|gap| Span { from_s: gap.at_s, to_s: gap.at_s + gap.length_s })
+            .collect();
+        let longest_s = timing.gaps.iter().fold(0.0_f64, |longest, gap| longest.max(gap.length_s));
+        let message = format!(
+            "about {lost:.0} samples are lost ({}) in gaps, the longest of {:.1} ms: {}; motions \
+             bridge them",
+            percent(share),
+            1e3 * longest_s,
+            places(&spans)
+        );
+        let finding = Finding::of_stamps(FindingKind::Gap, Action::Kept, share);
+        let advice = "long gaps are straight lines in the motion: split the file there";
+        findings.push(finding.at(spans).saying(message).advising(advice));
+    }
+    findings
+}
+
+fn far_position(joint: &JointChannels) -> Option<Finding> {
+    let position = joint.position.as_deref()?;
+    let farthest = position.iter().fold(0.0_f64, |farthest, x| farthest.max(x.abs()));
+    if farthest <= FAR_POSITION {
+        return None;
+    }
+    let message = format!("reaches {farthest:.1}: in degrees or millimetres, not rad or m?");
+    let finding = Finding::of_channel(
+        FindingKind::SuspectedUnit,
+        Action::Kept,
+        &joint.name,
+        Quantity::Position,
+        1.0,
+    );
+    let advice = "state its unit in a mapping file: unit = \"deg\" or \"mm\"";
+    Some(finding.saying(message).advising(advice))
+}
+
+/// What differs between recordings that are used together: sample rates, joints, channels. The
+/// order of the joints does not matter.
+pub fn differences(recordings: &[Recording]) -> Vec<Finding> {
+    let Some((first, others)) = recordings.split_first() else { return Vec::new() };
+    let mut findings = Vec::new();
+    let rate = |recording: &Recording| Timing::of(&recording.time_s).rate_hz;
+    let of_first = rate(first);
+    let deviates = |recording: &&Recording| (rate(recording) / of_first - 1.0).abs() > SAME_RATE;
+    let odd: Vec<&Recording> = others.iter().filter(deviates).collect();
+    if !odd.is_empty() {
+        let list: Vec<String> = odd
+            .iter()
+            .map(|recording| format!("{:.1} Hz in {}", rate(recording), recording.source))
+            .collect();
+        let message = format!(
+            "the sample rates differ, which is fine: {of_first:.1} Hz in {}, {}",
+            first.source,
+            list.join(", ")
+        );
+        let share = odd.len() as f64 / recordings.len() as f64;
+        let finding = Finding::of_stamps(FindingKind::RatesDiffer, Action::Kept, share);
+        findings.push(finding.saying(message));
+    }
+    let mut channels: Vec<(&str, Quantity)> = Vec::new();
+    for joint in recordings.iter().flat_map(|recording| &recording.joints) {
+        for (quantity, _) in joint.channels() {
+            if !channels.contains(&(joint.name.as_str(), quantity)) {
+                channels.push((&joint.name, quantity));
+            }
+        }
+    }
+    for (joint, quantity) in channels {
+        let lacks = |recording: &&Recording| {
+            recording.joint(joint).is_none_or(|joint| joint.channel(quantity).is_none())
+        };
+        let lacking: Vec<&str> =
+            recordings.iter().filter(lacks).map(|recording| recording.source.as_str()).collect();
+        if lacking.is_empty() {
+            continue;
+        }
+        let share = lacking.len() as f64 / recordings.len() as f64;
+        let message = format!("is not recorded in {}", lacking.join(", "));
+        let finding =
+            Finding::of_channel(FindingKind::ChannelsDiffer, Action::Kept, joint, quantity, share);
+        findings.push(finding.saying(message));
+    }
+    findings
+}
