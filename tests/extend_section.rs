@@ -2,7 +2,6 @@
 //! content on the page.
 
 use armident_diagnose::diagnose;
-
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_model::ArmModel;
 use armident_report::{

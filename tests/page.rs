@@ -230,7 +230,7 @@ fn older_results_are_rendered() {
             "recording": null, "parameters": {"level": {"value": 2.5, "stderr": 0.1, "unit": "N m"}},
             "confidence": 0.97, "confirmed": null,
             "evidence": {"materiality": 3, "least_materiality": 0.61, "joint": "elbow"},
-            "alternatives": [{"effect": "torque_offset", "joints": ["elbow"], "link": null, "left_more": 0.125,
+            "alternatives": [{"effect": "torque_offset", "joints": ["elbow"], "link": null, "left_more": 0.13,
                 "separated_by": null}]}],
         "effort_noise": {"elbow": 0.1}, "links_off_standard_errors": 1.75, "narrowed_to_hz": 5.0,
         "small_terms": [{"effect": "viscous_friction", "joint": "wrist",

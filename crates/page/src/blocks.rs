@@ -78,7 +78,7 @@ fn add(part: &mut Section, block: &Block, chart: &impl Fn(&str) -> Option<Figure
             None => return,
         },
     };
-    // a table without rows says nothing
+    // a table without rows is left out
     if !matches!(&piece, Piece::Table(grid) if grid.rows.is_empty()) {
         part.pieces.push(piece);
     }

@@ -77,18 +77,18 @@ impl<'a> Canvas<'a> {
                 let share = sheet.motion.len() as f64 / samples.max(1) as f64;
                 let values = (share * (TRACE_VALUES / series.max(1)) as f64) as usize;
                 let points = values.clamp(SERIES_VALUES[0], SERIES_VALUES[1]);
-                let stretch = samples_per_pair(sheet.motion.len(), points);
-                let reduced = |x: &[f64]| rounded(&smallest_and_largest(x, stretch));
+                let block = samples_per_pair(sheet.motion.len(), points);
+                let reduced = |x: &[f64]| rounded(&smallest_and_largest(x, block));
                 let of = |all: &[Vec<Vec<f64>>], j: usize| {
                     all.iter().map(|model| reduced(&model[j])).collect()
                 };
-                let half = if stretch <= 1 { 1.0 } else { 0.5 * stretch as f64 };
+                let half = if block <= 1 { 1.0 } else { 0.5 * block as f64 };
                 RecordingTraces {
                     source: sheet.motion.source.clone(),
                     role: sheet.role,
                     duration_s: sheet.motion.len() as f64 / sheet.motion.rate_hz,
                     step_s: half / sheet.motion.rate_hz,
-                    samples_per_pair: stretch,
+                    samples_per_pair: block,
                     joints: (0..self.chain.dof())
                         .filter(|_| !sheet.measured.is_empty())
                         .map(|j| EffortTraces {

@@ -15,11 +15,11 @@ pub enum PageError {
     /// JSON that no command wrote.
     #[error("the file has schema `{found}`, expected one of the commands' results")]
     Schema {
-        /// What the file says.
+        /// Schema of the file.
         found: String,
     },
     /// A result with fields of another form.
-    #[error("the result is not of the form its schema says: {0}")]
+    #[error("the result is not of the form of its schema: {0}")]
     Form(serde_json::Error),
     /// The page could not be written.
     #[error("the page cannot be formed: {0}")]

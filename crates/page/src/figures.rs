@@ -521,7 +521,7 @@ pub(crate) fn regressors(joint: usize, rows: &[(String, f64, f64)], about: &str)
 
 /// Findings of like confidence.
 pub(crate) struct Reliability {
-    /// Mean of what was said.
+    /// Mean confidence.
     pub(crate) confidence: f64,
     /// Share that is right.
     pub(crate) right: f64,

@@ -38,7 +38,7 @@ pub struct FindingPlace {
     pub recording: Option<String>,
     /// Force of a contact on the tip, in the base frame \[N\].
     pub force_n: Option<[f64; 3]>,
-    /// Centre of a load in the frame of its link \[m\]; none: the believed centre of the link.
+    /// Centre of a load in the frame of its link \[m\]; none: the centre of the given link.
     pub centre_m: Option<[f64; 3]>,
 }
 

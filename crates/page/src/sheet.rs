@@ -20,7 +20,7 @@ pub struct Compared<'a> {
     /// `predicted[model][joint]`, at the stamps of the recording \[N m or N\].
     pub predicted: Vec<Vec<Vec<f64>>>,
     /// Time at both ends in which the predictions are those of a low-pass that lacks the samples before
-    /// and after \[s\]: not counted in what is said of residuals.
+    /// and after \[s\]: not counted in residuals.
     pub edge_s: f64,
 }
 
@@ -28,7 +28,7 @@ pub struct Compared<'a> {
 pub(crate) struct Sheet {
     pub(crate) motion: Motion,
     pub(crate) role: Role,
-    /// samples that count in what is said of residuals
+    /// samples that count in residuals
     pub(crate) kept: Range<usize>,
     /// empty for a joint without recorded effort
     pub(crate) measured: Vec<Vec<f64>>,

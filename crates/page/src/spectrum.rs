@@ -65,7 +65,7 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
     }
     let chunk = (n / 2).div_ceil(POINTS).max(1);
     let hertz = rate_hz / n as f64;
-    // the mean is taken out: frequency 0 says nothing
+    // the mean is taken out: nothing is left at frequency 0
     let x: Vec<f64> =
         (1..=n / 2).step_by(chunk).map(|k| (k as f64 + 0.5 * (chunk - 1) as f64) * hertz).collect();
     let strongest = |density: &Vec<f64>| {

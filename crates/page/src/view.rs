@@ -1,4 +1,4 @@
-//! What a page says, whichever result it is of.
+//! Content of a page, whichever result it is of.
 
 use armident_report::significant;
 
@@ -129,7 +129,7 @@ impl Section {
     }
 }
 
-/// All that a page says.
+/// Content of a page.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct View {
     pub(crate) kind: &'static str,

@@ -71,7 +71,7 @@ fn next_steps(of: &CheckReport, is_fine: bool) -> Vec<Step> {
         .filter(|check| check.verdict != Verdict::Ok)
         .filter_map(|check| Some((check, check.advice.as_ref()?)))
         .collect();
-    advised.sort_by(|a, b| b.0.verdict.cmp(&a.0.verdict));
+    advised.sort_by_key(|(check, _)| std::cmp::Reverse(check.verdict));
     let hints = advised.into_iter().take(HINTS);
     let mut steps: Vec<Step> =
         hints.map(|(check, hint)| Step::new(format!("{}{hint}", check.prefix()))).collect();

@@ -1,4 +1,4 @@
-//! What the page of each command's result says.
+//! Content of the page of each command's result.
 
 mod charts;
 mod check;
@@ -17,7 +17,7 @@ use crate::drawing::Drawing;
 use crate::error::PageError;
 use crate::view::View;
 
-/// What the page of a result says; a diagnosis has these sections.
+/// Content of the page of a result; a diagnosis has these sections.
 pub(crate) fn view(
     schema: &str,
     document: &Value,

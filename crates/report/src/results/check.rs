@@ -111,7 +111,7 @@ pub struct CheckRow {
     pub joint: Option<String>,
     /// The verdict.
     pub verdict: Verdict,
-    /// The number it rests on; `null` where there is none.
+    /// The number behind the verdict; `null` where there is none.
     pub value: Option<f64>,
     /// Unit of the number.
     pub unit: String,

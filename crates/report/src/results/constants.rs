@@ -63,8 +63,8 @@ impl ConstantRow {
         deviation.is_finite().then_some(deviation)
     }
 
-    /// What the estimate rests on, where that is not the recordings alone.
-    fn rests_on(&self) -> String {
+    /// Share that the recordings do not identify, or that comes from the prior.
+    fn prior_text(&self) -> String {
         if self.undetermined > NOT_IDENTIFIED {
             format!("{:.0} % not identified", 100.0 * self.undetermined)
         } else if self.prior_share > PRIOR_SHOWN {
@@ -119,7 +119,7 @@ pub(crate) fn text_table(constants: &[ConstantRow], joints: &[String]) -> Block 
             significant(row.urdf, 6, 1e-12),
             deviation,
             row.unit.clone(),
-            row.rests_on(),
+            row.prior_text(),
         ]
     });
     let table = Table::new("Inertia constants", &["constant", "joint"])

@@ -319,7 +319,7 @@ impl ParamsReport {
             self.rank_numeric,
             if self.rank_numeric == self.minimal.len() { "agrees" } else { "DIFFERS" },
             power_below(self.rank_smallest_kept),
-            // round-off differs between machines: only its order is said
+            // round-off differs between machines: only its order is printed
             (10.0 * power_below(self.rank_largest_dropped)).max(1e-12)
         );
         text

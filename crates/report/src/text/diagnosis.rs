@@ -68,10 +68,10 @@ impl DiagnoseReport {
     /// Of recordings whose columns fail the input checks, so that there is no diagnosis.
     pub fn of_failed_checks(
         chain: &DrivingAxisChain,
-        books: &Books,
+        checks: &Books,
         inputs: DiagnoseInputs,
     ) -> Self {
-        Self::empty(chain, inputs).with_input_checks(books)
+        Self::empty(chain, inputs).with_input_checks(checks)
     }
 
     fn empty(chain: &DrivingAxisChain, inputs: DiagnoseInputs) -> Self {
@@ -91,8 +91,8 @@ impl DiagnoseReport {
 
     /// With the outcome of the input checks; the diagnosis is then of the other joints.
     #[must_use]
-    pub fn with_input_checks(mut self, books: &Books) -> Self {
-        self.input_checks = InputChecks::of(books);
+    pub fn with_input_checks(mut self, checks: &Books) -> Self {
+        self.input_checks = InputChecks::of(checks);
         self.judge();
         self
     }
@@ -120,10 +120,14 @@ impl DiagnoseReport {
         self
     }
 
-    /// With the motion that separates findings from their alternatives, and the file it is in, if one was asked for.
+    /// With the motion that separates findings from their alternatives, and the file it is in, if one was requested.
     #[must_use]
-    pub fn with_next_motion(mut self, asked: bool, found: Option<(String, NextMotion)>) -> Self {
-        if asked {
+    pub fn with_next_motion(
+        mut self,
+        requested: bool,
+        found: Option<(String, NextMotion)>,
+    ) -> Self {
+        if requested {
             self.set(&NextMotionResult::of(found));
         }
         self

@@ -63,7 +63,7 @@ fn fitted(name: &str, estimate: &Estimate) -> Fitted {
     }
 }
 
-/// What the finding rests on.
+/// Evidence of the finding, in words.
 fn evidence(finding: &Finding) -> String {
     let of = &finding.evidence;
     let mut text = format!(

@@ -28,7 +28,7 @@ pub(super) fn strength(finding: &Finding) -> String {
     }
 }
 
-/// The first parameter in the order of the law, which says most.
+/// The first parameter in the order of the law.
 pub(super) fn size(finding: &Finding) -> String {
     let names: Vec<&str> = match effect(&finding.effect) {
         Some(known) => known.law().parameters.iter().map(|p| p.name).collect(),

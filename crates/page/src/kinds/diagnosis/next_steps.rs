@@ -80,8 +80,8 @@ fn channels(of: &DiagnoseReport) -> Option<Step> {
 
 /// How to separate findings from their alternatives.
 fn separation(of: &DiagnoseReport, drawing: &Drawing) -> Option<Step> {
-    let asked: Option<NextMotionResult> = of.section();
-    if let Some(next) = &asked
+    let search: Option<NextMotionResult> = of.section();
+    if let Some(next) = &search
         && let (Some(file), Some(motion), Some(achieves)) =
             (&next.file, &next.description, next.achieves())
     {
@@ -102,7 +102,7 @@ fn separation(of: &DiagnoseReport, drawing: &Drawing) -> Option<Step> {
         open.join(", ")
     ));
     // a search that found none finds none again
-    Some(match asked {
+    Some(match search {
         Some(_) => step,
         None => step.by(with_option(drawing, "--next-motion FOLDER")),
     })

@@ -10,7 +10,7 @@ use crate::view::number;
 /// Findings that the verdict names.
 const NAMED: usize = 3;
 
-/// What was found; with failed input checks, all that the first line of the text says.
+/// What was found; with failed input checks, the whole first line of the text.
 pub(super) fn headline(of: &DiagnoseReport) -> String {
     let clauses = of.clauses();
     match of.input_checks.faults.is_empty() {

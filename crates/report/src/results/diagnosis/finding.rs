@@ -23,7 +23,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether it says something: not a term at 0 that the law does without.
+    /// Whether it is part of the law: not a term at 0 without a standard error.
     pub fn is_needed(&self) -> bool {
         self.value != 0.0 || self.stderr.is_some()
     }
@@ -77,7 +77,7 @@ impl Character {
     }
 }
 
-/// What a finding rests on.
+/// Evidence of a finding.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct FindingEvidence {
@@ -142,7 +142,7 @@ pub struct Finding {
     /// Whether the hold-out error is lower with the finding than without it, all else refitted; `null` without a
     /// hold-out, and for contacts.
     pub confirmed: Option<bool>,
-    /// What it rests on.
+    /// Evidence.
     pub evidence: FindingEvidence,
     /// Effects that the recordings cannot distinguish from it.
     pub alternatives: Vec<Alternative>,

@@ -40,7 +40,7 @@ pub struct VariableShare {
     /// `speed`, `direction`, `load`, `position`, `acceleration`, `time_since_reversal`, `travel_since_reversal` or
     /// `time`.
     pub variable: String,
-    /// Share explained with the given model, beyond what is expected by chance.
+    /// Share explained with the given model, beyond that of random bins.
     #[serde(deserialize_with = "or_nan")]
     pub share_before: f64,
     /// Share explained with the diagnosed model.

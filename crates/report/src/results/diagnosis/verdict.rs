@@ -23,7 +23,7 @@ impl DiagnoseReport {
         self.sentence = self.clauses().join("; ");
     }
 
-    /// The clauses of the first line; the first says what was found.
+    /// The clauses of the first line, beginning with what was found.
     pub fn clauses(&self) -> Vec<String> {
         let mut clauses = self.failed_checks();
         // where columns are wrong there may be nothing else

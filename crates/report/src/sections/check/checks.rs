@@ -32,7 +32,7 @@ impl Section<CheckReport> for Checks {
 
     fn page(&self, result: &CheckReport) -> Vec<Block> {
         let mut ordered: Vec<&CheckRow> = result.checks.iter().collect();
-        ordered.sort_by(|a, b| b.verdict.cmp(&a.verdict));
+        ordered.sort_by_key(|check| std::cmp::Reverse(check.verdict));
         let rows = ordered.into_iter().map(|check| {
             vec![
                 check.verdict.word().to_owned(),

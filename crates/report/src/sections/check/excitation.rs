@@ -43,7 +43,7 @@ impl Section<CheckReport> for Excitation {
 
     fn page(&self, result: &CheckReport) -> Vec<Block> {
         let mut ordered: Vec<&ConstantCheckRow> = result.constants.iter().collect();
-        ordered.sort_by(|a, b| b.verdict.cmp(&a.verdict));
+        ordered.sort_by_key(|constant| std::cmp::Reverse(constant.verdict));
         let rows = ordered.into_iter().map(|c| {
             let share = c.standard_error.map(|error| error / c.size);
             vec![

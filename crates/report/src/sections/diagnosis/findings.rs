@@ -1,5 +1,6 @@
 //! Findings.
 
+use super::next_motion::NextMotionResult;
 use crate::layout::Block;
 use crate::results::{Alternative, DiagnoseReport, Finding};
 use crate::section::{DiagnosisSection, Section};
@@ -19,8 +20,8 @@ impl Section<DiagnoseReport> for Findings {
         }
         let title = "Findings, most material first";
         let heading = Block::heading_with_note(title, "estimate \u{b1} standard error");
-        let is_asked = result.section::<super::NextMotionResult>().is_some();
-        let findings = result.findings.iter().flat_map(|finding| paragraph(finding, is_asked));
+        let is_searched = result.section::<NextMotionResult>().is_some();
+        let findings = result.findings.iter().flat_map(|finding| paragraph(finding, is_searched));
         std::iter::once(heading).chain(findings).collect()
     }
 
@@ -31,7 +32,7 @@ impl Section<DiagnoseReport> for Findings {
 
 impl DiagnosisSection for Findings {}
 
-fn paragraph(finding: &Finding, next_motion_is_asked: bool) -> Vec<Block> {
+fn paragraph(finding: &Finding, next_motion_is_searched: bool) -> Vec<Block> {
     let confirmed = match finding.confirmed {
         Some(true) => ", confirmed",
         Some(false) => ", not confirmed",
@@ -54,14 +55,14 @@ fn paragraph(finding: &Finding, next_motion_is_asked: bool) -> Vec<Block> {
         blocks.push(Block::item(character.traits().join(", ")));
     }
     let alternatives = finding.alternatives.iter();
-    blocks.extend(alternatives.map(|other| alternative(other, next_motion_is_asked)));
+    blocks.extend(alternatives.map(|other| alternative(other, next_motion_is_searched)));
     blocks
 }
 
-fn alternative(other: &Alternative, next_motion_is_asked: bool) -> Block {
+fn alternative(other: &Alternative, next_motion_is_searched: bool) -> Block {
     let detail = match &other.separated_by {
         Some(motion) => sentence(motion),
-        None if next_motion_is_asked => String::new(),
+        None if next_motion_is_searched => String::new(),
         None => "Use --next-motion DIR to generate a motion that separates them.".to_owned(),
     };
     Block::Item { text: format!("not distinguishable from: {}", other.title()), detail }

@@ -1,6 +1,6 @@
 //! The minimal set.
 
-use super::MINIMAL_SET;
+use super::titles::MINIMAL_SET;
 use crate::layout::Block;
 use crate::results::IdentifyReport;
 use crate::results::constants::{page_table, text_table};

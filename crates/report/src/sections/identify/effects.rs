@@ -1,6 +1,6 @@
 //! Parameters of effects on joints.
 
-use super::MINIMAL_SET;
+use super::titles::MINIMAL_SET;
 use crate::layout::{Block, Table, significant, uncertain};
 use crate::results::{EffectRow, IdentifyReport, NOT_IDENTIFIED};
 use crate::section::Section;

@@ -1,6 +1,6 @@
 //! Effort errors by joint.
 
-use super::FIT;
+use super::titles::FIT;
 use crate::layout::{Block, Cell, Table, percent, significant};
 use crate::results::{ByJoint, FitRows, IdentifyReport};
 use crate::section::Section;

@@ -7,6 +7,7 @@ mod effort_error;
 mod payloads;
 mod problem;
 mod significance;
+mod titles;
 
 pub(super) use constants::Constants;
 pub(super) use drive_gains::DriveGains;
@@ -15,8 +16,3 @@ pub(super) use effort_error::EffortError;
 pub(super) use payloads::Payloads;
 pub(super) use problem::Problem;
 pub(super) use significance::Significance;
-
-/// Title of the page's section on the parameters.
-const MINIMAL_SET: &str = "Minimal set";
-/// Title of the page's section on the fit.
-const FIT: &str = "Fit";

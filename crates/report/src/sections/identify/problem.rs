@@ -1,6 +1,6 @@
 //! The least-squares problem.
 
-use super::FIT;
+use super::titles::FIT;
 use crate::layout::{Block, percent, significant};
 use crate::results::IdentifyReport;
 use crate::section::Section;

@@ -1,6 +1,6 @@
 //! What can and cannot be identified separately, and which parameters are significant.
 
-use super::MINIMAL_SET;
+use super::titles::MINIMAL_SET;
 use crate::layout::{Block, significant};
 use crate::results::IdentifyReport;
 use crate::section::Section;

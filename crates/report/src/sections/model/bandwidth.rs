@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::detail;
+use super::detail::detail;
 use crate::layout::Block;
 use crate::results::DiagnoseReport;
 use crate::section::{SectionData, Source};

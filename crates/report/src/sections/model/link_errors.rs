@@ -1,6 +1,6 @@
 //! Errors of all link inertias together.
 
-use super::detail;
+use super::detail::detail;
 use crate::layout::{Block, percent};
 use crate::results::DiagnoseReport;
 use crate::section::{DiagnosisSection, Section};
@@ -18,7 +18,7 @@ impl Section<DiagnoseReport> for LinkErrors {
     }
 
     fn page(&self, result: &DiagnoseReport) -> Vec<Block> {
-        if !(result.prior_scale > 0.0) {
+        if result.prior_scale.is_nan() || result.prior_scale <= 0.0 {
             return Vec::new();
         }
         let material = match result.link_errors_material_on.is_empty() {

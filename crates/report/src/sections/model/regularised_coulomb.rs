@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{above_zero, detail};
+use super::detail::{above_zero, detail};
 use crate::layout::Block;
 use crate::results::{ByJoint, DiagnoseReport};
 use crate::section::{SectionData, Source};

@@ -4,7 +4,7 @@ use armident_effects::{Effect, SublinearViscousFriction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::detail;
+use super::detail::detail;
 use crate::layout::{Block, significant};
 use crate::results::{ByJoint, DiagnoseReport};
 use crate::section::{SectionData, Source};
