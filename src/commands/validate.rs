@@ -78,6 +78,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
     }
+    let prismatic = model.chain.joints.iter().filter(|joint| !joint.kind.is_rotational());
     let report = ValidateReport {
         schema: ValidateReport::SCHEMA.to_owned(),
         robot: model.chain.robot.clone(),
@@ -88,6 +89,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         replay_before,
         replay_after,
         joints: names,
+        prismatic_joints: Some(prismatic.map(|joint| joint.name.clone()).collect()),
         cutoff_hz,
         warnings,
         notes,

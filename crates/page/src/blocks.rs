@@ -93,7 +93,7 @@ fn grid(table: &Table, title: &str) -> Grid {
     Grid {
         caption: caption.to_owned(),
         header: table.columns.iter().map(|column| column.head.clone()).collect(),
-        numbers: table.columns.iter().map(|column| column.is_number).collect(),
+        numbers: table.columns.iter().map(|c| c.is_number && c.head != "unit").collect(),
         rows: table.rows.iter().map(|row| row.iter().map(text).collect()).collect(),
     }
 }

@@ -135,9 +135,10 @@ fn replayed(of: &ValidateReport) -> Option<String> {
         n => format!("; {} diverged", counted(n, "window")),
     };
     Some(format!(
-        "Forward replay, {} of {} s: worst RMS position error {} rad or m ({joint}){diverged}.",
+        "Forward replay, {} of {} s: worst RMS position error {} {} ({joint}){diverged}.",
         counted(replay.windows, "window"),
         number(replay.window_s, 3),
         number(*error, 3),
+        of.position_units(),
     ))
 }

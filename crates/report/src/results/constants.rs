@@ -122,10 +122,14 @@ pub(crate) fn text_table(constants: &[ConstantRow], joints: &[String]) -> Block 
             row.prior_text(),
         ]
     });
-    let table = Table::new("Inertia constants", &["constant", "joint"])
-        .numbers(&["estimate", "std error", "URDF", "(est-URDF)/se"])
-        .texts(&["unit"])
-        .numbers(&["prior share"]);
+    let table = Table::new("Inertia constants", &["constant", "joint"]).numbers(&[
+        "estimate",
+        "std error",
+        "URDF",
+        "(est-URDF)/se",
+        "unit",
+        "prior share",
+    ]);
     Block::Table(table.with(rows))
 }
 

@@ -8,6 +8,7 @@ pub(crate) mod diagnosis;
 mod identify;
 mod params;
 mod plan;
+mod units;
 mod validate;
 
 pub use by_joint::ByJoint;

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::by_joint::{ByJoint, or_nan};
+use super::units::{all_translate, position_unit};
 
 /// Result of `armident validate`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,6 +22,9 @@ pub struct ValidateReport {
     pub recordings: Vec<String>,
     /// Chain joints in order.
     pub joints: Vec<String>,
+    /// Joints that translate: their positions are in m and their efforts in N, all others in rad and N m. `null` where
+    /// that is not known.
+    pub prismatic_joints: Option<Vec<String>>,
     /// Cut-off frequency of the low-pass \[Hz\].
     pub cutoff_hz: Option<f64>,
     /// Effort error of the URDF's links without effects, by joint.
@@ -77,4 +81,9 @@ pub struct ReplayReport {
 impl ValidateReport {
     /// Current schema.
     pub const SCHEMA: &str = "armident.validate/1";
+
+    /// Unit of the positions of all joints.
+    pub fn position_units(&self) -> &'static str {
+        position_unit(all_translate(&self.joints, self.prismatic_joints.as_ref()))
+    }
 }

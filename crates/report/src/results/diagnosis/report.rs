@@ -12,6 +12,7 @@ use super::finding::Finding;
 use super::input_checks::InputChecks;
 use super::residual_map::JointResiduals;
 use crate::results::by_joint::{ByJoint, or_nan};
+use crate::results::units::{all_translate, effort_unit, position_unit};
 
 /// What was diagnosed.
 #[derive(Debug, Clone, Default)]
@@ -190,14 +191,6 @@ impl DiagnoseReport {
         Some(self.prismatic_joints.as_ref()?.iter().any(|name| name == joint))
     }
 
-    /// Whether all joints translate; none where some do, or where that is not known.
-    fn all_translate(&self) -> Option<bool> {
-        match self.prismatic_joints.as_ref()?.len() {
-            0 => Some(false),
-            some => (some == self.joints.len()).then_some(true),
-        }
-    }
-
     /// Unit of a joint's position: `rad` or `m`.
     pub fn position_unit(&self, joint: &str) -> &'static str {
         position_unit(self.translates(joint))
@@ -205,7 +198,7 @@ impl DiagnoseReport {
 
     /// Unit of the positions of all joints.
     pub fn position_units(&self) -> &'static str {
-        position_unit(self.all_translate())
+        position_unit(all_translate(&self.joints, self.prismatic_joints.as_ref()))
     }
 
     /// Unit of a joint's effort: `N m` or `N`.
@@ -215,14 +208,6 @@ impl DiagnoseReport {
 
     /// Unit of the efforts of all joints.
     pub fn effort_units(&self) -> &'static str {
-        effort_unit(self.all_translate())
+        effort_unit(all_translate(&self.joints, self.prismatic_joints.as_ref()))
     }
-}
-
-fn position_unit(translates: Option<bool>) -> &'static str {
-    translates.map_or("rad or m", |translates| if translates { "m" } else { "rad" })
-}
-
-fn effort_unit(translates: Option<bool>) -> &'static str {
-    translates.map_or("N m or N", |translates| if translates { "N" } else { "N m" })
 }

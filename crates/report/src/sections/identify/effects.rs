@@ -58,7 +58,7 @@ fn table(result: &IdentifyReport, head: &str, name: impl Fn(&EffectRow) -> Strin
         vec![name(row), joints.join(", "), value, error, row.unit.clone(), remark]
     });
     let table = Table::new("Joint effects", &[head, "joint"])
-        .numbers(&["estimate", "std error"])
-        .texts(&["unit", ""]);
+        .numbers(&["estimate", "std error", "unit"])
+        .texts(&[""]);
     Block::Table(table.with(rows))
 }

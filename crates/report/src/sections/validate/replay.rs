@@ -18,8 +18,9 @@ impl Section<ValidateReport> for Replay {
             replays.iter().filter_map(|(name, replay)| Some((*name, replay.as_ref()?))).collect();
         let Some((_, first)) = done.first() else { return Vec::new() };
         let note = format!(
-            "RMS position error in {} s windows driven by the recorded efforts, rad or m",
-            significant(first.window_s, 3, 0.0)
+            "RMS position error in {} s windows driven by the recorded efforts, {}",
+            significant(first.window_s, 3, 0.0),
+            result.position_units()
         );
         let rows = result.joints.iter().map(|joint| {
             let of = replays.map(|(_, replay)| cell(replay.as_ref(), joint, false));
@@ -47,9 +48,10 @@ impl Section<ValidateReport> for Replay {
                 cell(model, joint, true),
             ]
         });
+        let unit = result.position_units();
+        let caption = format!("Forward replay: RMS error of the motion [{unit}, per s]");
         let heads = ["position, URDF", "position, model", "speed, URDF", "speed, model"];
-        let table =
-            Table::new("Forward replay: RMS error of the motion [rad or m, per s]", &["joint"]);
+        let table = Table::new(&caption, &["joint"]);
         vec![Block::heading("Errors"), Block::Table(table.numbers(&heads).with(rows))]
     }
 }
