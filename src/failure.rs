@@ -151,6 +151,16 @@ impl From<armident_ident::MethodError> for Failure {
     }
 }
 
+impl From<armident_model::PredictError> for Failure {
+    fn from(error: armident_model::PredictError) -> Self {
+        match error {
+            armident_model::PredictError::Recording(error) => error.into(),
+            armident_model::PredictError::Effect(error) => error.into(),
+            other => Self::new(other, "the motion", None::<String>),
+        }
+    }
+}
+
 impl From<armident_effects::UnknownEffect> for Failure {
     fn from(error: armident_effects::UnknownEffect) -> Self {
         Self::new(error, "the model", None::<String>)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armident_diagnose::{Diagnosis, Finding};
 use armident_kinematics::DrivingAxisChain;
-use armident_model::{DiagnosedModel, PreparedRecording};
+use armident_model::{ArmModel, PreparedRecording};
 use armident_page::{
     Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
 };
@@ -14,7 +14,6 @@ use serde::Serialize;
 use crate::args::{OutputArgs, PageArgs};
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::robot::Predicts;
 
 /// Periods of the cut-off at both ends in which residuals are not counted, as in `identify`.
 const EDGE_PERIODS: f64 = 1.5;
@@ -107,7 +106,7 @@ fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
 
 /// Recordings with the predictions of some models; `edge_s` at both ends is no error of a model.
 fn compared<'a>(
-    models: &[&dyn Predicts],
+    models: &[&ArmModel],
     recordings: &'a [Recording],
     role: Role,
     cutoff_hz: Option<f64>,
@@ -118,7 +117,7 @@ fn compared<'a>(
         .map(|recording| {
             let predicted = models
                 .iter()
-                .map(|model| Ok(model.efforts(recording, cutoff_hz)?.efforts))
+                .map(|model| Ok(model.predict(recording, cutoff_hz)?.efforts))
                 .collect::<Result<_, Failure>>()?;
             Ok(Compared { recording, role, predicted, edge_s })
         })
@@ -130,7 +129,7 @@ fn compared<'a>(
 pub(crate) fn of_models<'a>(
     pages: &PageArgs,
     chain: &DrivingAxisChain,
-    models: &[(&str, &dyn Predicts)],
+    models: &[(&str, &ArmModel)],
     recorded: &[(&[Recording], Role)],
     cutoff_hz: Option<f64>,
     files: impl IntoIterator<Item = &'a PathBuf>,
@@ -138,7 +137,7 @@ pub(crate) fn of_models<'a>(
     if !pages.wanted() {
         return Ok(None);
     }
-    let (names, models): (Vec<&str>, Vec<&dyn Predicts>) = models.iter().copied().unzip();
+    let (names, models): (Vec<&str>, Vec<&ArmModel>) = models.iter().copied().unzip();
     // as many periods as a fit leaves out at the ends
     let edge_s = cutoff_hz.map_or(0.0, |hz| EDGE_PERIODS / hz);
     let mut all = Vec::new();
@@ -161,17 +160,18 @@ pub(crate) fn of_diagnosis(
     let mut all = Vec::new();
     let kept_out = holdout.iter().map(|seen| (seen, Role::Holdout));
     for (seen, role) in train.iter().map(|seen| (seen, Role::Training)).chain(kept_out) {
-        let predicted = models.iter().map(|m| m.predict_seen(seen)).collect::<Result<_, _>>()?;
+        let predicted =
+            models.iter().map(|m| m.predict_prepared(seen)).collect::<Result<_, _>>()?;
         all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });
     }
-    let chain = &before.arm.chain;
+    let chain = &before.chain;
     let canvas = Canvas::new(chain, &["given", "links only", "diagnosed"], &all)?;
     let mut drawing = canvas.drawing();
     for finding in &diagnosis.findings {
         let model = finding.ablated_from(&diagnosis.model, before);
         // a finding is looked at on what it was found in
         let mut without =
-            train.iter().map(|seen| model.predict_seen(seen)).collect::<Result<Vec<_>, _>>()?;
+            train.iter().map(|seen| model.predict_prepared(seen)).collect::<Result<Vec<_>, _>>()?;
         without.resize(all.len(), Vec::new());
         drawing.findings.push(canvas.finding(&place(finding, before), &without));
     }
@@ -182,13 +182,13 @@ pub(crate) fn of_diagnosis(
     drawing.filters = vec![format!(
         "Positions are low-passed at 25 Hz before differentiation, the rigid-body part of the predictions at {} Hz \
          (selected on the training recordings). Effort errors are unfiltered.",
-        diagnosis.model.learned.rigid_cutoff_hz
+        diagnosis.model.band.as_ref().map_or(0.0, |band| band.rigid_cutoff_hz)
     )];
     Ok(drawing)
 }
 
-fn place(finding: &Finding, before: &DiagnosedModel) -> FindingPlace {
-    let joints = &before.arm.chain.joints;
+fn place(finding: &Finding, before: &ArmModel) -> FindingPlace {
+    let joints = &before.chain.joints;
     let three = |names: [&str; 3]| -> Option<[f64; 3]> {
         let of = |name: &str| finding.parameters.get(name).map(|v| v.value);
         Some([of(names[0])?, of(names[1])?, of(names[2])?])

@@ -161,7 +161,7 @@ fn through_model(bytes: &[u8]) {
     let names: Vec<&str> = model.chain.joint_names();
     let settings = MotionSettings { cutoff_hz: model.cutoff_hz, ..MotionSettings::default() };
     if let Ok(motion) = Motion::from_recording(&SOUND.recordings[0], &names, &settings) {
-        let _ = model.predict(&motion);
+        let _ = model.predict_motion(&motion);
     }
     let _ = MinimalSet::of(&model.rigid_arm());
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use armident_diagnose::{Books, Diagnosis, Finding, diagnose_change};
 use armident_kinematics::InertialParameters;
-use armident_model::{ArmModel, DiagnosedModel};
+use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording};
 use nalgebra::{Matrix3, Vector3};
 
@@ -258,8 +258,8 @@ fn loaded(
     let body = &mut heavier.chain.joints[link].link;
     *body = body.plus(&InertialParameters::from_com(load_kg, body.com_m(), Matrix3::zeros()));
     let [with, without] =
-        [&heavier, model].map(|model| DiagnosedModel::believed(model).predict(recording));
-    let (with, without) = (with?, without?);
+        [&heavier, model].map(|model| model.links_in_band().predict(recording, None));
+    let (with, without) = (with?.efforts, without?.efforts);
     let mut changed = recording.clone();
     for (j, name) in model.chain.joint_names().iter().enumerate() {
         let Some(channels) = changed.joints.iter_mut().find(|c| c.name == **name) else { continue };

@@ -8,7 +8,7 @@ use armident_diagnose::{Books, Diagnosis, Finding, Placebo, diagnose_with_placeb
 use armident_ident::{
     BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
 };
-use armident_model::{ArmModel, DiagnosedModel};
+use armident_model::{ArmModel, BandPrediction, PredictError};
 use armident_recording::Recording;
 use armident_report::unit_after_number;
 
@@ -268,11 +268,14 @@ fn errors(
 }
 
 fn diagnosed_errors(
-    model: &DiagnosedModel,
+    model: &ArmModel,
     holdout: &[Recording],
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
-    let predicted = holdout.iter().map(|r| model.predict(r)).collect::<Result<Vec<_>, _>>()?;
-    errors(&model.arm.chain.joint_names(), holdout, &predicted)
+    let predicted = holdout
+        .iter()
+        .map(|r| Ok(model.predict(r, None)?.efforts))
+        .collect::<Result<Vec<_>, PredictError>>()?;
+    errors(&model.chain.joint_names(), holdout, &predicted)
 }
 
 /// Of plain least squares, fitted through the low-pass of the set's baseline. It predicts from the same
@@ -301,11 +304,10 @@ fn errors_with(
     holdout: &[Recording],
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
     let model = minimal.applied_to(data.model.clone(), &problem.constants(values));
-    let mut found = DiagnosedModel::believed(&model);
-    let effects = problem.effects(values, &model.chain.joint_names());
-    let (couplings, own) = effects.into_iter().partition(|on| on.other_joint.is_some());
-    (found.learned.couplings, found.arm.effects) = (couplings, own);
-    found.learned.rigid_cutoff_hz = data.cutoff_hz;
+    let mut found = model.links_in_band();
+    found.effects = problem.effects(values, &model.chain.joint_names());
+    let band = BandPrediction::of(found.chain.dof());
+    found.band = Some(BandPrediction { rigid_cutoff_hz: data.cutoff_hz, ..band });
     diagnosed_errors(&found, holdout)
 }
 
@@ -373,7 +375,7 @@ fn identified_errors(
         let motions = data.motions(std::slice::from_ref(recording))?;
         let motion = motions.into_iter().next().ok_or("no motion")?;
         let motion = found.motion_of(motion, recording);
-        Ok(found.predict(&motion)?.iter().map(|effort| motion.at_stamps(effort)).collect())
+        Ok(found.predict_motion(&motion)?.iter().map(|effort| motion.at_stamps(effort)).collect())
     };
     let predicted = holdout.iter().map(predicted).collect::<Result<Vec<_>, _>>()?;
     errors(&names, holdout, &predicted)

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use armident_ident::check::{check, with_drive_signals};
+use armident_model::ArmModel;
 use armident_page::Role;
 use armident_report::CheckReport;
 
 use super::recordings;
 use crate::args::CheckArgs;
 use crate::failure::{Failure, Outcome};
-use crate::robot::Predicts;
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Training)];
-    let models: [(&str, &dyn Predicts); 1] = [("given", &model)];
+    let models: [(&str, &ArmModel); 1] = [("given", &model)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text();
     let warnings = &report.warnings;

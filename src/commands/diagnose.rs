@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armident_diagnose::{Books, Errors, Known, diagnose_change, diagnose_with_placebo};
 use armident_ident::validate::{REPLAY_WINDOW_S, replay};
-use armident_model::{DiagnosedModel, PreparedRecording};
+use armident_model::{ArmModel, PreparedRecording};
 use armident_page::Role;
 use armident_recording::Recording;
 use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
@@ -13,7 +13,6 @@ use super::recordings;
 use crate::args::DiagnoseArgs;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use crate::robot::{Predicts, Robot};
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
@@ -36,10 +35,9 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
     let reference = recordings::read_all(&reference_files, &args.reading, &args.output)?;
     let names = recordings::joints_with_position(&train);
-    let Robot { arm: model, learned } = robot::load_whole(&args.robot, &args.chain, Some(&names))?;
-    let given = DiagnosedModel::of_file(model.clone(), learned);
+    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
     // a reference shows all that a model of the same arm knows, as it is now
-    let known = (reference.is_empty() && !given.is_links_alone()).then(|| Known::of(given));
+    let known = (reference.is_empty() && !model.is_links_only()).then(|| Known::of(model.clone()));
     let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
 
     // gains of drives come from recordings of the arm as it is believed to be
@@ -81,7 +79,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         // the efforts against the robot show what the columns are
         let joints = model.chain.joint_names();
         let cutoff_hz = armident_motion::common_cutoff_hz(&train, &joints, None)?;
-        let models: [(&str, &dyn Predicts); 1] = [("given", &model)];
+        let models: [(&str, &ArmModel); 1] = [("given", &model)];
         let files = used(args, &train_files, &[], &[]);
         let recorded = [(train.as_slice(), Role::Training)];
         let drawing =
@@ -172,16 +170,12 @@ fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
 
 /// The motion that the recorded efforts cause in simulation, with the model as it was and as it is; none
 /// where one of the two cannot be simulated.
-fn replayed(
-    before: &DiagnosedModel,
-    after: &DiagnosedModel,
-    recordings: &[Recording],
-) -> Option<ReplayPair> {
-    let joints = after.arm.chain.joint_names();
+fn replayed(before: &ArmModel, after: &ArmModel, recordings: &[Recording]) -> Option<ReplayPair> {
+    let joints = after.chain.joint_names();
     let cutoff_hz = armident_motion::common_cutoff_hz(recordings, &joints, None).ok()?;
     let motions = recordings::motions_with_effort(recordings, &joints, cutoff_hz).ok()?;
-    let of = |model: &DiagnosedModel| -> Option<ByJoint> {
-        let moved = replay(&model.as_simulated().0, &motions).ok().filter(|m| m.windows > 0)?;
+    let of = |model: &ArmModel| -> Option<ByJoint> {
+        let moved = replay(&model.simulated().0, &motions).ok().filter(|m| m.windows > 0)?;
         let errors = moved.joints.iter().map(|j| j.position_rms);
         Some(joints.iter().map(ToString::to_string).zip(errors).collect())
     };

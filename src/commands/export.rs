@@ -40,7 +40,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         Some(format) => format,
         None => format_of(&args.output_file)?,
     };
-    let (model, without_place) = robot::load_whole(&args.robot, &args.chain, None)?.as_simulated();
+    let (model, without_place) = robot::load(&args.robot, &args.chain, None)?.simulated();
     let (name, Exported { text, held, lost, mut notes }) = match format {
         FormatArg::Urdf => ("URDF", urdf(&model)),
         FormatArg::Mjcf => ("MJCF", mjcf(&model)),

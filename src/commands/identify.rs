@@ -14,7 +14,6 @@ use armident_report::{ByJoint, ConstantRow, FitRows, IdentifyReport};
 use super::recordings;
 use crate::args::IdentifyArgs;
 use crate::failure::{Failure, Outcome};
-use crate::robot::Predicts;
 use crate::{output, page};
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
@@ -48,7 +47,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     let [train, holdout] = &read;
     let recorded = [(train.as_slice(), Role::Training), (holdout.as_slice(), Role::Holdout)];
     let before = model.before();
-    let models: [(&str, &dyn Predicts); 2] = [("URDF only", &before), ("model", &model)];
+    let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
     let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
     let drawing =

@@ -4,11 +4,12 @@ use armident_recording::{JointChannels, Recording};
 use serde::Serialize;
 
 use super::recordings;
+use armident_model::Prediction;
+
 use crate::args::PredictArgs;
 use crate::failure::{Failure, Outcome};
 use crate::output::counted;
 use crate::progress::Progress;
-use crate::robot::{Predicted, Predicts};
 use crate::{output, robot};
 
 /// What was predicted, in short; the numbers are in the CSV.
@@ -42,12 +43,11 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
         recordings::read_all(std::slice::from_ref(&args.motion), &args.reading, &args.output)?;
     let recording = motions.remove(0);
     let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
-    let robot = robot::load_whole(&args.robot, &args.chain, Some(&recorded))?;
-    let model = &robot.arm;
+    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let progress = Progress::of(&args.output, "predicting");
-    // what a diagnosis wrote has its own low-pass
-    let cutoff_hz = match robot.learned {
+    // a diagnosed model has its own low-pass
+    let cutoff_hz = match model.band {
         Some(_) => None,
         None => armident_motion::common_cutoff_hz(
             std::slice::from_ref(&recording),
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
             args.cutoff_hz.or(model.cutoff_hz),
         )?,
     };
-    let Predicted { efforts, notes } = robot.efforts(&recording, cutoff_hz)?;
+    let Prediction { efforts, notes } = model.predict(&recording, cutoff_hz)?;
     let result = as_recording(&names, &recording, efforts)?;
     drop(progress);
     let bytes = recordings::encoded(&result, &args.output_file, &args.output)?;

@@ -52,8 +52,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
             .map(|r| r.joint_names().into_iter().map(ToOwned::to_owned).collect())
             .unwrap_or_default(),
     };
-    let (model, lost) =
-        robot::load_whole(&args.robot, &args.chain, Some(&recorded))?.as_simulated();
+    let (model, lost) = robot::load(&args.robot, &args.chain, Some(&recorded))?.simulated();
     let lost: Vec<String> = lost.iter().map(|what| format!("not simulated: {what}")).collect();
     output::say_all(&args.output, "note", &lost);
     let joints: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();

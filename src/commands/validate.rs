@@ -13,7 +13,6 @@ use super::{predict, recordings};
 use crate::args::ValidateArgs;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use crate::robot::Predicts;
 use crate::{output, page, robot};
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
@@ -33,8 +32,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         ));
     }
     let names = recordings::joints_with_position(&recorded);
-    let robot = robot::load_whole(&args.robot, &args.chain, Some(&names))?;
-    let model = &robot.arm;
+    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let cutoff_hz =
@@ -46,7 +44,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         .collect();
 
     let before = model.before();
-    let (simulated, lost) = robot.as_simulated();
+    let (simulated, lost) = model.simulated();
     let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
     let mut replayed = |which: &str, model: &ArmModel| match replay(model, &motions) {
         Ok(replay) => Some(ReplayReport {
@@ -70,10 +68,10 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         (replayed("URDF", &before), replayed("model", &simulated))
     };
     let without_effects: Vec<_> =
-        motions.iter().map(|motion| before.predict(motion)).collect::<Result<_, _>>()?;
-    let whole = robot.on_grids(&motions, &recorded)?;
+        motions.iter().map(|motion| before.predict_motion(motion)).collect::<Result<_, _>>()?;
+    let whole = model.predict_on_grids(&motions, &recorded)?;
     if let Some(path) = &args.predictions {
-        let efforts = robot.efforts(&recorded[0], cutoff_hz)?.efforts;
+        let efforts = model.predict(&recorded[0], cutoff_hz)?.efforts;
         let predicted = predict::as_recording(&names, &recorded[0], efforts)?;
         let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
@@ -85,7 +83,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         model: args.robot.display().to_string(),
         recordings: recorded.iter().map(|r| r.source.clone()).collect(),
         before: errors(&before, &motions, &without_effects),
-        after: errors(model, &motions, &whole),
+        after: errors(&model, &motions, &whole),
         replay_before,
         replay_after,
         joints: names,
@@ -97,7 +95,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Holdout)];
-    let models: [(&str, &dyn Predicts); 2] = [("URDF only", &before), ("model", &robot)];
+    let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());
     let warnings = &report.warnings;

@@ -101,7 +101,7 @@ pub fn sit(paper: &Paper) -> Result<Sitting, String> {
     diagnosis.confirm(&seen).map_err(|e| told(&e))?;
     let on_holdout = diagnosis.errors(&seen).map_err(|e| told(&e))?;
     let model_json = diagnosis.model.to_json().map_err(|e| told(&e))?;
-    let efforts = diagnosis.model.predict(&paper.exam_motion).map_err(|e| told(&e))?;
+    let efforts = diagnosis.model.predict(&paper.exam_motion, None).map_err(|e| told(&e))?.efforts;
     let channels = diagnosis
         .joints
         .iter()

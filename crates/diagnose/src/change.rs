@@ -1,8 +1,7 @@
 //! What changed between two sets of recordings of one arm, and what a model that knows more than its links leaves out.
 
 use crate::design::known_effort::Known;
-use armident_effects::{EVERYDAY, EffectOnJoint};
-use armident_model::{ArmModel, DiagnosedModel, SHARP};
+use armident_model::ArmModel;
 use armident_recording::Recording;
 
 use crate::checks::usable::DiagnoseError;
@@ -28,50 +27,6 @@ pub fn diagnose_change(
     Ok(difference)
 }
 
-/// What was learned before and what was learned of the change, in one model.
-fn together(before: &DiagnosedModel, change: DiagnosedModel) -> DiagnosedModel {
-    let mut all = change;
-    let mut effects = before.arm.effects.clone();
-    for change in all.arm.effects {
-        // the baseline terms of a joint, seen again with the recordings after
-        let same = |e: &&mut EffectOnJoint| {
-            EVERYDAY.iter().any(|law| law.law().slug == e.effect)
-                && e.effect == change.effect
-                && e.joint == change.joint
-        };
-        match effects.iter_mut().find(same) {
-            Some(known) => known.parameters[0] += change.parameters[0],
-            None => effects.push(change),
-        }
-    }
-    all.arm.effects = effects;
-    // the first model of the arm stays what a later one is compared with
-    if before.arm.prior_links.is_some() {
-        all.arm.prior_links.clone_from(&before.arm.prior_links);
-    }
-    let (learned, earlier) = (&mut all.learned, &before.learned);
-    learned.couplings = [earlier.couplings.clone(), learned.couplings.clone()].concat();
-    learned.transmissions = [earlier.transmissions.clone(), learned.transmissions.clone()].concat();
-    learned.flexible = [earlier.flexible.clone(), learned.flexible.clone()].concat();
-    learned.delay_s += earlier.delay_s;
-    // low-passes that efforts without what is known ask for would blur what is put back
-    learned.rigid_cutoff_hz = earlier.rigid_cutoff_hz;
-    learned.output_cutoff_hz.clone_from(&earlier.output_cutoff_hz);
-    for (joint, turn) in earlier.turns().into_iter().enumerate() {
-        if learned.turns()[joint] == SHARP {
-            learned.fading_speed[joint] = turn.speed();
-            learned.turning_travel[joint] = turn.travel();
-        }
-    }
-    for (now, then) in learned.encoder_offset.iter_mut().zip(&earlier.encoder_offset) {
-        *now += then;
-    }
-    for (now, then) in learned.gain.iter_mut().zip(&earlier.gain) {
-        *now *= then;
-    }
-    all
-}
-
 impl Known {
     /// Diagnoses what the model leaves out of recordings, with so many wrong terms
     /// ([`diagnose_with_placebo`](crate::diagnosis::diagnose_with_placebo)). The models that come of it have what is known as well.
@@ -94,7 +49,7 @@ impl Known {
         let rivals = diagnosis.rivals.iter_mut().flatten().flatten();
         let own = [&mut diagnosis.model, &mut diagnosis.rigid, &mut diagnosis.believed];
         for model in own.into_iter().chain(beside).chain(rivals) {
-            *model = together(&self.model, model.clone());
+            *model = self.model.with_change(model.clone());
         }
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use armident_ident::validate::whiteness;
 use armident_kinematics::DrivingAxisChain;
-use armident_model::{ArmModel, DiagnosedModel, PreparedRecording};
+use armident_model::{ArmModel, PreparedRecording};
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,7 +15,7 @@ use crate::design::design::Design;
 use crate::design::known_effort::Known;
 use crate::design::linear_problem::LinearProblem;
 use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
-use crate::findings::fitted_model::{choose_outputs, learned, rigid_alone};
+use crate::findings::fitted_model::{choose_outputs, fitted_model, rigid_alone};
 use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
 use crate::findings::placebo::{Placebo, placebo};
 use crate::findings::residual_map::{JointAtlas, atlas, character};
@@ -47,16 +47,16 @@ pub struct Diagnosis {
     /// Most material first.
     pub findings: Vec<Finding>,
     /// The model with what was learned.
-    pub model: DiagnosedModel,
+    pub model: ArmModel,
     /// The believed model with its rigid body identified again.
-    pub rigid: DiagnosedModel,
+    pub rigid: ArmModel,
     /// The model before: the believed one, with what is known of a reference or of a model, and the low-passes of the
     /// diagnosed one: what these take of the noise of encoders is no physics.
-    pub believed: DiagnosedModel,
+    pub believed: ArmModel,
     /// for each finding, the model that does without it
-    pub(crate) without: Vec<Option<DiagnosedModel>>,
+    pub(crate) without: Vec<Option<ArmModel>>,
     /// for each finding, the models with its alternatives in its place, in their order; none where there is no such model
-    pub(crate) rivals: Vec<Vec<Option<DiagnosedModel>>>,
+    pub(crate) rivals: Vec<Vec<Option<ArmModel>>>,
     /// Joints of the chain.
     pub joints: Vec<String>,
     /// Noise of one recorded effort sample \[N m or N\].
@@ -128,15 +128,15 @@ pub fn diagnose_with_placebo(
 pub(crate) fn model_of(
     model: &ArmModel,
     train: &[Recording],
-) -> Result<(DiagnosedModel, Option<f64>), DiagnoseError> {
+) -> Result<(ArmModel, Option<f64>), DiagnoseError> {
     let selected = selected(None, &model.chain, &names_of(model), train)?;
     let Selected { design, selection, narrowed_to_hz, .. } = &selected;
     let (problem, predicting) = selected.predicting();
     let metric = problem.marginalised(predicting.scale, &selection.inflated);
     let solution = Solution::new(design, &metric, &predicting.estimate, &selection.point);
-    let (mut learned, _) = learned(model, &solution);
-    choose_outputs(&mut learned, design)?;
-    Ok((learned, *narrowed_to_hz))
+    let (mut fitted, _) = fitted_model(model, &solution);
+    choose_outputs(&mut fitted, design)?;
+    Ok((fitted, *narrowed_to_hz))
 }
 
 /// The diagnosis of what changed in the recordings from `from` on, in the band that those before it had.
@@ -223,18 +223,17 @@ impl<'a> Selected<'a> {
         let model_metric = problem.marginalised(predicting.scale, &selection.inflated);
         let model_solution =
             Solution::new(design, &model_metric, &predicting.estimate, &selection.point);
-        let (mut learned_model, links_off) = learned(model, &model_solution);
-        choose_outputs(&mut learned_model, design)?;
-        let constants = constants(model, &learned_model, &model_metric, &predicting.estimate);
+        let (mut fitted, links_off) = fitted_model(model, &model_solution);
+        choose_outputs(&mut fitted, design)?;
+        let constants = constants(model, &fitted, &model_metric, &predicting.estimate);
         let reported_findings = reported_findings(design, selection, &best_solution);
         // the model of another estimate, all that is not in question as in the model learned
         let model_of = |estimate: &Estimate, inflated: &[InflatedLink]| {
             let metric = problem.marginalised(predicting.scale, inflated);
             let estimate = predicting.beside(&metric, &selection.estimate, estimate)?;
             let solution = Solution::new(design, &metric, &estimate, &selection.point);
-            let (mut model, _) = learned(model, &solution);
-            model.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
-            model.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
+            let (mut model, _) = fitted_model(model, &solution);
+            model.band.clone_from(&fitted.band);
             Some(model)
         };
         let without = reported_findings
@@ -256,19 +255,17 @@ impl<'a> Selected<'a> {
                     .collect()
             })
             .collect();
-        let mut rigid =
-            rigid_alone(model, design).unwrap_or_else(|| DiagnosedModel::believed(model));
+        let mut rigid = rigid_alone(model, design).unwrap_or_else(|| model.links_in_band());
         choose_outputs(&mut rigid, design)?;
-        let mut believed = DiagnosedModel::believed(model);
-        believed.learned.rigid_cutoff_hz = learned_model.learned.rigid_cutoff_hz;
-        believed.learned.output_cutoff_hz.clone_from(&learned_model.learned.output_cutoff_hz);
+        let mut believed = model.links_in_band();
+        believed.band.clone_from(&fitted.band);
         let mut findings: Vec<Finding> =
             reported_findings.into_iter().map(|reported| reported.finding).collect();
         let has_no_name = |f: &Finding| f.effect == crate::UNMODELLED;
         for finding in findings.iter_mut().filter(|f| has_no_name(f)) {
             let index = |name: &str| names.iter().position(|n| n == name);
             let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
-            let terms = learned_model.learned.flexible.iter().filter(|t| t.joint == names[joint]);
+            let terms = fitted.smooth_terms.iter().filter(|t| t.joint == names[joint]);
             let at = best_solution.at();
             let mut effort: Vec<Vec<f64>> =
                 at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
@@ -281,12 +278,12 @@ impl<'a> Selected<'a> {
             }
             finding.evidence.character = Some(character(design, at, joint, &effort));
         }
-        let atlas = atlas(design, &believed, &rigid, &learned_model)?;
+        let atlas = atlas(design, &believed, &rigid, &fitted)?;
         Ok(Diagnosis {
             atlas,
             constants,
             findings,
-            model: learned_model,
+            model: fitted,
             rigid,
             believed,
             without,
@@ -361,7 +358,7 @@ impl Diagnosis {
     /// None but those of a prediction.
     pub fn confirm(&mut self, kept_out: &[PreparedRecording<'_>]) -> Result<(), RecordingError> {
         let with = self.error_of(&self.model, kept_out)?;
-        let judged = |(finding, without): (&Finding, &Option<DiagnosedModel>)| {
+        let judged = |(finding, without): (&Finding, &Option<ArmModel>)| {
             let joint = &finding.evidence.joint;
             match without {
                 Some(model) if finding.window.is_none() && with.contains_key(joint) => {
@@ -414,7 +411,7 @@ impl Diagnosis {
             return Ok(None);
         }
         let noise: Vec<f64> = self.joints.iter().map(|j| self.effort_noise[j]).collect();
-        next_motion(&self.model.arm.chain, &noise, &pairs)
+        next_motion(&self.model.chain, &noise, &pairs)
     }
 
     /// Whether what the model leaves over on recordings is white: p-values of the Ljung-Box test, by joint
@@ -428,7 +425,7 @@ impl Diagnosis {
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut left: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
         for PreparedRecording { signals, .. } in recordings {
-            let predicted = self.model.on_grid(signals)?;
+            let predicted = self.model.predict_in_band(signals)?;
             for (j, name) in self.joints.iter().enumerate() {
                 let recorded = &signals.effort[j];
                 if recorded.is_empty() {
@@ -447,12 +444,12 @@ impl Diagnosis {
     /// Root mean square errors of a model on recordings, by joint with an effort in any of them.
     fn error_of(
         &self,
-        model: &DiagnosedModel,
+        model: &ArmModel,
         recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
         let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
         for seen in recordings {
-            let predicted = model.predict_seen(seen)?;
+            let predicted = model.predict_prepared(seen)?;
             for (name, predicted) in self.joints.iter().zip(&predicted) {
                 if let Some(recorded) = seen.recording().joint(name).and_then(|j| j.effort.as_ref())
                 {

@@ -7,7 +7,7 @@
 //! of the recordings to which it was not fitted. What remains and depends on some column, but on no law of the
 //! library, is described without a name ([`UNMODELLED`]).
 //!
-//! The result is a list of [`Finding`]s and a [`DiagnosedModel`] that predicts what recordings of other
+//! The result is a list of [`Finding`]s and a [`ArmModel`] that predicts what recordings of other
 //! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
 //!
 //! ```

@@ -166,14 +166,14 @@ fn what_a_column_shows_of_an_effort_is_predicted() {
         ..bench.set.applied_to(bench.model.clone(), &problem.constants(&truth))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
-    let predicted = read.predict(&motion).unwrap();
+    let predicted = read.predict_motion(&motion).unwrap();
     for (predicted, recorded) in predicted.iter().zip(&effort) {
         for t in used_samples(&motion) {
             assert!((predicted[t] - recorded[t]).abs() < 1e-6, "{} {}", predicted[t], recorded[t]);
         }
     }
     let bare = ArmModel { shown: None, ..model };
-    let off = bare.predict(&motion).unwrap()[wrist][500] - effort[wrist][500];
+    let off = bare.predict_motion(&motion).unwrap()[wrist][500] - effort[wrist][500];
     assert!(off.abs() > 0.1, "{off}");
 }
 
@@ -430,7 +430,7 @@ fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
     let read_turn = read.turns.as_ref().unwrap()[TRAVELS];
     assert!((read_turn.travel() / travel - 1.0).abs() < 1e-12, "{read_turn:?}");
     let error = |model: &ArmModel| {
-        let predicted = &model.predict(&motion).unwrap()[TRAVELS];
+        let predicted = &model.predict_motion(&motion).unwrap()[TRAVELS];
         let used = used_samples(&motion);
         let squares =
             used.clone().map(|t| (predicted[t] - effort[TRAVELS][t]).powi(2)).sum::<f64>();

@@ -243,7 +243,7 @@ fn a_shared_transmission_is_found_where_there_is_one() {
             ..bench.set.applied_to(bench.model.clone(), &problem.constants(values))
         };
         let again = ArmModel::parse(&model.to_json().unwrap(), "text").unwrap();
-        let predicted = again.predict(&motion).unwrap();
+        let predicted = again.predict_motion(&motion).unwrap();
         let measured = motion.effort.as_ref().unwrap();
         for (joint, fit) in estimate.train.iter().enumerate() {
             let pairs = predicted[joint].iter().zip(&measured[joint]);

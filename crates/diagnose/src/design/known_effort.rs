@@ -1,7 +1,7 @@
 //! Efforts that a given model explains beyond its rigid body: taken out of the recordings.
 
 use armident_effects::{EffectOnJoint, tilted};
-use armident_model::{ArmModel, DiagnosedModel};
+use armident_model::{ArmModel, BandPrediction};
 use armident_motion::Signals;
 use armident_recording::RecordingError;
 use nalgebra::Vector3;
@@ -9,32 +9,36 @@ use nalgebra::Vector3;
 /// its body alone.
 pub struct Known {
     /// The whole of it.
-    pub(crate) model: DiagnosedModel,
+    pub(crate) model: ArmModel,
     /// Its links under its gravity and nothing else.
-    body: DiagnosedModel,
+    body: ArmModel,
+    joint_effects: Vec<EffectOnJoint>,
 }
 
 impl Known {
     /// Of a model.
-    pub fn of(model: DiagnosedModel) -> Self {
-        let mut arm = model.arm.clone();
-        arm.effects.clear();
+    pub fn of(model: ArmModel) -> Self {
+        let mut body = model.links_in_band();
         // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
-        let tilt = Vector3::new(model.learned.tilt_rad[0], model.learned.tilt_rad[1], 0.0);
-        arm.chain.gravity_e0 = tilted(&arm.chain.base_from_e0, &arm.chain.gravity_e0, &tilt);
-        let mut body = DiagnosedModel::believed(&arm);
-        body.learned.rigid_cutoff_hz = model.learned.rigid_cutoff_hz;
-        Self { model, body }
+        let tilt = Vector3::new(model.base_tilt_rad[0], model.base_tilt_rad[1], 0.0);
+        body.chain.gravity_e0 = tilted(&body.chain.base_from_e0, &body.chain.gravity_e0, &tilt);
+        let band = model.band.clone().unwrap_or_else(|| BandPrediction::of(body.chain.dof()));
+        if let Some(of_body) = &mut body.band {
+            of_body.rigid_cutoff_hz = band.rigid_cutoff_hz;
+        }
+        let joint_effects = model.joint_effects().cloned().collect();
+        let model = ArmModel { band: Some(band), ..model };
+        Self { model, body, joint_effects }
     }
 
     /// The arm that recordings are compared with once that is taken out of them.
     pub fn arm(&self) -> &ArmModel {
-        &self.body.arm
+        &self.body
     }
 
     /// Effects on single joints that it knows.
     pub(crate) fn effects(&self) -> &[EffectOnJoint] {
-        &self.model.arm.effects
+        &self.joint_effects
     }
 
     /// A recording without the efforts that the model knows beyond those of its body. The low-passes of the predictions
@@ -43,7 +47,8 @@ impl Known {
     /// # Errors
     /// A recording that cannot be used.
     pub(crate) fn taken_out_of(&self, signals: Signals) -> Result<Signals, RecordingError> {
-        let (all, body) = (self.model.on_grid(&signals)?, self.body.on_grid(&signals)?);
+        let (all, body) =
+            (self.model.predict_in_band(&signals)?, self.body.predict_in_band(&signals)?);
         let less = |(all, body): (&Vec<f64>, &Vec<f64>)| {
             all.iter().zip(body).map(|(all, body)| all - body).collect()
         };

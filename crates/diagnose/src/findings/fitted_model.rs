@@ -1,13 +1,13 @@
 //! The model that an estimate stands for.
 
 use crate::selection::solution::Solution;
+use armident_model::{
+    ArmModel, BandPrediction, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
+    changed, of_shape,
+};
 
 use crate::design::compliant_link::mean_inertia;
 use armident_effects::{EVERYDAY, EffectOnJoint, Place, Scope, Turn, effect};
-use armident_model::{
-    ArmModel, DiagnosedModel, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
-    changed, of_shape,
-};
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
@@ -43,13 +43,13 @@ pub(crate) fn law_parameters(
 
 /// The model that an estimate stands for; and by how many standard errors its links are off the estimate's, where these
 /// are of no real bodies.
-pub(crate) fn learned(
+pub(crate) fn fitted_model(
     model: &ArmModel,
     solution: &Solution<'_, '_>,
-) -> (DiagnosedModel, Option<f64>) {
+) -> (ArmModel, Option<f64>) {
     let Solution { design, metric, estimate, point: formed_at, ref gain, .. } = *solution;
     let problem = metric.problem;
-    let mut found = DiagnosedModel::believed(model);
+    let mut found = model.links_in_band();
     let ConsistentEstimate { change, coefficients, distance_in_standard_errors } =
         consistent_estimate(design.chain, metric, estimate);
     let point = moves(problem, estimate, formed_at);
@@ -61,7 +61,7 @@ pub(crate) fn learned(
         if let CandidateKind::SmoothDirections(flexible) = &candidate.kind {
             let hats = flexible.transform.first().map_or(0, Vec::len);
             let scale = gain[candidate.location.joints[0]];
-            found.learned.flexible.push(SmoothTerm {
+            found.smooth_terms.push(SmoothTerm {
                 joint: design.names[candidate.location.joints[0]].clone(),
                 basis: flexible.basis.clone(),
                 coefficients: (0..hats)
@@ -86,7 +86,7 @@ pub(crate) fn learned(
             } else {
                 (of_shape(candidate.slug(), &candidate.shape, inertia), coefficients[0])
             };
-            found.learned.transmissions.push(TransmissionTerm {
+            found.transmissions.push(TransmissionTerm {
                 joint: design.names[joint].clone(),
                 transmission,
                 motor_inertia: coefficients[1] / gain[joint],
@@ -104,32 +104,29 @@ pub(crate) fn learned(
         };
         match law.law().scope {
             Scope::Joint if candidate.slug() != "torque_scale" => {
-                found.arm.effects.push(on_joint(law_parameters(candidate, &coefficients, gain)));
+                found.effects.push(on_joint(law_parameters(candidate, &coefficients, gain)));
             }
-            Scope::Neighbours => {
-                found.learned.couplings.push(on_joint(law_parameters(
-                    candidate,
-                    &coefficients,
-                    gain,
-                )));
-            }
+            Scope::Neighbours => found.effects.push(EffectOnJoint {
+                other_joint: design.names.get(candidate.location.joints[0] + 1).cloned(),
+                ..on_joint(law_parameters(candidate, &coefficients, gain))
+            }),
             _ => {}
         }
     }
-    for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
+    for (k, joint) in found.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
     }
     // what the reference and the recordings after it together say of baseline terms
     let links = problem.link_error_prior.links;
     for (k, x) in change[10 * links..].iter().enumerate() {
         let (joint, law) = (k / EVERYDAY.len(), EVERYDAY[k % EVERYDAY.len()]);
-        found.arm.effects.push(EffectOnJoint::new(law.law().slug, &design.names[joint], vec![*x]));
+        found.effects.push(EffectOnJoint::new(law.law().slug, &design.names[joint], vec![*x]));
     }
-    found.learned.tilt_rad = point.tilt;
-    found.learned.encoder_offset = point.offset;
-    found.learned.delay_s = point.delay_s;
+    found.base_tilt_rad = point.tilt;
+    found.encoder_offset = point.offset;
+    found.effort_delay_s = point.delay_s;
     let has_dry_friction = |name: &String| {
-        found.arm.effects.iter().any(|on| {
+        found.effects.iter().any(|on| {
             let law = effect(&on.effect).map(|law| law.law());
             on.joint == *name && law.is_some_and(|law| law.places.contains(&Place::Dry))
         })
@@ -137,21 +134,20 @@ pub(crate) fn learned(
     let turns = design.names.iter().zip(point.turns);
     let turns: Vec<Turn> =
         turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { SHARP }).collect();
-    found.learned.fading_speed = turns.iter().map(|turn| turn.speed()).collect();
-    found.learned.turning_travel = turns.iter().map(|turn| turn.travel()).collect();
-    found.learned.gain.clone_from(gain);
-    found.arm.prior_links = Some(design.chain.joints.iter().map(|j| j.link).collect());
+    found.turns = Some(turns);
+    found.channel_gain.clone_from(gain);
+    found.prior_links = Some(design.chain.joints.iter().map(|j| j.link).collect());
     (found, distance_in_standard_errors)
 }
 
 /// The believed arm with its rigid body identified again and nothing else.
-pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<DiagnosedModel> {
+pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<ArmModel> {
     const SCALE: f64 = 1.0;
     let problem = design.problem_without_trials(&OperatingPoint::of(design.joints()));
     let metric = problem.marginalised(SCALE, &[]);
     let change = metric.inertial_errors(&fit_set(&metric, Vec::new())?.fit);
-    let mut found = DiagnosedModel::believed(model);
-    for (k, joint) in found.arm.chain.joints.iter_mut().enumerate() {
+    let mut found = model.links_in_band();
+    for (k, joint) in found.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
     }
     Some(found)
@@ -160,16 +156,17 @@ pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<Diagn
 /// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
 /// recordings; what is left of these is the noise of the model.
 pub(crate) fn choose_outputs(
-    model: &mut DiagnosedModel,
+    model: &mut ArmModel,
     design: &Design<'_>,
 ) -> Result<(), RecordingError> {
     let n = design.joints();
+    let mut band = BandPrediction::of(n);
     let discrepancy = |cutoff_hz: &f64| -> Result<(f64, f64), RecordingError> {
-        let mut model = model.clone();
-        model.learned.rigid_cutoff_hz = *cutoff_hz;
+        let rigid = BandPrediction { rigid_cutoff_hz: *cutoff_hz, ..band.clone() };
+        let model = ArmModel { band: Some(rigid), ..model.clone() };
         let mut squares = vec![0.0; n];
         for signals in design.signals.iter() {
-            for (j, predicted) in model.on_grid(signals)?.iter().enumerate() {
+            for (j, predicted) in model.predict_in_band(signals)?.iter().enumerate() {
                 let differences = predicted.iter().zip(&signals.effort[j]);
                 squares[j] += differences.map(|(p, e)| (p - e).powi(2)).sum::<f64>();
             }
@@ -179,10 +176,11 @@ pub(crate) fn choose_outputs(
     };
     let discrepancies = RIGID_HZ.par_iter().map(discrepancy).collect::<Result<Vec<_>, _>>()?;
     let least = discrepancies.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    model.learned.rigid_cutoff_hz = least.map_or(model.learned.rigid_cutoff_hz, |(_, hz)| hz);
+    band.rigid_cutoff_hz = least.map_or(band.rigid_cutoff_hz, |(_, hz)| hz);
+    model.band = Some(band.clone());
     let mut squares = vec![[0.0; OUTPUT_HZ.len()]; n];
     for signals in design.signals.iter() {
-        let predicted = model.on_grid(signals)?;
+        let predicted = model.predict_in_band(signals)?;
         for j in 0..n {
             for (k, cutoff_hz) in OUTPUT_HZ.iter().enumerate() {
                 let smooth = match cutoff_hz {
@@ -201,11 +199,12 @@ pub(crate) fn choose_outputs(
     for j in 0..n {
         let best = (0..OUTPUT_HZ.len()).min_by(|a, b| squares[j][*a].total_cmp(&squares[j][*b]));
         let Some(best) = best else { continue };
-        model.learned.output_cutoff_hz[j] = OUTPUT_HZ[best];
+        band.output_cutoff_hz[j] = OUTPUT_HZ[best];
         let samples: usize = design.signals.iter().map(|s| s.effort[j].len()).sum();
         noise[j] = (squares[j][best] / samples.max(1) as f64).sqrt();
     }
-    model.arm.effort_noise = Some(noise);
+    model.band = Some(band);
+    model.effort_noise = Some(noise);
     Ok(())
 }
 
@@ -233,11 +232,11 @@ mod tests {
     }
 
     /// The model that is learned from a recording.
-    fn learned_from(recorded: &Signals, chain: &DrivingAxisChain) -> DiagnosedModel {
+    fn fitted_to(recorded: &Signals, chain: &DrivingAxisChain) -> ArmModel {
         let design = Design::new(chain, vec![recorded.clone()]);
         let (design, selection) = select(&design).unwrap();
         let metric = selection.metric();
-        learned(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
+        fitted_model(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
     }
 
     /// What of an arm with wrong links a channel records too large is too large of their errors as well.
@@ -249,11 +248,11 @@ mod tests {
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
 
-        let found = learned_from(&recorded, &chain);
-        let gain = found.learned.gain[SCALED];
+        let found = fitted_to(&recorded, &chain);
+        let gain = found.channel_gain[SCALED];
         assert!((gain - GAIN).abs() < 0.005, "{gain}");
         let effort = &recorded.effort;
-        for (j, predicted) in found.on_grid(&recorded).unwrap().iter().enumerate() {
+        for (j, predicted) in found.predict_in_band(&recorded).unwrap().iter().enumerate() {
             let left = predicted.iter().zip(&effort[j]).map(|(p, e)| (p - e).powi(2)).sum::<f64>();
             let left = (left / effort[j].len() as f64).sqrt();
             // even noise of 0.1 N m from end to end
@@ -276,8 +275,8 @@ mod tests {
         let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
         recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);
 
-        let found = learned_from(&recorded, &chain);
-        let friction = found.arm.effects.iter().find(|on| on.effect == law.law().slug).unwrap();
+        let found = fitted_to(&recorded, &chain);
+        let friction = found.effects.iter().find(|on| on.effect == law.law().slug).unwrap();
         assert_eq!(friction.joint, chain.joints[LOADED].name);
         let [level, of_load] = friction.parameters[..] else { panic!("{friction:?}") };
         assert!(

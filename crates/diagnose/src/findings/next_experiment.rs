@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use armident_kinematics::DrivingAxisChain;
 use armident_recording::{JointChannels, Recording, RecordingError};
 
-use armident_model::DiagnosedModel;
+use armident_model::{ArmModel, PreparedRecording};
 
 /// Length of a motion \[s\] and its rate \[Hz\].
 const LENGTH_S: f64 = 20.0;
@@ -55,8 +55,8 @@ const PLENTY: f64 = 4.0;
 
 /// Two models that recordings could not tell apart.
 pub(crate) struct Rivals<'a> {
-    pub(crate) one: &'a DiagnosedModel,
-    pub(crate) other: &'a DiagnosedModel,
+    pub(crate) one: &'a ArmModel,
+    pub(crate) other: &'a ArmModel,
     /// joints in question
     pub(crate) joints: Vec<usize>,
 }
@@ -86,11 +86,14 @@ pub(crate) fn next_motion(
     rivals: &[Rivals<'_>],
 ) -> Result<Option<NextMotion>, RecordingError> {
     let mut best: Option<(f64, NextMotion)> = None;
+    let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
     for candidate in candidates(chain, rivals) {
         let motion = candidate.motion(chain)?;
         let mut differences = Vec::new();
         for pair in rivals {
-            let (one, other) = (pair.one.predict(&motion)?, pair.other.predict(&motion)?);
+            let motion = PreparedRecording::of(&motion, &names)?;
+            let (one, other) =
+                (pair.one.predict_prepared(&motion)?, pair.other.predict_prepared(&motion)?);
             let within = one.iter().zip(&chain.joints).all(|(effort, joint)| {
                 let most = joint.limits.effort.filter(|e| *e > 0.0).map(|e| SHARE_OF_EFFORT * e);
                 effort.iter().all(|e| most.is_none_or(|most| e.abs() <= most))

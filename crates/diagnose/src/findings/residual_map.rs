@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::design::compliant_link::Posed;
 use crate::design::design::Design;
 use crate::design::ripple::wave_gain;
-use armident_model::DiagnosedModel;
+use armident_model::ArmModel;
 
 /// Bins of one variable: with 12 of some hundred rows each, means are known to a tenth of a deviation.
 const BINS: usize = 12;
@@ -184,17 +184,17 @@ struct States {
 /// The atlas of every joint with efforts.
 pub(crate) fn atlas(
     design: &Design<'_>,
-    before: &DiagnosedModel,
-    rigid: &DiagnosedModel,
-    after: &DiagnosedModel,
+    before: &ArmModel,
+    rigid: &ArmModel,
+    after: &ArmModel,
 ) -> Result<Vec<JointAtlas>, RecordingError> {
     // where a change is sought, of the recordings after it
     let signals = &design.signals[design.observations.comparison.first_judged()..];
-    let left = |model: &DiagnosedModel| -> Result<Vec<Vec<Vec<f64>>>, RecordingError> {
+    let left = |model: &ArmModel| -> Result<Vec<Vec<Vec<f64>>>, RecordingError> {
         signals
             .iter()
             .map(|s| {
-                let predicted = model.on_grid(s)?;
+                let predicted = model.predict_in_band(s)?;
                 let difference = |(p, e): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
                     e.iter().zip(p).map(|(e, p)| e - p).collect()
                 };

@@ -12,7 +12,7 @@ use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use crate::regression::marginalised::Marginalised;
 use crate::selection::levels::CHANCE;
 use crate::selection::materiality::{estimate_without, held, set_without};
-use armident_model::{OperatingPoint, is_bend};
+use armident_model::{OperatingPoint, is_sublinear};
 
 /// Removes effects that do not lower the error of unseen blocks by more than its standard error,
 /// the least useful first. Windows are exempt: no other block has seen them; so is what the operating
@@ -176,7 +176,7 @@ impl Predictor {
         let lacking: Vec<usize> =
             named.set.iter().copied().filter(|g| !other.set.contains(g)).collect();
         let stands_alone = |g: &usize| {
-            is_bend(candidates[*g].slug())
+            is_sublinear(candidates[*g].slug())
                 && lacking.iter().any(|l| candidates[*l].location == candidates[*g].location)
         };
         let beside = self.estimate.set.iter().filter(|g| !named.set.contains(g));

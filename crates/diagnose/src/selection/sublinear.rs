@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::test_arms::{design, ur5};
     use armident_model::OperatingPoint;
-    use armident_model::is_bend;
+    use armident_model::is_sublinear;
 
     /// Of two joints whose friction grows with the speed one bends; names stay a line's.
     #[test]
@@ -141,7 +141,7 @@ mod tests {
             .set
             .iter()
             .map(|g| &problem.candidates[*g])
-            .filter(|g| is_bend(g.slug()))
+            .filter(|g| is_sublinear(g.slug()))
             .collect();
         let [bend] = bends[..] else { panic!("{bends:?}") };
         assert_eq!(bend.location.joints, [BENDS]);
@@ -153,6 +153,6 @@ mod tests {
         let rest = selection.estimate.set.iter().copied().filter(|g| *g != viscous).collect();
         let without = fit_set(&metric, rest).unwrap();
         let model = sublinear.beside(&metric, &selection.estimate, &without).unwrap();
-        assert!(model.set.iter().all(|g| !is_bend(problem.candidates[*g].slug())));
+        assert!(model.set.iter().all(|g| !is_sublinear(problem.candidates[*g].slug())));
     }
 }

@@ -6,7 +6,7 @@
 use armident_dynamics::RigidArm;
 use armident_ident::MinimalSet;
 use armident_kinematics::InertialParameters;
-use armident_model::{ArmModel, DiagnosedModel};
+use armident_model::ArmModel;
 use armident_numeric::dot;
 use serde::Serialize;
 
@@ -51,7 +51,7 @@ pub struct ConstantEstimates {
 /// The constants of an estimate; none where inertias were not in question or the set cannot be determined.
 pub(crate) fn constants(
     believed: &ArmModel,
-    found: &DiagnosedModel,
+    found: &ArmModel,
     metric: &Marginalised<'_>,
     estimate: &Estimate,
 ) -> Option<ConstantEstimates> {
@@ -81,7 +81,7 @@ pub(crate) fn constants(
     let prior = through(&metric.prior_factors()?);
     let covariance =
         |rows: &[Vec<f64>], a: usize, b: usize| -> f64 { rows.iter().map(|r| r[a] * r[b]).sum() };
-    let values = set.values(&RigidArm::from_chain(&found.arm.chain).constants());
+    let values = set.values(&RigidArm::from_chain(&found.chain).constants());
     let urdf = set.values(&arm.constants());
     let variance: Vec<f64> = (0..set.len()).map(|c| covariance(&posterior, c, c)).collect();
     let constants = set

@@ -19,7 +19,7 @@ impl SectionData for Presliding {
 
     fn of(source: &Source<'_>) -> Option<Self> {
         let diagnosis = source.diagnosis;
-        above_zero(&diagnosis.joints, &diagnosis.model.learned.turning_travel).map(Self)
+        above_zero(&diagnosis.joints, &diagnosis.model.presliding_travel()).map(Self)
     }
 
     fn text(&self, result: &DiagnoseReport) -> Vec<Block> {

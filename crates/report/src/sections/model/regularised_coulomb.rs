@@ -19,7 +19,7 @@ impl SectionData for RegularisedCoulomb {
 
     fn of(source: &Source<'_>) -> Option<Self> {
         let diagnosis = source.diagnosis;
-        above_zero(&diagnosis.joints, &diagnosis.model.learned.fading_speed).map(Self)
+        above_zero(&diagnosis.joints, &diagnosis.model.regularised_below()).map(Self)
     }
 
     fn text(&self, result: &DiagnoseReport) -> Vec<Block> {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use armident_effects::effect;
-use armident_model::is_bend;
+use armident_model::is_sublinear;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -51,10 +51,10 @@ impl SectionData for SmallTerms {
         let is_reported = |slug: &str, joint: &String| {
             diagnosis.findings.iter().any(|f| f.effect == slug && f.joints.first() == Some(joint))
         };
-        let effects = diagnosis.model.arm.effects.iter();
+        let effects = diagnosis.model.joint_effects();
         let terms: Vec<SmallTerm> = effects
             // sublinear friction is not small, and has a section of its own
-            .filter(|on| !is_reported(&on.effect, &on.joint) && !is_bend(&on.effect))
+            .filter(|on| !is_reported(&on.effect, &on.joint) && !is_sublinear(&on.effect))
             .filter_map(|on| {
                 let law = effect(&on.effect)?.law();
                 let kind = chain.joints.iter().find(|j| j.name == on.joint)?.kind;

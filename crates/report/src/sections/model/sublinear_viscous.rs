@@ -20,7 +20,7 @@ impl SectionData for SublinearViscous {
     const FORMER_KEYS: &'static [&'static str] = &["friction_bends"];
 
     fn of(source: &Source<'_>) -> Option<Self> {
-        let found = source.diagnosis.model.friction_bends();
+        let found = source.diagnosis.model.sublinear_friction();
         let coefficients: ByJoint = found.map(|(joint, c)| (joint.to_owned(), c)).collect();
         (!coefficients.is_empty()).then_some(Self(coefficients))
     }

@@ -35,7 +35,7 @@ impl SectionData for Transmissions {
     const KEY: &'static str = "transmissions";
 
     fn of(source: &Source<'_>) -> Option<Self> {
-        let found = &source.diagnosis.model.learned.transmissions;
+        let found = &source.diagnosis.model.transmissions;
         let rows = found.iter().map(|term| TransmissionRow {
             joint: term.joint.clone(),
             gap: term.transmission.gap,
