@@ -242,8 +242,7 @@ fn no_public_type_name_means_two_things() {
         }
     }
     let in_two = |places: &BTreeSet<String>| {
-        let crates: BTreeSet<&str> =
-            places.iter().filter_map(|p| p.split('/').next()).collect();
+        let crates: BTreeSet<&str> = places.iter().filter_map(|p| p.split('/').next()).collect();
         crates.len() > 1
     };
     let found: BTreeMap<&String, &BTreeSet<String>> =
