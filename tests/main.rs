@@ -58,6 +58,11 @@ mod pipeline;
 /// public recordings of real arms: rank, error against plain least squares, rejected inputs
 mod real_data;
 
+/// a section of a diagnosis that this file adds
+mod extend_section;
+/// `docs/json.md` and the schemas of the results
+mod json_docs;
+
 /// figures in prose and the tables they come from
 mod figures;
 /// dependencies between crates, and forbidden content of files

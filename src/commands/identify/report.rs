@@ -1,23 +1,19 @@
 //! The result of an identification as the rows of its report.
 
-use std::collections::BTreeMap;
-
 use armident_ident::{
     Consistent, Coupling, DriveGains, Identification, JointFit, KnownLoad, LAWS, MinimalSet,
     PlannedIdentification, Term,
 };
 use armident_motion::Motion;
 use armident_report::{
-    ConsistencyReport, ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows,
-    IdentifyReport, LoadRow, MergedRow, StepRow,
+    ByJoint, ConsistencyReport, ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport,
+    FitRows, IdentifyReport, MergedRow, PayloadRow, StepRow,
 };
-
-const SCHEMA: &str = "armident.identify/1";
 
 /// Of a batch fit; recordings, notes and warnings are to be added.
 pub(super) fn of_batch(
     found: &Identification,
-    estimator: &'static str,
+    estimator: &str,
     loads: &[KnownLoad],
 ) -> IdentifyReport {
     let Identification { model, problem, estimate, errors, .. } = found;
@@ -31,7 +27,7 @@ pub(super) fn of_batch(
             Term::Constant(c) => constants.push(ConstantRow {
                 // a constant has no bound, so its error is always there
                 undetermined: estimate.undetermined[k],
-                from_prior: estimate.prior_share[k],
+                prior_share: estimate.prior_share[k],
                 ..constant_row(
                     problem.set(),
                     c,
@@ -55,9 +51,9 @@ pub(super) fn of_batch(
     });
     let significant = |k: &usize| estimate.is_significant(*k);
     IdentifyReport {
-        schema: SCHEMA,
-        method: "batch",
-        estimator: Some(estimator),
+        schema: IdentifyReport::SCHEMA.to_owned(),
+        method: "batch".to_owned(),
+        estimator: Some(estimator.to_owned()),
         robot: model.chain.robot.clone(),
         recordings: Vec::new(),
         holdout_recordings: Vec::new(),
@@ -67,22 +63,23 @@ pub(super) fn of_batch(
             "recorded"
         } else {
             "position"
-        },
-        link_prior: found.structure.settings.link_prior,
+        }
+        .to_owned(),
+        prior_scale: found.structure.settings.link_prior,
         consistency: found.consistent.as_ref().map(|c| ConsistencyReport::of(c, &joints)),
         constants,
         effects,
         merged: merged.collect(),
         drive_gains: found.drive_gains.as_ref().map_or_else(Vec::new, |g| gain_rows(g, found)),
-        loads: loads.iter().map(|load| load_row(load, found)).collect(),
+        payloads: loads.iter().map(|load| payload_row(load, found)).collect(),
         steps: Vec::new(),
         rank: estimate.rank,
-        unknowns: problem.terms.len(),
+        parameters: problem.terms.len(),
         condition: estimate.condition,
         rows: estimate.rows,
-        independent_share: estimate.independent_share,
+        effective_sample_share: estimate.independent_share,
         effort_noise: by_joint(&found.effort_noise, &joints),
-        not_essential: (0..problem.terms.len())
+        not_significant: (0..problem.terms.len())
             .filter(|k| !significant(k))
             .map(|k| label(&problem.terms[k]))
             .collect(),
@@ -147,30 +144,34 @@ pub(super) fn of_planned(found: &PlannedIdentification) -> IdentifyReport {
         rmse: s.rmse,
     });
     IdentifyReport {
-        schema: SCHEMA,
-        method: "algorithm2",
+        schema: IdentifyReport::SCHEMA.to_owned(),
+        method: "algorithm2".to_owned(),
         estimator: None,
         robot: model.chain.robot.clone(),
         recordings: Vec::new(),
         holdout_recordings: Vec::new(),
         joints: joints.iter().map(|joint| (*joint).to_owned()).collect(),
         cutoff_hz: found.cutoff_hz,
-        velocities: if found.cutoff_hz.is_some() { "position" } else { "recorded" },
-        link_prior: None,
+        velocities: if found.cutoff_hz.is_some() { "position" } else { "recorded" }.to_owned(),
+        prior_scale: None,
         consistency: found.consistent.as_ref().map(|c| ConsistencyReport::of(c, &joints)),
         constants,
         effects: friction.collect(),
         merged: Vec::new(),
         drive_gains: Vec::new(),
-        loads: Vec::new(),
+        payloads: Vec::new(),
         steps: steps.collect(),
         rank: estimate.values.iter().filter(|v| v.is_finite()).count(),
-        unknowns: set.len(),
+        parameters: set.len(),
         condition: estimate.steps.iter().map(|s| s.condition).fold(0.0, f64::max),
         rows: estimate.steps.iter().map(|s| s.rows).sum(),
-        independent_share: found.motions.iter().map(Motion::independent_share).fold(1.0, f64::min),
+        effective_sample_share: found
+            .motions
+            .iter()
+            .map(Motion::independent_share)
+            .fold(1.0, f64::min),
         effort_noise: by_joint(&estimate.effort_noise, &joints),
-        not_essential: Vec::new(),
+        not_significant: Vec::new(),
         endogeneity: None,
         cross_validation: None,
         fit: FitReport {
@@ -195,13 +196,13 @@ fn constant_row(
     ConstantRow {
         label: constant.label(),
         joint: joints[constant.joint].to_owned(),
-        unit: constant.unit(),
+        unit: constant.unit().to_owned(),
         value: found.map(|(value, _, _)| value),
         standard_error: found.map(|(_, error, _)| error),
         interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
         urdf: given,
         consistent: None,
-        from_prior: 0.0,
+        prior_share: 0.0,
         undetermined: 0.0,
     }
 }
@@ -259,21 +260,22 @@ fn gain_rows(gains: &DriveGains, found: &Identification) -> Vec<DriveGainRow> {
                     (true, true) => "N m/A",
                     (true, false) => "N/A",
                     (false, _) => "relative",
-                },
+                }
+                .to_owned(),
                 used: gain.value * gains.scale_of_description,
             })
         })
         .collect()
 }
 
-fn load_row(load: &KnownLoad, found: &Identification) -> LoadRow {
+fn payload_row(load: &KnownLoad, found: &Identification) -> PayloadRow {
     let in_link = found.model.chain.joints.last().map(|joint| joint.child_link_in_e.inverse());
     let centre = found.problem.centre_of(load, &found.estimate.values);
-    LoadRow {
+    PayloadRow {
         recordings: load.sources.clone(),
         mass_kg: load.mass_kg,
-        centre_m: in_link.map_or(centre, |to| to.transform_point(&centre.into()).into()),
-        found: load.centre_error_m > 0.0,
+        centre_of_mass_m: in_link.map_or(centre, |to| to.transform_point(&centre.into()).into()),
+        is_estimated: load.centre_error_m > 0.0,
     }
 }
 
@@ -284,6 +286,6 @@ fn fit_rows(fits: &[JointFit], joints: &[&str]) -> FitRows {
     FitRows { rmse: pick(|f| f.rmse), relative: pick(|f| f.relative) }
 }
 
-fn by_joint(values: &[f64], joints: &[&str]) -> BTreeMap<String, f64> {
+fn by_joint(values: &[f64], joints: &[&str]) -> ByJoint {
     joints.iter().zip(values).map(|(j, v)| ((*j).to_owned(), *v)).collect()
 }
