@@ -60,5 +60,7 @@ mod figures;
 mod flow;
 /// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;
+/// names of laws stand in one crate
+mod slugs;
 /// the vocabulary of text and code
 mod words;

@@ -367,7 +367,7 @@ fn identified_errors(
     let found = ArmModel {
         effects: problem.consistent_effects(&real, &names),
         recorded_velocities: fitted.velocity_gain.is_some(),
-        turns: problem.turns.clone(),
+        reversals: problem.turns.clone(),
         shown: Some(problem.shown(&fitted.rows, &real.estimated)),
         ..model.clone().with_links(&real.links)
     };

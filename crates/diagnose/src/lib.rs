@@ -58,5 +58,4 @@ pub use findings::placebo::Placebo;
 pub use request::Heard;
 pub use uncertainty::minimal_constants::{ConstantEstimate, ConstantEstimates};
 
-/// Name of a finding for structure that no law of the library explains.
-pub const UNMODELLED: &str = "unmodelled";
+pub use armident_effects::UNMODELLED;

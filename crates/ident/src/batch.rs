@@ -12,8 +12,8 @@
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    Admissible, EVERYDAY, Effect, EffectOnJoint, JointMotion, Parameter, SublinearViscousFriction,
-    Turn, directions_with,
+    Admissible, EVERYDAY, Effect, EffectOnJoint, JointMotion, Parameter, ReversalModel,
+    SublinearViscousFriction, directions_with,
 };
 use armident_numeric::{
     AccumulatedQr, LeastSquares, Mat, NonNegative, NumericError, eliminate_in_order,
@@ -130,7 +130,7 @@ pub struct BatchProblem<'a> {
     /// Loads with unknowns.
     pub(crate) loads: Vec<KnownLoad>,
     /// How each joint's dry friction turns; none: below a share of the RMS speed of the motion at hand.
-    pub turns: Option<Vec<Turn>>,
+    pub turns: Option<Vec<ReversalModel>>,
     /// Joints whose columns leave small efforts out ([`unreported`](crate::unreported)).
     pub(crate) unreported: Vec<bool>,
 }

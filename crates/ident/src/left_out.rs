@@ -7,7 +7,7 @@
 //! robot description is believed is asked of all stretches together
 //! (`BatchProblem::doubt_of_links`).
 
-use armident_effects::{Place, Turn};
+use armident_effects::{Place, ReversalModel};
 use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
 
@@ -120,7 +120,7 @@ impl BatchProblem<'_> {
     /// When a motion has no effort or other joints than the arm.
     pub fn choose_turning_speeds(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
         let mut turns = Turns::of(motions);
-        turns.tried.retain(|turn| SPEED_SHARES.map(Turn::Speed).contains(turn));
+        turns.tried.retain(|turn| SPEED_SHARES.map(ReversalModel::regularised).contains(turn));
         self.turns = turns.usual();
         let rows = self.with_all_directions(motions, &turns);
         if has_folds(&rows) && turns.tried.len() > 1 {
@@ -144,7 +144,8 @@ impl BatchProblem<'_> {
                 let jumping = usual.jumping_columns(joint, motions[index]);
                 let mut columns =
                     usual.columns_beside(joint, motions[index], &moved[index], &jumping);
-                let others: Vec<Turn> = others.iter().map(|of| turns.on(joint, *of)).collect();
+                let others: Vec<ReversalModel> =
+                    others.iter().map(|of| turns.on(joint, *of)).collect();
                 columns.extend(usual.direction_columns(joint, motions[index], &others));
                 (columns, effort.to_vec())
             },
@@ -158,7 +159,7 @@ impl BatchProblem<'_> {
         &self,
         rows: &JointRows,
         wanted: &BatchProblem<'_>,
-        (turns, least): (&Turns, fn(Turn) -> f64),
+        (turns, least): (&Turns, fn(ReversalModel) -> f64),
         settings: &BatchSettings,
     ) -> Result<Resolved, NumericError> {
         let n = self.by_joint.len();
@@ -205,15 +206,17 @@ impl BatchProblem<'_> {
 }
 
 /// By how many standard errors a turn must explain more than the usual one.
-fn least_gain(turn: Turn) -> f64 {
+fn least_gain(turn: ReversalModel) -> f64 {
     match turn {
-        Turn::Speed(share) if share < DEFAULT_SPEED_RESOLUTION => LEAST_GAIN_OF_SHARP,
+        ReversalModel::RegularisedSign { below } if below < DEFAULT_SPEED_RESOLUTION => {
+            LEAST_GAIN_OF_SHARP
+        }
         _ => LEAST_GAIN_IN_ERRORS,
     }
 }
 
 struct Resolved {
-    turns: Option<Vec<Turn>>,
+    turns: Option<Vec<ReversalModel>>,
     rows: JointRows,
 }
 
@@ -226,7 +229,7 @@ struct Resolved {
 /// inertia. Which of them a joint has, its own recording says.
 struct Turns {
     /// shares; none where velocities are exact
-    tried: Vec<Turn>,
+    tried: Vec<ReversalModel>,
     rms_speed: Vec<f64>,
     deviation: Vec<f64>,
 }
@@ -247,8 +250,9 @@ impl Turns {
             root_mean_square(&|m| &m.position[joint], mean)
         };
         let exact = motions.iter().all(|m| m.filter.is_none());
-        let speeds = SPEED_SHARES.into_iter().chain(FAR_SPEED_SHARES).map(Turn::Speed);
-        let all = speeds.chain(Turn::TRAVEL_SHARES.map(Turn::Travel));
+        let speeds =
+            SPEED_SHARES.into_iter().chain(FAR_SPEED_SHARES).map(ReversalModel::regularised);
+        let all = speeds.chain(ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding));
         Self {
             tried: if exact { Vec::new() } else { all.collect() },
             rms_speed: (0..joints).map(rms_speed).collect(),
@@ -257,14 +261,18 @@ impl Turns {
     }
 
     /// A share as it is on a joint.
-    fn on(&self, joint: usize, share: Turn) -> Turn {
+    fn on(&self, joint: usize, share: ReversalModel) -> ReversalModel {
         match share {
-            Turn::Speed(share) => Turn::Speed(share * self.rms_speed[joint]),
-            Turn::Travel(share) => Turn::Travel(share * self.deviation[joint]),
+            ReversalModel::RegularisedSign { below } => {
+                ReversalModel::regularised(below * self.rms_speed[joint])
+            }
+            ReversalModel::Presliding { travel } => {
+                ReversalModel::presliding(travel * self.deviation[joint])
+            }
         }
     }
 
-    fn usual(&self) -> Option<Vec<Turn>> {
+    fn usual(&self) -> Option<Vec<ReversalModel>> {
         let usual = *self.tried.first()?;
         Some((0..self.rms_speed.len()).map(|joint| self.on(joint, usual)).collect())
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use armident_dynamics::ArmMotion;
-use armident_effects::{EVERYDAY, Effect, Place, Turn};
+use armident_effects::{EVERYDAY, Effect, Place, ReversalModel};
 use armident_model::effect_columns;
 use armident_motion::Motion;
 use armident_numeric::AccumulatedQr;
@@ -338,7 +338,7 @@ impl BatchProblem<'_> {
         columns
     }
 
-    fn turn(&self, joint: usize) -> Option<Turn> {
+    fn turn(&self, joint: usize) -> Option<ReversalModel> {
         self.turns.as_ref().map(|turns| turns[joint])
     }
 
@@ -347,7 +347,7 @@ impl BatchProblem<'_> {
         &self,
         joint: usize,
         motion: &Motion,
-        turns: &[Turn],
+        turns: &[ReversalModel],
     ) -> Vec<Vec<f64>> {
         let kind = self.arm().joints[joint].kind;
         let Some(law) = EVERYDAY.iter().find(|law| jumps(**law)) else { return Vec::new() };

@@ -265,7 +265,7 @@ mod tests {
     use crate::operating_point::OperatingPoint;
     use crate::posed_recording::changed;
     use crate::test_arms::{swinging, ur5};
-    use crate::transmission::{FLANK_DAMPING, FLANK_RATE, of_shape};
+    use armident_effects::Backlash;
 
     fn mean(values: &[f64]) -> f64 {
         values.iter().sum::<f64>() / values.len() as f64
@@ -401,16 +401,16 @@ mod tests {
             let efforts = of.difference(&at, JOINT).unwrap();
             signals.band.rows(&efforts[JOINT])
         };
-        let (rate, damping) = (0.8 * FLANK_RATE, 0.25 * FLANK_DAMPING);
+        let (rate, damping) = (0.8 * Backlash::FLANK_RATE, 0.25 * Backlash::FLANK_DAMPING);
         let real = in_band(Transmission {
             gap: GAP,
             stiffness: inertia * rate * rate,
             damping: 2.0 * damping * inertia * rate,
         });
         for factor in [0.8, 0.9, 1.0, 1.1, 1.25] {
-            let assumed = of_shape("backlash", &[factor * GAP], inertia);
+            let assumed = Transmission::of_law(&Backlash, &[factor * GAP], inertia).unwrap();
             let column = in_band(assumed);
-            let told = assumed.gap_told(dot(&column, &real) / dot(&column, &column));
+            let told = assumed.fitted_gap(dot(&column, &real) / dot(&column, &column));
             assert!((told / GAP - 1.0).abs() < 0.06, "{factor}: {told}");
         }
     }

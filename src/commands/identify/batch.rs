@@ -77,10 +77,10 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     for ((joint, turn), kind) in
         joints.iter().zip(problem.turns.iter().flatten()).zip(&model.chain.joints)
     {
-        if turn.travel() > 0.0 {
+        if turn.presliding_travel() > 0.0 {
             notes.push(format!(
                 "{joint}: presliding friction included (travel {:.2} {}, selected by cross-validation)",
-                1e3 * turn.travel(),
+                1e3 * turn.presliding_travel(),
                 if kind.kind.is_rotational() { "mrad" } else { "mm" }
             ));
         }
@@ -283,7 +283,7 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     };
     found.cutoff_hz = cutoff_hz;
     found.recorded_velocities = recorded_velocities;
-    found.turns = turns;
+    found.reversals = turns;
     found.effort_noise = Some(effort_noise);
     found.shown = shown.iter().any(Option::is_some).then_some(shown);
     found.provenance.push(format!("fitted to {}", report.recordings.join(", ")));

@@ -1,7 +1,7 @@
 //! Bodies that may be wrong: links of the arm, and loads on them.
 
 use armident_dynamics::RigidArm;
-use armident_effects::effect;
+use armident_effects::{LinkInertiaError, Payload};
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, symmetric_eigen};
 use nalgebra::{Matrix3, Vector3};
@@ -54,7 +54,6 @@ impl Design<'_> {
     /// A load: mass and first moment of the last link; its own inertia is small beside them. Says whether these motions
     /// weigh it.
     fn push_payload(&self, problem: &mut LinearProblem) -> bool {
-        let Some(law) = effect("payload") else { return false };
         let last = self.joints() - 1;
         let rows = problem.observations.effective();
         let (columns, not_shown): (Vec<usize>, Vec<usize>) = (10 * last..10 * last + 4)
@@ -74,7 +73,7 @@ impl Design<'_> {
             columns.iter().map(|&k| self.push_changed(problem, k)).collect()
         };
         let location = Location { joints: vec![last], window: None };
-        let candidate = push_law(problem, law, location, &[], columns, 0);
+        let candidate = push_law(problem, &Payload, location, &[], columns, 0);
         problem.candidates[candidate].transform = Some(transform);
         problem.candidates[candidate].hidden = hidden;
         true
@@ -82,7 +81,6 @@ impl Design<'_> {
 
     /// A link that is off by some of these errors: by the combinations of them that these motions show.
     fn push_link(&self, problem: &mut LinearProblem, link: usize, errors: &[[f64; 10]]) {
-        let Some(law) = effect("link_inertia_error") else { return };
         let rows = problem.observations.effective();
         let product = |i: usize, j: usize| -> f64 {
             let across = |p: usize| -> f64 {
@@ -124,7 +122,7 @@ impl Design<'_> {
             ids.push(problem.push_columns(vec![blocks]));
         }
         let location = Location { joints: vec![link], window: None };
-        let candidate = push_law(problem, law, location, &[], ids, 0);
+        let candidate = push_law(problem, &LinkInertiaError, location, &[], ids, 0);
         problem.candidates[candidate].transform = Some(transform);
         problem.candidates[candidate].hidden = hidden.into_iter().map(direction).collect();
     }

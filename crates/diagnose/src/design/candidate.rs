@@ -1,6 +1,6 @@
 //! A candidate: one law, body or smooth term at a location, and its columns.
 
-use armident_effects::{Role, Scope, effect};
+use armident_effects::{Effect, Law, LinkSide, Role, Scope, UNMODELLED};
 use armident_model::SmoothBasis;
 /// Where a candidate acts.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -15,9 +15,9 @@ pub(crate) struct Location {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CandidateKind {
     /// A law of the library.
-    Law(&'static str),
+    Law(&'static dyn Effect),
     /// A flexible description on these variables.
-    SmoothDirections(crate::design::candidate::SmoothDirections),
+    SmoothDirections(SmoothDirections),
 }
 
 /// A law at a location with a shape: the columns that it adds.
@@ -45,15 +45,37 @@ pub(crate) struct Candidate {
 impl Candidate {
     pub(crate) fn slug(&self) -> &'static str {
         match &self.kind {
-            CandidateKind::Law(slug) => slug,
-            CandidateKind::SmoothDirections(_) => crate::UNMODELLED,
+            CandidateKind::Law(law) => law.slug(),
+            CandidateKind::SmoothDirections(_) => UNMODELLED,
         }
     }
 
-    /// Whether a link moves by itself behind its motor: what is through a joint and has constants that were tried.
+    /// Its law; none of a smooth term.
+    pub(crate) fn law(&self) -> Option<&'static dyn Effect> {
+        match &self.kind {
+            CandidateKind::Law(law) => Some(*law),
+            CandidateKind::SmoothDirections(_) => None,
+        }
+    }
+
+    /// Whether it is of this law.
+    pub(crate) fn is(&self, law: &dyn Effect) -> bool {
+        self.slug() == law.slug()
+    }
+
+    /// Whether its law has a property; a smooth term has none.
+    pub(crate) fn has(&self, property: impl FnOnce(&'static Law) -> bool) -> bool {
+        self.law().is_some_and(|law| property(law.law()))
+    }
+
+    /// Whether it is a transmission with something of this kind between motor and link.
+    pub(crate) fn has_link_side(&self, side: LinkSide) -> bool {
+        self.has(|law| law.has_link_side(side))
+    }
+
+    /// Whether a link moves relative to its motor: a law of a transmission with a shape.
     pub(crate) fn moves_its_link(&self) -> bool {
-        !self.shape.is_empty()
-            && effect(self.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint)
+        !self.shape.is_empty() && self.has(|law| law.scope == Scope::ThroughJoint)
     }
 
     /// Adds what coefficients of the candidate change of the links' standard parameters, `10` a link.

@@ -116,7 +116,7 @@ impl ContactColumns {
             })
             .collect();
         problem.candidates.push(Candidate {
-            kind: CandidateKind::Law("external_contact"),
+            kind: CandidateKind::Law(&ExternalContact),
             location: Location { joints: Vec::new(), window: Some((recording, window)) },
             shape: window.to_vec(),
             columns,

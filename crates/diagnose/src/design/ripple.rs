@@ -93,7 +93,7 @@ impl RippleColumns {
                 for harmonics in [1.0, 2.0] {
                     let shape = [order, harmonics];
                     let known = problem.candidates.iter().any(|g| {
-                        g.slug() == "torque_ripple" && g.location.joints == [j] && g.shape == shape
+                        g.is(&TorqueRipple) && g.location.joints == [j] && g.shape == shape
                     });
                     if known {
                         continue;

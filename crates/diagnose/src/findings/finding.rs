@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Role, effect};
+use armident_effects::{Effect, LinkInertiaError, OperatingTerm, Payload, Role, UNMODELLED};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ use crate::selection::materiality::{
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::selection::solution::{Selection, Solution};
 use crate::uncertainty::jackknife::Jackknife;
-use armident_model::of_shape;
+use armident_model::Transmission;
 
 /// A number with its standard error.
 #[derive(Debug, Clone, Serialize)]
@@ -178,23 +178,23 @@ fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alter
     let told = |by: InPlace| match by {
         InPlace::Candidate(g) => {
             let candidate = &candidates[g];
-            (candidate.slug(), candidate.location.joints.clone(), link_of(design, candidate))
+            (candidate.law(), candidate.location.joints.clone(), link_of(design, candidate))
         }
         InPlace::Body(link) => {
             let name = design.chain.joints[link].child_link.clone();
-            ("link_inertia_error", vec![link], Some(name))
+            (Some(&LinkInertiaError as &dyn Effect), vec![link], Some(name))
         }
     };
     let (own, own_joints, own_link) = told(of);
-    let (effect, joints, link) = told(rival.by);
+    let (other, joints, link) = told(rival.by);
     // what the library says of a load and a wrong body is of one link
     let between_links = own_link.is_some() && link.is_some() && own_joints != joints;
     Alternative {
-        effect: effect.to_owned(),
+        effect: other.map_or(UNMODELLED, Effect::slug).to_owned(),
         joints: joints.iter().map(|j| design.names[*j].clone()).collect(),
         link,
         left_more: rival.left,
-        separated_by: (!between_links).then(|| separated_by(own, effect)).flatten(),
+        separated_by: (!between_links).then(|| separated_by(own, other)).flatten(),
     }
 }
 
@@ -204,10 +204,10 @@ fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alter
     let Solution { design, metric, .. } = *solution;
     let candidates = &metric.problem.candidates;
     let last = design.joints() - 1;
-    let of_last = candidates[candidate].slug() == "link_inertia_error"
+    let of_last = candidates[candidate].is(&LinkInertiaError)
         && candidates[candidate].location.joints == [last];
-    (of_last && candidates.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
-        effect: "payload".to_owned(),
+    (of_last && candidates.iter().all(|g| !g.is(&Payload))).then(|| Alternative {
+        effect: Payload.slug().to_owned(),
         joints: vec![design.names[last].clone()],
         link: link_of(design, &candidates[candidate]),
         left_more: 0.0,
@@ -340,7 +340,7 @@ fn wrong_body(
         })
         .collect();
     Finding {
-        effect: "link_inertia_error".to_owned(),
+        effect: LinkInertiaError.slug().to_owned(),
         joints: vec![joint.name.clone()],
         link: Some(joint.child_link.clone()),
         window: None,
@@ -373,7 +373,7 @@ const UNSEEN: f64 = 0.1;
 /// Which of the numbers of a body are in the combinations of its parameters that motions do not show, and which axes of a
 /// force on the tip load no joint.
 fn unseen(design: &Design<'_>, problem: &LinearProblem, candidate: &Candidate) -> [bool; 4] {
-    if candidate.slug() == "external_contact" {
+    if candidate.has(|law| law.has_role(Role::Contact)) {
         let loads_none =
             |axis: usize| problem.columns[candidate.columns[axis]].iter().all(Vec::is_empty);
         return std::array::from_fn(|p| p > 0 && loads_none(p - 1));
@@ -396,53 +396,41 @@ fn parameters(
 ) -> BTreeMap<&'static str, Value> {
     let Solution { design, metric, estimate, point, ref gain, .. } = *solution;
     let candidate = &metric.problem.candidates[id];
-    let Some(law) = effect(candidate.slug()) else { return BTreeMap::new() };
+    let Some(law) = candidate.law() else { return BTreeMap::new() };
     let kind = design.chain.joints[candidate.location.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = estimate.fit.of_candidate(candidate);
     let covariance = jackknife.joint_covariance(metric, estimate, id);
-    let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[candidate.location.joints[0]];
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
-        match candidate.slug() {
-            "gravity_direction" => {
+        let first = candidate.location.joints.first().copied();
+        match (law.law().operating, first) {
+            (Some(OperatingTerm::Tilt), _) => {
                 let delta = [coefficients[0], coefficients[1]];
                 let base = point.tilt;
-                law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]])
+                return law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]]);
             }
-            "time_delay" => vec![point.delay_s + coefficients[0]],
-            "encoder_offset" => {
-                vec![point.offset[candidate.location.joints[0]] + coefficients[0]]
+            (Some(OperatingTerm::Delay), _) => return vec![point.delay_s + coefficients[0]],
+            (Some(OperatingTerm::EncoderZero), Some(j)) => {
+                return vec![point.offset[j] + coefficients[0]];
             }
-            "joint_elasticity" if shape.is_empty() => {
-                vec![1.0 / coefficients[0], 0.0, motor_inertia(coefficients)]
-            }
-            "joint_elasticity" => vec![shape[0], shape[1], motor_inertia(coefficients)],
-            "backlash" => {
-                let inertia = mean_inertia(solution.at(), candidate.location.joints[0]);
-                let of = of_shape("backlash", shape, inertia);
-                vec![
-                    of.gap_told(coefficients[0]),
-                    of.stiffness,
-                    of.damping,
-                    motor_inertia(coefficients),
-                ]
-            }
-            "link_inertia_error" | "payload" => {
-                let transform = candidate.transform.as_deref().unwrap_or_default();
-                let change: Vec<f64> = (0..10)
-                    .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
-                    .collect();
-                let [mass, x, y, z] = in_link_frame(design, candidate.location.joints[0], &change);
-                if candidate.slug() == "payload" {
-                    vec![mass, x / mass, y / mass, z / mass]
-                } else {
-                    vec![mass, x, y, z]
-                }
-            }
-            _ => {
-                let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
-                law_parameters(&moved, coefficients, gain)
-            }
+            _ => {}
         }
+        if let (Some(_), Some(j)) = (law.law().link_side(), first) {
+            let inertia = mean_inertia(solution.at(), j);
+            let to_first_order =
+                || Transmission { gap: 0.0, stiffness: 1.0 / coefficients[0], damping: 0.0 };
+            let mut of = Transmission::of_law(law, shape, inertia).unwrap_or_else(to_first_order);
+            of.gap = of.fitted_gap(coefficients[0]);
+            return law
+                .parameters_of_transmission(&of.with_motor_inertia(coefficients[1] / gain[j]));
+        }
+        if let (Some(transform), Some(link)) = (&candidate.transform, first) {
+            let change: Vec<f64> = (0..10)
+                .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
+                .collect();
+            return law.parameters_of_link(in_link_frame(design, link, &change));
+        }
+        let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
+        law_parameters(&moved, coefficients, gain)
     };
     let values = of(&candidate.shape, &coefficients);
     // propagation of the covariance of coefficients and searched constants through the formulas

@@ -3,11 +3,11 @@
 use crate::selection::solution::Solution;
 use armident_model::{
     ArmModel, BandPrediction, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
-    changed, of_shape,
+    changed,
 };
 
 use crate::design::compliant_link::mean_inertia;
-use armident_effects::{BASELINE, EffectOnJoint, Role, Scope, Turn, effect};
+use armident_effects::{BASELINE, EffectOnJoint, Law, OperatingTerm, ReversalModel, Scope};
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
@@ -31,14 +31,18 @@ pub(crate) fn law_parameters(
     coefficients: &[f64],
     gain: &[f64],
 ) -> Vec<f64> {
-    let Some(law) = effect(candidate.slug()) else { return Vec::new() };
-    let scale = match (candidate.slug(), candidate.location.joints.as_slice()) {
-        ("torque_scale", _) => 1.0,
-        (_, [joint]) => gain[*joint],
+    let Some(law) = candidate.law() else { return Vec::new() };
+    let scale = match candidate.location.joints.as_slice() {
+        [joint] if !is_gain(candidate) => gain[*joint],
         _ => 1.0,
     };
     let coefficients: Vec<f64> = coefficients.iter().map(|c| c / scale).collect();
     law.parameters(&candidate.shape, &coefficients)
+}
+
+/// Whether it is the gain of an effort channel.
+fn is_gain(candidate: &Candidate) -> bool {
+    candidate.has(|law| law.operating == Some(OperatingTerm::Gain))
 }
 
 /// The model that an estimate stands for; and by how many standard errors its links are off the estimate's, where these
@@ -73,19 +77,21 @@ pub(crate) fn fitted_model(
             });
             continue;
         }
-        if let ("joint_elasticity" | "backlash", Some(&joint)) =
-            (candidate.slug(), candidate.location.joints.first())
+        let Some(law) = candidate.law() else { continue };
+        if let (Some(_), Some(&joint)) = (law.law().link_side(), candidate.location.joints.first())
         {
             // a compliance to first order says nothing of its damping: that of gears, by experience
             const DAMPING: f64 = 0.1;
             let inertia = mean_inertia(solution.at(), joint);
-            let (transmission, share) = if candidate.shape.is_empty() {
-                let stiffness = 1.0 / coefficients[0];
-                let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
-                (Transmission { gap: 0.0, stiffness, damping }, 1.0)
-            } else {
-                (of_shape(candidate.slug(), &candidate.shape, inertia), coefficients[0])
-            };
+            let of_shape = Transmission::of_law(law, &candidate.shape, inertia);
+            let (transmission, share) = of_shape.map_or_else(
+                || {
+                    let stiffness = 1.0 / coefficients[0];
+                    let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
+                    (Transmission { gap: 0.0, stiffness, damping }, 1.0)
+                },
+                |transmission| (transmission, coefficients[0]),
+            );
             found.transmissions.push(TransmissionTerm {
                 joint: design.names[joint].clone(),
                 transmission,
@@ -94,16 +100,11 @@ pub(crate) fn fitted_model(
             });
             continue;
         }
-        let Some(law) = effect(candidate.slug()) else { continue };
         let on_joint = |parameters: Vec<f64>| {
-            EffectOnJoint::new(
-                candidate.slug(),
-                &design.names[candidate.location.joints[0]],
-                parameters,
-            )
+            EffectOnJoint::new(law.slug(), &design.names[candidate.location.joints[0]], parameters)
         };
         match law.law().scope {
-            Scope::Joint if candidate.slug() != "torque_scale" => {
+            Scope::Joint if !is_gain(candidate) => {
                 found.effects.push(on_joint(law_parameters(candidate, &coefficients, gain)));
             }
             Scope::Neighbours => found.effects.push(EffectOnJoint {
@@ -127,14 +128,15 @@ pub(crate) fn fitted_model(
     found.effort_delay_s = point.delay_s;
     let has_dry_friction = |name: &String| {
         found.effects.iter().any(|on| {
-            let law = effect(&on.effect).map(|law| law.law());
-            on.joint == *name && law.is_some_and(|law| law.roles.contains(&Role::Dry))
+            let law = design.library.law(&on.effect);
+            on.joint == *name && law.is_some_and(Law::is_dry_friction)
         })
     };
-    let turns = design.names.iter().zip(point.turns);
-    let turns: Vec<Turn> =
-        turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { SHARP }).collect();
-    found.turns = Some(turns);
+    let reversals = design.names.iter().zip(point.reversals);
+    let reversals: Vec<ReversalModel> = reversals
+        .map(|(name, reversal)| if has_dry_friction(name) { reversal } else { SHARP })
+        .collect();
+    found.reversals = Some(reversals);
     found.channel_gain.clone_from(gain);
     found.prior_links = Some(design.chain.joints.iter().map(|j| j.link).collect());
     (found, distance_in_standard_errors)
@@ -212,6 +214,7 @@ pub(crate) fn choose_outputs(
 mod tests {
     use crate::design::compliant_link::Posed;
     use armident_dynamics::RigidArm;
+    use armident_effects::{Effect, LoadDependentFriction};
     use armident_kinematics::DrivingAxisChain;
 
     use super::*;
@@ -271,7 +274,7 @@ mod tests {
         let point = OperatingPoint::of(real.joints.len());
         let moved = recorded.clone();
         let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
-        let law = effect("load_dependent_friction").unwrap();
+        let law = &LoadDependentFriction;
         let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
         recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);
 

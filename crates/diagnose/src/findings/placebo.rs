@@ -3,7 +3,7 @@
 //! A placebo is a law of the library on a joint, its columns shifted in time within each recording: as many
 //! numbers, the same spectrum, and nothing to do with the efforts.
 
-use armident_effects::{Library, Role, Scope};
+use armident_effects::{Baseline, Role, Scope};
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
@@ -32,9 +32,12 @@ pub struct Placebo {
 
 pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usize) -> Placebo {
     let at = design.at(&selection.point);
-    let laws: Vec<_> = Library::standard()
+    let laws: Vec<_> = design
+        .library
         .named()
-        .filter(|law| law.law().scope == Scope::Joint && law.law().slug != "torque_offset")
+        .filter(|law| {
+            law.law().scope == Scope::Joint && law.law().baseline != Some(Baseline::Offset)
+        })
         .collect();
     let threshold = surrogate_threshold_beside(&selection.metric(), &selection.estimate);
     let mut found = Placebo::default();
@@ -68,7 +71,7 @@ pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usi
             continue;
         }
         selection.problem.candidates.push(Candidate {
-            kind: CandidateKind::Law(law.law().slug),
+            kind: CandidateKind::Law(law),
             location: Location { joints: vec![joint], window: None },
             shape: shape.clone(),
             columns,

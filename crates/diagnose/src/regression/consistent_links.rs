@@ -131,10 +131,7 @@ fn beside(
     let (small, _) = metric.problem.restricted(&estimate.set);
     let candidates = || small.candidates.iter().zip(&estimate.set);
     // the operating point and the gains of channels stay what the estimate made of them
-    let stays = |candidate: &Candidate| {
-        ["gravity_direction", "encoder_offset", "time_delay", "torque_scale"]
-            .contains(&candidate.slug())
-    };
+    let stays = |candidate: &Candidate| candidate.has(|law| law.operating.is_some());
     let mut taken: Vec<(usize, f64)> = change.iter().map(|x| -x).enumerate().collect();
     let mut fitted = Vec::new();
     for (k, (candidate, g)) in candidates().enumerate() {

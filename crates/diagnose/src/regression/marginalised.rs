@@ -298,6 +298,7 @@ mod tests {
     use crate::design::candidate::SmoothDirections;
     use crate::design::link_error_prior::LinkErrorPrior;
     use crate::design::observations::Observations;
+    use armident_effects::ViscousFriction;
     use armident_model::SmoothBasis;
     use armident_motion::BAND_HZ;
     use armident_motion::Signals;
@@ -354,7 +355,7 @@ mod tests {
             for column in 0..columns.len() {
                 problem
                     .candidates
-                    .push(candidate(CandidateKind::Law("viscous_friction"), vec![column]));
+                    .push(candidate(CandidateKind::Law(&ViscousFriction), vec![column]));
             }
             problem
         };
@@ -374,7 +375,7 @@ mod tests {
         // nor does a column of nothing have a coefficient or jackknife
         let mut idle = problem(&effort);
         let first = idle.push_columns(vec![vec![Vec::new()]]);
-        idle.candidates.push(candidate(CandidateKind::Law("viscous_friction"), vec![first]));
+        idle.candidates.push(candidate(CandidateKind::Law(&ViscousFriction), vec![first]));
         let idle = idle.marginalised(0.0, &[]);
         let of_idle = idle.fit(vec![0, first]).unwrap();
         assert_eq!(of_idle.coefficient(first), 0.0);
@@ -415,7 +416,7 @@ mod tests {
             transform: Vec::new(),
         }));
         assert!(described < 3.0, "{described}");
-        let of_law = largest(CandidateKind::Law("viscous_friction"));
+        let of_law = largest(CandidateKind::Law(&ViscousFriction));
         assert!(of_law > 10.0, "{of_law}");
     }
 }

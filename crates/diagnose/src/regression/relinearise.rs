@@ -5,7 +5,8 @@ use crate::design::compliant_link::{Posed, mean_inertia};
 use crate::design::linear_problem::LinearProblem;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
-use armident_model::{OperatingPoint, Spring, of_shape};
+use armident_effects::{LinkSide, OperatingTerm};
+use armident_model::{OperatingPoint, Spring, Transmission};
 /// The springs that an estimate has found, beside which its links are fitted.
 pub(crate) fn springs(
     metric: &Marginalised<'_>,
@@ -13,16 +14,13 @@ pub(crate) fn springs(
     at: &[Posed<'_>],
 ) -> Vec<Spring> {
     let candidates = found.set.iter().map(|g| &metric.problem.candidates[*g]);
-    let rings = |candidate: &&Candidate| {
-        candidate.slug() == "joint_elasticity" && candidate.moves_its_link()
-    };
     candidates
-        .filter(rings)
-        .map(|candidate| {
+        .filter(|candidate| candidate.has_link_side(LinkSide::Spring))
+        .filter_map(|candidate| {
             let joint = candidate.location.joints[0];
-            let transmission =
-                of_shape(candidate.slug(), &candidate.shape, mean_inertia(at, joint));
-            Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] }
+            let inertia = mean_inertia(at, joint);
+            let transmission = Transmission::of_law(candidate.law()?, &candidate.shape, inertia)?;
+            Some(Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] })
         })
         .collect()
 }
@@ -81,21 +79,23 @@ pub(crate) fn moves(
     let mut point = OperatingPoint::of(from.offset.len());
     point.links.clone_from(&from.links);
     point.springs.clone_from(&from.springs);
-    point.turns.clone_from(&from.turns);
+    point.reversals.clone_from(&from.reversals);
     for &g in &found.set {
         let candidate = &problem.candidates[g];
         let coefficients = found.fit.of_candidate(candidate);
-        match candidate.slug() {
-            "gravity_direction" => {
+        match candidate.law().and_then(|law| law.law().operating) {
+            Some(OperatingTerm::Tilt) => {
                 point.tilt = [from.tilt[0] + coefficients[0], from.tilt[1] + coefficients[1]];
             }
-            "time_delay" => point.delay_s = from.delay_s + coefficients[0],
-            "encoder_offset" => {
+            Some(OperatingTerm::Delay) => point.delay_s = from.delay_s + coefficients[0],
+            Some(OperatingTerm::EncoderZero) => {
                 let j = candidate.location.joints[0];
                 point.offset[j] = from.offset[j] + coefficients[0];
             }
-            "torque_scale" => point.gain[candidate.location.joints[0]] = 1.0 + coefficients[0],
-            _ => {}
+            Some(OperatingTerm::Gain) => {
+                point.gain[candidate.location.joints[0]] = 1.0 + coefficients[0];
+            }
+            None => {}
         }
     }
     point
@@ -107,7 +107,8 @@ pub(crate) fn other_links(metric: &Marginalised<'_>, found: &Estimate) -> Option
     let candidates = || found.set.iter().map(|g| &metric.problem.candidates[*g]);
     let matters = |candidate: &Candidate| {
         candidate.moves_its_link()
-            || ["joint_elasticity", "load_dependent_friction"].contains(&candidate.slug())
+            || candidate.has_link_side(LinkSide::Spring)
+            || candidate.has(|law| law.follows_load)
     };
     if !candidates().any(matters) {
         return None;
@@ -137,7 +138,7 @@ pub(crate) fn is_settled(
     if !candidate.moves_its_link() {
         return true;
     }
-    if candidate.slug() == "joint_elasticity" {
+    if candidate.has_link_side(LinkSide::Spring) {
         let same = |spring: &&Spring| spring.joint == candidate.location.joints[0];
         let fitted_beside = point.springs.iter().find(same);
         return fitted_beside.is_some_and(|s| near(candidate.shape[0], s.transmission.stiffness));

@@ -1,9 +1,9 @@
 //! The score of a set: a description length.
 
-use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::candidate::Candidate;
 use crate::design::linear_problem::LinearProblem;
 use crate::regression::marginalised::Marginalised;
-use armident_effects::{Onset, effect};
+use armident_effects::Onset;
 /// Price of a candidate in the score: the logarithm of the some three hundred candidates it was chosen from,
 /// doubled.
 pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
@@ -43,10 +43,7 @@ impl Marginalised<'_> {
 impl LinearProblem {
     /// What it costs, as a change between two recordings, that a candidate seldom comes about.
     pub(crate) fn price_of_onset(&self, candidate: &Candidate) -> f64 {
-        let onset = match candidate.kind {
-            CandidateKind::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
-            CandidateKind::SmoothDirections(_) => Onset::Seldom,
-        };
+        let onset = candidate.law().map_or(Onset::Seldom, |law| law.onset());
         let of_last_link =
             candidate.location.joints.last() == self.link_error_prior.links.checked_sub(1).as_ref();
         match onset {

@@ -193,6 +193,7 @@ impl ReferenceUncertainty {
             *column += self.columns.len();
         }
         opened.known = small.known;
+        opened.library = small.library;
         opened
     }
 }
@@ -262,6 +263,7 @@ mod tests {
     use armident_dynamics::RigidArm;
 
     use crate::test_arms::{swung, ur5};
+    use armident_effects::JointElasticity;
     use armident_model::Spring;
     use armident_model::Transmission;
     use armident_motion::Signals;
@@ -352,7 +354,7 @@ mod tests {
             &design,
             &at,
             &mut problem,
-            "joint_elasticity",
+            &JointElasticity,
             JOINT,
             &shape,
             &mut Vec::new(),

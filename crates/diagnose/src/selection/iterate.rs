@@ -6,6 +6,7 @@ use crate::regression::relinearise::{
 };
 use crate::selection::change_significance::{REFERENCE_SCALE, certain};
 use crate::selection::solution::Selection;
+use armident_effects::Role;
 use armident_numeric::dot;
 
 use crate::design::candidate::Candidate;
@@ -194,7 +195,8 @@ fn iterate<'a>(
         state.no_ripple.extend(fractional);
         if again {
             state.candidates.retain(|g| {
-                g.slug() != "torque_ripple" || !state.no_ripple.contains(&g.location.joints[0])
+                !g.has(|law| law.has_role(Role::Ripple))
+                    || !state.no_ripple.contains(&g.location.joints[0])
             });
         }
         let mut target = moves(&problem, &found, &point);

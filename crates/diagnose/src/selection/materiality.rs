@@ -4,10 +4,10 @@
 
 use crate::design::comparison::Comparison;
 use crate::regression::fit_set::{Estimate, admissible_part, fit_any_sign};
-use armident_effects::effect;
+use armident_effects::OperatingTerm;
 use rayon::prelude::*;
 
-use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::candidate::Candidate;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::observations::JointColumns;
 use crate::regression::marginalised::Marginalised;
@@ -169,11 +169,11 @@ fn materiality_beside(
 
 /// What the operating point holds of a candidate's effect: its columns and their amounts.
 pub(crate) fn held(candidate: &Candidate, point: &OperatingPoint) -> Vec<(usize, f64)> {
-    let amounts = match candidate.slug() {
-        "gravity_direction" => point.tilt.to_vec(),
-        "time_delay" => vec![point.delay_s],
-        "encoder_offset" => vec![point.offset[candidate.location.joints[0]]],
-        _ => return Vec::new(),
+    let amounts = match candidate.law().and_then(|law| law.law().operating) {
+        Some(OperatingTerm::Tilt) => point.tilt.to_vec(),
+        Some(OperatingTerm::Delay) => vec![point.delay_s],
+        Some(OperatingTerm::EncoderZero) => vec![point.offset[candidate.location.joints[0]]],
+        Some(OperatingTerm::Gain) | None => return Vec::new(),
     };
     candidate.columns.iter().copied().zip(amounts).filter(|(_, a)| *a != 0.0).collect()
 }
@@ -181,10 +181,7 @@ pub(crate) fn held(candidate: &Candidate, point: &OperatingPoint) -> Vec<(usize,
 /// A set without a candidate, its simpler relatives in its place.
 pub(crate) fn set_without(problem: &LinearProblem, set: &[usize], candidate: usize) -> Vec<usize> {
     let candidates = &problem.candidates;
-    let contained = match candidates[candidate].kind {
-        CandidateKind::Law(slug) => effect(slug).map_or(&[][..], |law| law.law().contains),
-        CandidateKind::SmoothDirections(_) => &[],
-    };
+    let contained = candidates[candidate].law().map_or(&[][..], |law| law.law().contains);
     let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != candidate).collect();
     let free =
         |g: &usize, rest: &[usize]| rest.iter().all(|r| !candidates[*r].excludes(&candidates[*g]));
@@ -312,6 +309,7 @@ pub(crate) fn joints_of_inertial_errors(metric: &Marginalised<'_>, of: &Estimate
 mod tests {
     use super::*;
     use crate::test_arms::{design, ur5};
+    use armident_effects::JointCoupling;
 
     /// A joint whose dry friction falls with speed, called a coupling: without it the dry friction stays, viscous friction
     /// of the wrong sign does not take it along.
@@ -326,7 +324,7 @@ mod tests {
         let point = OperatingPoint::of(design.joints());
         let at = design.at(&point);
         let mut problem = design.problem(&point);
-        let law = effect("joint_coupling").unwrap();
+        let law = &JointCoupling;
         let coupling = design.push_pair_law(&mut problem, &at, law, JOINT, &[1.0]);
         let metric = problem.marginalised(0.0, &[]);
         let (coupled, _) = fit_any_sign(&metric, vec![coupling]).unwrap();

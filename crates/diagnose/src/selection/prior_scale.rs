@@ -1,5 +1,6 @@
 //! Searches with every size of the errors that all links have.
 
+use armident_effects::{Law, LinkInertiaError, Role};
 use std::collections::HashSet;
 
 use rayon::prelude::*;
@@ -86,9 +87,7 @@ pub(crate) fn best_of_scales(
     state: &mut SearchState,
 ) -> Option<(ScaleFit, Vec<Vec<usize>>)> {
     let baseline: Vec<usize> = (0..problem.candidates.len())
-        .filter(|g| {
-            ["viscous_friction", "coulomb_friction"].contains(&problem.candidates[*g].slug())
-        })
+        .filter(|g| problem.candidates[*g].has(Law::is_baseline_friction))
         .collect();
     let mut starts = vec![start, baseline];
     // widely spaced scales first, then the neighbours of the best; later passes stay near it
@@ -211,11 +210,11 @@ fn banned(problem: &LinearProblem, state: &SearchState, scale: f64) -> HashSet<u
     (0..problem.candidates.len())
         .filter(|&g| {
             let candidate = &problem.candidates[g];
-            (candidate.slug() == "torque_ripple"
+            (candidate.has(|law| law.has_role(Role::Ripple))
                 && state.no_ripple.contains(&candidate.location.joints[0]))
                 || (scale > 0.0
                     && !problem.observations.comparison.seeks_change()
-                    && candidate.slug() == "link_inertia_error")
+                    && candidate.is(&LinkInertiaError))
                 || candidate
                     .location
                     .window

@@ -2,6 +2,7 @@
 
 use crate::design::rebuild::{continuous, known, recreate};
 use crate::design::transmission::push_transmission;
+use armident_effects::{Role, ShapeStep};
 use std::collections::{HashMap, HashSet};
 
 use crate::design::candidate::Candidate;
@@ -51,20 +52,24 @@ pub(crate) fn refine(
                 continue;
             }
             let again = round > 0 || known(state.polished.iter(), &candidate).is_some();
+            let Some(law) = candidate.law() else { continue };
             if !again {
-                for shape in beside(&candidate) {
+                for shape in law.shapes_around(&candidate.shape) {
                     trials.improved_by(k, &Candidate { shape, ..candidate.clone() });
                 }
             }
             for c in 0..continuous(&candidate) {
-                let (mut step, smallest, relative) = step_of(&candidate, c);
+                let Some(ShapeStep { first, least, is_relative }) = law.shape_step(c) else {
+                    break;
+                };
+                let mut step = first;
                 if again {
                     step *= POLISHED;
                 }
-                while step > smallest {
+                while step > least {
                     let moved = |sign: f64| {
                         let mut trial = trials.candidate(k).clone();
-                        if relative {
+                        if is_relative {
                             trial.shape[c] *= 1.0 + sign * step;
                         } else {
                             trial.shape[c] += sign * step;
@@ -154,10 +159,10 @@ impl Trials<'_, '_> {
         if !trial.moves_its_link() {
             return recreate(design, at, self.contact, small, trial);
         }
-        let (joint, slug) = (trial.location.joints[0], trial.slug());
+        let (joint, law) = (trial.location.joints[0], trial.law()?);
         let near = self.near.entry(joint).or_default();
         known(small.candidates.iter(), trial)
-            .or_else(|| push_transmission(design, at, small, slug, joint, &trial.shape, near))
+            .or_else(|| push_transmission(design, at, small, law, joint, &trial.shape, near))
     }
 
     /// Candidate in this place of the estimate.
@@ -189,35 +194,6 @@ impl Trials<'_, '_> {
     }
 }
 
-/// Shapes around one that are tried before it is polished: a spring that hardly damps rings in step with the recordings
-/// in a narrow band of stiffness only, beside which the discrepancy has a bottom of its own, at a damping that is too high.
-fn beside(candidate: &Candidate) -> Vec<Vec<f64>> {
-    /// Stiffness over that of the shape, 2 % of the resonance apart, and damping over it.
-    const STIFFNESSES: [f64; 11] = [0.8, 0.84, 0.88, 0.92, 0.96, 1.0, 1.04, 1.08, 1.12, 1.16, 1.2];
-    const DAMPINGS: [f64; 2] = [0.5, 0.2];
-    // a spring too stiff to ring in the band has no shape
-    let ("joint_elasticity", &[stiffness, damping]) =
-        (candidate.slug(), candidate.shape.as_slice())
-    else {
-        return Vec::new();
-    };
-    let all = DAMPINGS.iter().flat_map(|d| STIFFNESSES.map(|k| vec![k * stiffness, d * damping]));
-    all.collect()
-}
-
-/// First step of a constant, the smallest, and whether they are relative.
-fn step_of(candidate: &Candidate, constant: usize) -> (f64, f64, bool) {
-    match candidate.slug() {
-        // the damping of a spring is not known within a factor
-        "joint_elasticity" if constant == 1 => (0.6, 0.01, true),
-        "joint_elasticity" => (0.16, 0.001, true),
-        "external_contact" => (0.16, 0.01, false),
-        "torque_ripple" => (0.25, 0.01, false),
-        "joint_coupling" => (0.1, 0.002, true),
-        _ => (0.16, 0.005, true),
-    }
-}
-
 /// Joints whose ripple ended at an order that is no whole number.
 pub(crate) fn fractional_ripples(
     design: &Design<'_>,
@@ -229,7 +205,7 @@ pub(crate) fn fractional_ripples(
         .iter()
         .map(|g| &problem.candidates[*g])
         .filter(|g| {
-            g.slug() == "torque_ripple"
+            g.has(|law| law.has_role(Role::Ripple))
                 && design.chain.joints[g.location.joints[0]].kind.is_rotational()
         })
         .filter(|g| (g.shape[0] - g.shape[0].round()).abs() > WHOLE_ORDER)

@@ -4,7 +4,7 @@
 //! Names are found with friction that turns at once. How it turns is tried afterwards, by blocks that were not fitted: it
 //! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
 
-use armident_effects::{MotionScale, Role, Scope, Turn, effect};
+use armident_effects::{MotionScale, ReversalModel, Role, Scope};
 use armident_model::{OperatingPoint, SHARP};
 
 use crate::design::candidate::Candidate;
@@ -20,7 +20,7 @@ use crate::selection::materiality::prune;
 use crate::selection::solution::Selection;
 
 /// Speeds below which the direction fades that are tried, as shares of the root mean square speed; travels are
-/// [`Turn::TRAVEL_SHARES`].
+/// [`ReversalModel::TRAVEL_SHARES`].
 const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
 /// Stretches that were not fitted must say so by this many standard errors; by more on joints that rest somewhere, whose
 /// friction is known to hold them, and to be sharp where it breaks away.
@@ -29,7 +29,7 @@ const LEAST_GAIN_WITH_RESTS: f64 = 2.0;
 
 /// The selection with friction that does not turn at once where that explains more; none where it does nowhere.
 pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Option<Selection> {
-    let point = OperatingPoint { turns: turns_shown(design, of)?, ..of.point.clone() };
+    let point = OperatingPoint { reversals: reversals_shown(design, of)?, ..of.point.clone() };
     let at = design.at(&point);
     let contact = ContactColumns::new(design, &at);
     let mut problem = design.problem(&point);
@@ -53,7 +53,7 @@ pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Optio
 }
 
 /// By joint; none where friction turns at once on all of them.
-fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
+fn reversals_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<ReversalModel>> {
     let set = with_baseline_terms_of(&of.metric(), &of.estimate);
     let (small, set) = of.problem.restricted(&set);
     let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.candidates[*g])).collect();
@@ -64,15 +64,21 @@ fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
         |problem: &LinearProblem, set: &[usize]| fold_errors(problem, set, of.scale, &of.inflated);
     let sharp = errors(&small, &set);
     let mut best = vec![(0.0, SHARP); design.joints()];
-    for share in
-        SPEED_SHARES.map(Turn::Speed).into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel))
+    for share in SPEED_SHARES
+        .map(ReversalModel::regularised)
+        .into_iter()
+        .chain(ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding))
     {
         let on_joint = |scale: &MotionScale| match share {
-            Turn::Speed(share) => Turn::Speed(share * scale.speed_rms),
-            Turn::Travel(share) => Turn::Travel(share * scale.position_deviation),
+            ReversalModel::RegularisedSign { below } => {
+                ReversalModel::regularised(below * scale.speed_rms)
+            }
+            ReversalModel::Presliding { travel } => {
+                ReversalModel::presliding(travel * scale.position_deviation)
+            }
         };
-        let turns: Vec<Turn> = design.scale.iter().map(on_joint).collect();
-        let at = design.at(&OperatingPoint { turns: turns.clone(), ..of.point.clone() });
+        let reversals: Vec<ReversalModel> = design.scale.iter().map(on_joint).collect();
+        let at = design.at(&OperatingPoint { reversals: reversals.clone(), ..of.point.clone() });
         let mut problem = small.clone();
         let set: Vec<usize> = set
             .iter()
@@ -90,11 +96,13 @@ fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
             }
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
             if mean > best[j].0 && in_standard_errors(&gains) > least_gain(design, j) {
-                best[j] = (mean, turns[j]);
+                best[j] = (mean, reversals[j]);
             }
         }
     }
-    best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, turn)| *turn).collect())
+    best.iter()
+        .any(|(gain, _)| *gain > 0.0)
+        .then(|| best.iter().map(|(_, reversal)| *reversal).collect())
 }
 
 /// By how many standard errors blocks that were not fitted must say how friction of a joint turns.
@@ -113,7 +121,7 @@ fn is_dry(candidate: &Candidate) -> bool {
 }
 
 fn law_of(candidate: &Candidate) -> Option<&'static dyn armident_effects::Effect> {
-    let law = effect(candidate.slug())?;
+    let law = candidate.law()?;
     (law.law().scope == Scope::Joint).then_some(law)
 }
 
@@ -160,9 +168,14 @@ mod tests {
         });
         let sharp = with_coulomb_friction(&design);
         let regularised_sign = with_reversal_models(&design, &sharp).unwrap();
-        let turns = &regularised_sign.point.turns;
-        let Turn::Speed(speed) = turns[0] else { panic!("{turns:?}") };
-        assert!((0.02..0.05).contains(&speed) && turns[1].speed() < 0.02, "{turns:?}");
+        let reversals = &regularised_sign.point.reversals;
+        let ReversalModel::RegularisedSign { below } = reversals[0] else {
+            panic!("{reversals:?}")
+        };
+        assert!(
+            (0.02..0.05).contains(&below) && reversals[1].regularised_below() < 0.02,
+            "{reversals:?}"
+        );
         let level = |of: &Selection| {
             of.estimate.fit.of_candidate(&of.problem.candidates[of.estimate.set[0]])[0]
         };
@@ -190,8 +203,11 @@ mod tests {
         });
         let sharp = with_coulomb_friction(&design);
         let turned = with_reversal_models(&design, &sharp).unwrap();
-        let turns = &turned.point.turns;
-        assert!((0.5..2.0).contains(&(turns[0].travel() / TRAVEL_RAD)), "{turns:?}");
-        assert!(turns[1].travel() < 1e-3, "{turns:?}");
+        let reversals = &turned.point.reversals;
+        assert!(
+            (0.5..2.0).contains(&(reversals[0].presliding_travel() / TRAVEL_RAD)),
+            "{reversals:?}"
+        );
+        assert!(reversals[1].presliding_travel() < 1e-3, "{reversals:?}");
     }
 }

@@ -4,7 +4,7 @@
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
-use armident_effects::effect;
+use armident_effects::{Effect, Law, LinkInertiaError, Payload};
 use rayon::prelude::*;
 
 use crate::design::candidate::{Candidate, CandidateKind};
@@ -28,7 +28,6 @@ const ODDS: f64 = 6.0;
 const MOST: usize = 4;
 /// Candidates that are fitted for one finding, by the estimate of their fit.
 const TRIED: usize = 16;
-const WRONG_BODY: &str = "link_inertia_error";
 
 /// What takes a place in an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,9 +90,7 @@ pub(crate) fn baseline_first(
     mut of: Estimate,
     point: &OperatingPoint,
 ) -> Estimate {
-    let baseline = |g: usize| {
-        ["viscous_friction", "coulomb_friction"].contains(&metric.problem.candidates[g].slug())
-    };
+    let baseline = |g: usize| metric.problem.candidates[g].has(Law::is_baseline_friction);
     for candidate in of.set.clone() {
         let joints = &metric.problem.candidates[candidate].location.joints;
         if baseline(candidate) || joints.len() != 1 {
@@ -116,7 +113,7 @@ pub(crate) fn baseline_first(
 /// it: arms pick up loads, and few have a link exchanged.
 pub(crate) fn load_first(metric: &Marginalised<'_>, mut of: Estimate) -> Estimate {
     let candidates = &metric.problem.candidates;
-    let Some(load) = candidates.iter().position(|candidate| candidate.slug() == "payload") else {
+    let Some(load) = candidates.iter().position(|candidate| candidate.is(&Payload)) else {
         return of;
     };
     for body in of.set.clone() {
@@ -203,7 +200,7 @@ fn of_candidate(metric: &Marginalised<'_>, of: &Estimate, candidate: usize) -> V
             } else if !changed && candidates[candidate].transform.is_some() && metric.scale > 0.0 {
                 // uncertain inertias take up what a load leaves, whatever stands in its place: there the design
                 // decides, among laws that look like it
-                near && separated_by(candidates[candidate].slug(), candidates[*other].slug())
+                near && separated_by(candidates[candidate].law(), candidates[*other].law())
                     .is_some()
             } else {
                 rival.left < told_apart(metric, of, &with, *other)
@@ -239,8 +236,8 @@ pub(crate) fn rivals_of_body(metric: &Marginalised<'_>, of: &Estimate, link: usi
     let with = metric.residual(&of.fit);
     let looks_alike = |g: &usize| {
         let candidate = &problem.candidates[*g];
-        candidate.slug() != WRONG_BODY
-            && separated_by(candidate.slug(), WRONG_BODY).is_some()
+        !candidate.is(&LinkInertiaError)
+            && separated_by(candidate.law(), Some(&LinkInertiaError)).is_some()
             && of.set.iter().all(|o| o != g && !problem.candidates[*o].excludes(candidate))
     };
     let laws: Vec<usize> = (0..problem.candidates.len()).filter(looks_alike).collect();
@@ -313,16 +310,15 @@ fn told_apart(metric: &Marginalised<'_>, of: &Estimate, with: &[Vec<f64>], rival
 /// wanting.
 fn contains(law: &Candidate, other: &Candidate) -> bool {
     law.location.joints == other.location.joints
-        && effect(law.slug()).is_some_and(|e| e.law().contains.contains(&other.slug()))
+        && law.has(|law| law.contains.contains(&other.slug()))
 }
 
-/// The motion that tells two laws apart, in words, as the library says it.
-pub(crate) fn separated_by(slug: &str, other: &str) -> Option<&'static str> {
-    let of = |slug: &str, other: &str| {
-        let law = effect(slug)?.law();
-        law.look_alikes.iter().find(|l| l.slug == other).map(|l| l.separated_by)
-    };
-    of(slug, other).or_else(|| of(other, slug))
+/// The motion that separates two laws, as the library has it; none beside a smooth term.
+pub(crate) fn separated_by(
+    law: Option<&'static dyn Effect>,
+    other: Option<&'static dyn Effect>,
+) -> Option<&'static str> {
+    law?.law().separated_from(other?.law())
 }
 
 #[cfg(test)]

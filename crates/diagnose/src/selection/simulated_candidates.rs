@@ -1,6 +1,6 @@
 //! What is dear to try: links that move by themselves behind their motors, and descriptions without a name.
 
-use armident_effects::Role;
+use armident_effects::{LinkSide, Role};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
@@ -58,11 +58,13 @@ pub(crate) fn with_simulated_candidates(
     // worse than none
     for &joint in &driven {
         let metric = (found.scale, &found.inflated[..]);
-        for slug in ["joint_elasticity", "backlash"] {
-            let one = |g: &Candidate| g.slug() == slug && g.location.joints == [joint];
+        for (law, side) in
+            design.library.named().filter_map(|law| Some((law, law.law().link_side()?)))
+        {
+            let one = |g: &Candidate| g.is(law) && g.location.joints == [joint];
             let offered = offered.iter().copied().filter(|g| one(&problem.candidates[*g]));
             let near = nearest(problem, metric, &found.estimate, offered);
-            let worth = |n: &Estimate| slug == "joint_elasticity" || n.score < found.estimate.score;
+            let worth = |n: &Estimate| side == LinkSide::Spring || n.score < found.estimate.score;
             if let Some(near) = near.filter(worth) {
                 let polished = refine(design, at, contact, problem, metric, state, near, one);
                 starts.push(polished.set);

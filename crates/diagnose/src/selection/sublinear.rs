@@ -4,7 +4,7 @@
 //! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from block to block,
 //! and blocks that were not fitted are explained no worse: as `identify` chooses it.
 
-use armident_effects::SublinearViscousFriction;
+use armident_effects::{Baseline, SublinearViscousFriction};
 use armident_ident::student_t_975;
 
 use crate::design::candidate::{Candidate, CandidateKind};
@@ -85,7 +85,7 @@ fn sublinear_joints(
 fn beside(metric: &Marginalised<'_>, estimate: &Estimate, bends: &[usize]) -> Option<Estimate> {
     let candidates = &metric.problem.candidates;
     let gives_way = |g: &usize| {
-        candidates[*g].slug() == "viscous_friction"
+        candidates[*g].has(|law| law.baseline == Some(Baseline::Viscous))
             && bends.iter().any(|bend| candidates[*bend].location == candidates[*g].location)
     };
     let stays: Vec<usize> = estimate.set.iter().copied().filter(|g| !gives_way(g)).collect();
@@ -98,7 +98,8 @@ fn may_be_sublinear(problem: &LinearProblem, estimate: &Estimate, bend: usize) -
     let bend = &problem.candidates[bend];
     let bends_by_itself = |other: &Candidate| {
         let is_description = matches!(other.kind, CandidateKind::SmoothDirections(_));
-        other.location == bend.location && (other.slug() == "stribeck_friction" || is_description)
+        other.location == bend.location
+            && (other.has(|law| law.varies_with_speed) || is_description)
     };
     let mut others = estimate.set.iter().map(|g| &problem.candidates[*g]);
     !others.any(|other| other.excludes(bend) || bends_by_itself(other))

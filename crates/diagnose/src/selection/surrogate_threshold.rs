@@ -4,6 +4,7 @@
 //! Noise explains little of it. What the model of an arm is imperfect by is no noise: it lasts, and any term that lasts
 //! as long takes some of it. How much is measured here, by laws of the library whose columns are shifted in time.
 
+use armident_effects::Baseline;
 use armident_numeric::dot;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -95,7 +96,7 @@ fn shifted_columns(metric: &Marginalised<'_>, joint: usize) -> Vec<Vec<f64>> {
             && candidate.location.window.is_none()
             && candidate.transform.is_none()
             && !candidate.moves_its_link()
-            && candidate.slug() != "torque_offset"
+            && candidate.has(|law| law.baseline != Some(Baseline::Offset))
     };
     let mut columns: Vec<usize> = problem
         .candidates

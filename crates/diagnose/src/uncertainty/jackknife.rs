@@ -1,6 +1,7 @@
 //! How far the coefficients of an estimate can be trusted.
 
 use crate::regression::folds::{LEFT_OUT_PER_RECORDING, time_blocks};
+use armident_effects::{LinkSide, OperatingTerm};
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -88,7 +89,7 @@ impl Jackknife {
         // of a link that bounces in a gap the discrepancy is too jagged to say how much
         let smooth = |g: &&usize| {
             let candidate = &metric.problem.candidates[**g];
-            candidate.slug() != "backlash"
+            !candidate.has_link_side(LinkSide::Play)
                 && candidate.location.window.is_none()
                 && !candidate.shape.is_empty()
         };
@@ -208,7 +209,8 @@ fn pairs_of_columns<'a>(
 /// The problem of an estimate's candidates with so much lag \[s\] added to its efforts: none where a lag is part of
 /// the estimate, and where only a change is sought, before which they were as late.
 fn late_efforts(problem: &LinearProblem, of: &Estimate, lag_s: f64) -> Option<LinearProblem> {
-    let is_lag = |g: &usize| problem.candidates[*g].slug() == "time_delay";
+    let is_lag =
+        |g: &usize| problem.candidates[*g].has(|law| law.operating == Some(OperatingTerm::Delay));
     if problem.observations.comparison.seeks_change() || of.set.iter().any(is_lag) {
         return None;
     }

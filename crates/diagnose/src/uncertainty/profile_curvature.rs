@@ -1,12 +1,13 @@
 //! What the searched constants of a law are uncertain by: the curvature of the discrepancy over them, all coefficients fitted
 //! again.
 
+use armident_effects::Effect;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use armident_numeric::{Cholesky, dot};
 
-use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::candidate::Candidate;
 use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::{continuous, formed};
@@ -47,10 +48,10 @@ pub(crate) fn profile_curvature(
     least_wider: f64,
 ) -> Option<ProfileCurvature> {
     let original = &metric.problem.candidates[candidate];
-    let CandidateKind::Law(slug) = original.kind else { return None };
+    let law = original.law()?;
     let place = of.set.iter().position(|g| *g == candidate)?;
     let (small, set) = metric.problem.restricted(&of.set);
-    let mut trials = Trials { design, at, metric, of, slug, original, place, small, set };
+    let mut trials = Trials { design, at, metric, of, law, original, place, small, set };
     let middle = trials.moved_by(&[])?.discrepancy.whole;
     let along: Vec<Along> =
         (0..continuous(original)).filter_map(|k| trials.along(k, middle)).collect();
@@ -127,7 +128,7 @@ struct Trials<'a, 'e> {
     at: &'a [Posed<'e>],
     metric: &'a Marginalised<'a>,
     of: &'a Estimate,
-    slug: &'static str,
+    law: &'static dyn Effect,
     original: &'a Candidate,
     /// place of the candidate in the estimate
     place: usize,
@@ -143,7 +144,7 @@ impl Trials<'_, '_> {
         let mut moved = self.original.clone();
         steps.iter().for_each(|(k, step)| moved.shape[*k] += step);
         let mut set = self.set.clone();
-        set[self.place] = formed(self.design, self.at, &mut self.small, self.slug, &moved)?;
+        set[self.place] = formed(self.design, self.at, &mut self.small, self.law, &moved)?;
         let metric = self.small.marginalised(self.metric.scale, &self.metric.inflated);
         let fit = metric.fit(metric.columns_of(&set))?;
         let pairs = self.of.set.iter().zip(&set).flat_map(|(&g, &here)| {
@@ -276,7 +277,7 @@ fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 
 #[cfg(test)]
 mod tests {
-    use armident_effects::effect;
+    use armident_effects::TorqueRipple;
 
     use super::*;
     use crate::regression::fit_set::fit_set;
@@ -340,7 +341,7 @@ mod tests {
         let point = OperatingPoint::of(design.joints());
         let at = design.at(&point);
         let mut problem = design.problem_without_trials(&point);
-        let law = effect("torque_ripple").unwrap();
+        let law = &TorqueRipple;
         let id = design.push_joint_law(&mut problem, &at, law, JOINT, &[7.0, 2.0]).unwrap();
         let metric = problem.marginalised(0.0, &[]);
         let found = fit_set(&metric, vec![id]).unwrap();
