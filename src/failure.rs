@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use armident_diagnose::DiagnoseError;
+use armident_diagnose::{DiagnoseError, Unusable};
 use armident_ident::algorithm2::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
 use armident_model::ModelError;
@@ -112,7 +112,7 @@ impl From<armident_challenge::ChallengeError> for Failure {
 impl From<DiagnoseError> for Failure {
     fn from(error: DiagnoseError) -> Self {
         match error {
-            DiagnoseError::Recording(error) => error.into(),
+            DiagnoseError::Unusable(Unusable::Recording(error)) => error.into(),
             other => Self::new(
                 other,
                 "the recordings",

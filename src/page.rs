@@ -94,11 +94,11 @@ pub(crate) fn provenance<'a>(
     Provenance::of(command, files.into_iter().map(PathBuf::as_path))
 }
 
-/// Sentences on the low-pass of a command that has one.
+/// Sentences on the low-pass of a command.
 fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
     vec![match cutoff_hz {
         Some(hz) => format!(
-            "Positions and efforts pass a low-pass of {hz:.2} Hz (Butterworth, 4th order, forward and backward)."
+            "Positions and efforts are low-passed at {hz:.2} Hz (zero-phase Butterworth, 4th order)."
         ),
         None => "No filter: recorded velocities and accelerations are used.".to_owned(),
     }]
@@ -165,7 +165,7 @@ pub(crate) fn of_diagnosis(
         all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });
     }
     let chain = &before.chain;
-    let canvas = Canvas::new(chain, &["before", "rigid", "after"], &all)?;
+    let canvas = Canvas::new(chain, &["given", "links only", "diagnosed"], &all)?;
     let mut drawing = canvas.drawing();
     for finding in &diagnosis.findings {
         let model = finding.ablated_from(&diagnosis.model, before);
@@ -180,8 +180,8 @@ pub(crate) fn of_diagnosis(
         rows: found.correlation.clone(),
     });
     drawing.filters = vec![format!(
-        "Positions pass a low-pass of 25 Hz before they are differentiated; the rigid part of the predictions one \
-         of {} Hz, chosen by the fitted recordings. Errors are those of the efforts as recorded.",
+        "Positions are low-passed at 25 Hz before differentiation, the rigid-body part of the predictions at {} Hz \
+         (selected on the training recordings). Effort errors are unfiltered.",
         diagnosis.model.band.as_ref().map_or(0.0, |band| band.rigid_cutoff_hz)
     )];
     Ok(drawing)

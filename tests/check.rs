@@ -216,7 +216,7 @@ fn bundled(name: &str) -> Case {
 fn bundled_recording_passes_input_checks() {
     let case = bundled("as_is");
     let found = case.checked(&case.table);
-    assert_eq!(found["schema"], "armident.check/1");
+    assert_eq!(found["schema"], "armident.check/2");
     assert_eq!(wrong(&found), Vec::<String>::new());
     for joint in 0..5 {
         assert_eq!(channel(&found, joint).0, "ok");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use armident_challenge::{Arm, CaseKind, CaseRequest, generate, generate_in};
-use armident_diagnose::diagnose;
+use armident_diagnose::{DiagnoseRequest, diagnose};
 use armident_effects::{
     Draw, DrawContext, DrawnEffect, Effect, EffectOnJoint, Export, JointMotion, JointState, Law,
     Library, Naming, Parameter, Role, Scan, directions_with,
@@ -206,7 +206,7 @@ fn added_law_is_diagnosed() {
     let recordings = [recording];
 
     let model = ArmModel::from_chain(chain).with_library(library());
-    let diagnosis = diagnose(&model, &recordings).unwrap();
+    let diagnosis = diagnose(&DiagnoseRequest::new(&model, &recordings)).unwrap();
     let [finding] = &diagnosis.findings[..] else { panic!("{:?}", diagnosis.findings) };
     assert_eq!(
         (finding.effect.as_str(), &finding.joints[..]),
@@ -216,7 +216,7 @@ fn added_law_is_diagnosed() {
     assert!((coefficient.value - DRAG).abs() < 0.05 * DRAG, "{coefficient:?}");
     assert_eq!(coefficient.unit, "N m s3/rad3");
 
-    let seen = diagnosis.see(&recordings).unwrap();
+    let seen = diagnosis.prepared(&recordings).unwrap();
     let errors = diagnosis.errors(&seen).unwrap();
     assert!(errors.after["elbow_joint"] < 0.12 && errors.before["elbow_joint"] > 0.5, "{errors:?}");
 }

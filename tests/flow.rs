@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 15] = [
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
-    ("recording", &[]),
+    ("recording", &["numeric"]),
     ("motion", &["numeric", "recording"]),
     ("model", &["dynamics", "effects", "kinematics", "motion", "recording"]),
     ("simulation", &["dynamics", "effects", "kinematics", "motion", "recording"]),

@@ -43,6 +43,8 @@ mod diagnose;
 mod export;
 /// a law added from outside the crates
 mod extend;
+/// a log format of another crate
+mod extend_format;
 /// MCAP compared with CSV
 mod formats;
 /// pages of results in a browser
@@ -54,12 +56,19 @@ mod pipeline;
 /// public recordings of real arms: rank, error against plain least squares, rejected inputs
 mod real_data;
 
+/// a section of a diagnosis that this file adds
+mod extend_section;
+/// `docs/json.md` and the schemas of the results
+mod json_docs;
+
 /// figures in prose and the tables they come from
 mod figures;
 /// dependencies between crates, and forbidden content of files
 mod flow;
 /// the commands of README.md and of the book, and their output; the catalogue of effects
 mod readme;
+/// the structure inside crates: rooms, circles, names, sources of methods
+mod rooms;
 /// names of laws stand in one crate
 mod slugs;
 /// the vocabulary of text and code

@@ -217,6 +217,91 @@ fn rejects_files_that_are_no_result() {
     assert!(!folder.join("page.html").exists());
 }
 
+/// Results with the keys of schema 1 have pages with all that they hold.
+#[test]
+fn older_results_are_rendered() {
+    let folder = scratch("page_older");
+    let (result, page) = (folder.join("result.json"), folder.join("page.html"));
+    let diagnosis = r#"{"schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow", "wrist"],
+        "verdict": "mismatch", "recordings": ["train.csv"], "holdout_recordings": [],
+        "reference_recordings": ["before.csv"], "inertial_error": 0.05, "inertias_matter_on": ["elbow"],
+        "books": {"faults": [], "drive_gains": [], "unchecked": "no gravity"},
+        "findings": [{"effect": "coulomb_friction", "joints": ["elbow"], "link": null, "window": null,
+            "recording": null, "parameters": {"level": {"value": 2.5, "stderr": 0.1, "unit": "N m"}},
+            "confidence": 0.97, "confirmed": null,
+            "evidence": {"materiality": 3, "least_materiality": 0.61, "joint": "elbow"},
+            "alternatives": [{"effect": "torque_offset", "joints": ["elbow"], "link": null, "left_more": 0.13,
+                "separated_by": null}]}],
+        "effort_noise": {"elbow": 0.1}, "links_off_standard_errors": 1.75, "narrowed_to_hz": 5.0,
+        "small_terms": [{"effect": "viscous_friction", "joint": "wrist",
+            "parameters": {"coefficient": {"value": 0.31, "unit": "N m s/rad"}}}],
+        "friction_fades_below": {"elbow": 0.29}, "friction_builds_up_over": {"wrist": 0.0014},
+        "friction_bends": {"elbow": 7.5}, "beyond_reference": {"elbow": 1.2},
+        "doubtful_changes": [{"effect": "torque_ripple", "joints": ["wrist"], "link": null, "chance": 0.03,
+            "maybe_before": false}],
+        "atlas": [{"joint": "elbow", "before": 4, "rigid": 3, "after": 1, "noise": 0.2, "whiteness_p": 0.5,
+            "symmetries": [{"function": "sign(v)", "share_before": 0.9, "share_after": 0,
+                "points_to": "Coulomb friction"}], "regimes": []}],
+        "unexplained": ["elbow"],
+        "placebo": {"terms": 20, "improve": 3, "named": 0, "largest": 0.49},
+        "next_motion": {"file": "next.csv", "description": "elbow oscillates", "told_apart": 1, "pairs": 2,
+            "separation": 4.5},
+        "constants": [{"label": "U1_33", "joint": "elbow", "unit": "kg m2", "value": 1.5, "standard_error": 0.1,
+            "interval_95": [1.3, 1.7], "urdf": 1.0, "from_prior": 0.4}],
+        "warnings": []}"#;
+    let identified = r#"{"schema": "armident.identify/1", "method": "batch", "estimator": "irls", "robot": "arm",
+        "joints": ["elbow"], "unknowns": 3, "rank": 2, "independent_share": 0.1, "not_essential": ["U1_33"],
+        "loads": [{"recordings": ["a.csv"], "mass_kg": 2, "centre_m": [0, 0, 0.1], "found": true}],
+        "constants": [{"label": "U1_33", "joint": "elbow", "unit": "kg m2", "value": 1.5, "standard_error": 0.1,
+            "interval_95": [1.3, 1.7], "urdf": 1.0, "consistent": 1.4, "from_prior": 0.4, "undetermined": 0}]}"#;
+    let checked = r#"{"schema": "armident.check/1", "robot": "arm", "joints": ["elbow"], "rank": 2, "unknowns": 3,
+        "verdict": "cannot_tell", "checks": [{"topic": "channel", "joint": "elbow", "verdict": "cannot_tell",
+            "value": null, "unit": "", "interval_95": null, "message": "dead zone", "advice": "move it"}]}"#;
+    for (document, expected) in [
+        (
+            diagnosis,
+            &[
+                "1 change since the reference",
+                "Residual up to 5 times the noise on elbow",
+                "Input checks skipped: no gravity.",
+                "(threshold 0.61)",
+                "the residual is only 0.13 noise levels larger",
+                "viscous friction: wrist 0.31 N m s/rad",
+                "about 5 % (prior scale), which is material on elbow",
+                "1.75 standard errors from the estimate",
+                "Comparison bandwidth reduced to 5 Hz",
+                "regularised (linear in speed) below: elbow 0.29 rad or m/s",
+                "over this travel after a reversal: wrist 0.0014 rad or m",
+                "c = elbow 7.5 N m or N",
+                "Reference maximum speed: elbow 1.2 rad or m/s",
+                "torque ripple on wrist (p = 0.03)",
+                "of 20 wrong terms, 3 lower the cross-validated error and 0 would be reported",
+                "It separates 1 of 2 pairs of alternatives",
+                "sign(v) explains 90 % of the residual variance (Coulomb friction)",
+                "40 % prior",
+            ][..],
+        ),
+        (
+            identified,
+            &[
+                "2 of 3 parameters are identified",
+                "effective sample size 10 %",
+                "Payload of 2 kg in a.csv, centre of mass estimated at (0.0000, 0.0000, 0.1000) m",
+                "2 of 3 parameters are significant",
+                "40 % prior",
+            ][..],
+        ),
+        (checked, &["2 of 3 parameters", "inconclusive", "effort column"][..]),
+    ] {
+        std::fs::write(&result, document).unwrap();
+        run(&["report", text(&result), "-o", text(&page)]).fine();
+        let html = std::fs::read_to_string(&page).unwrap().replace("&#39;", "'");
+        for expected in expected {
+            assert!(html.contains(expected), "{expected} is not on the page");
+        }
+    }
+}
+
 /// A hold-out too short to judge whiteness, a replay that never came to its end: `null` in the results, and no
 /// fault of theirs.
 #[test]

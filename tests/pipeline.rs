@@ -79,9 +79,9 @@ impl ByPlan<'_> {
         // the plan tells how the arm is mounted: no chain options here
         let ran = run_in(&folder, &["identify", urdf, "runs", "--json", "-"]).fine();
         let identified = ran.json();
-        assert_eq!(identified["schema"], "armident.identify/1");
+        assert_eq!(identified["schema"], "armident.identify/2");
         assert_eq!(identified["method"], "algorithm2");
-        assert_eq!(identified["rank"], identified["unknowns"]);
+        assert_eq!(identified["rank"], identified["parameters"]);
         let params = run(&[&["params", urdf, "--json", "-"], self.chain].concat()).fine().json();
         let found = constants(&identified, &params);
         std::fs::remove_dir_all(folder).unwrap();
@@ -257,8 +257,8 @@ fn batch_fit_recovers_simulated_parameters() {
     let args = ["identify", urdf, "a.csv", "--holdout", "b.csv", "--save-model", "model.json"];
     let identified = run_in(&folder, &[&args[..], &["--json", "-"]].concat()).fine().json();
     assert_eq!(identified["method"], "batch");
-    assert_eq!(identified["rank"], identified["unknowns"]);
-    assert_eq!(identified["unknowns"], 58);
+    assert_eq!(identified["rank"], identified["parameters"]);
+    assert_eq!(identified["parameters"], 58);
 
     // what rotor inertia of joints 1 and 2 is part of is as it was: there was none
     let params = run(&["params", urdf, "--json", "-"]).fine().json();

@@ -101,8 +101,8 @@ fn check(case: &Case, worse: &mut Vec<String>) {
     for merged in list(&found["merged"]) {
         assert!(string(&merged["term"]).starts_with("rotor_inertia("), "{name}: {merged}");
     }
-    assert_eq!(found["unknowns"], case.minimal + case.effects + bends, "{name}");
-    assert_eq!(found["rank"], found["unknowns"], "{name}: everything is determined");
+    assert_eq!(found["parameters"], case.minimal + case.effects + bends, "{name}");
+    assert_eq!(found["rank"], found["parameters"], "{name}: everything is determined");
     assert!(number(&found["condition"]) < 1e3, "{name}: {}", found["condition"]);
 
     let compare = |found: &serde_json::Value, key: &str, worse: &mut Vec<String>| {

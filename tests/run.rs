@@ -42,7 +42,11 @@ fn laid_out(test: &str, steps: &str) -> PathBuf {
 fn steps_run_in_order_in_their_folder() {
     let folder = laid_out("run_steps", TWO_STEPS);
     let said = run_in(folder.parent().unwrap(), &["run", "run_steps/armident.toml"]).fine();
-    assert!(said.stdout.contains("ur5.json on 1 recording, low-pass 3 Hz"), "{}", said.stdout);
+    assert!(
+        said.stdout.contains("ur5.json validated on 1 recording, low-pass 3 Hz"),
+        "{}",
+        said.stdout
+    );
     assert_eq!(
         said.stderr,
         "$ armident identify ur5.urdf train.csv --holdout holdout.csv --cutoff-hz 3 --save-model ur5.json --quiet\n\

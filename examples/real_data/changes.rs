@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_diagnose::{Books, Diagnosis, Finding, diagnose_change};
+use armident_diagnose::{DiagnoseError, DiagnoseRequest, Diagnosis, Finding, diagnose};
 use armident_kinematics::InertialParameters;
 use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording};
@@ -187,19 +187,14 @@ impl Tally {
         self.compared += 1;
         let after: Vec<Recording> =
             after.iter().map(|r| loaded(model, r, load_kg, link)).collect::<Result<_, _>>()?;
-        let mut books = Books::of(model, before)?;
-        let in_effort =
-            |r: &[Recording]| -> Vec<Recording> { r.iter().map(|r| books.in_effort(r)).collect() };
-        let (before, after) = (in_effort(before), in_effort(&after));
-        let heard = books.hear(model.chain.dof(), &after, &before, |after, before| {
-            diagnose_change(model, before, after)
-        });
-        let Some(heard) = heard else {
-            self.lines.push(format!("{title}: columns in doubt"));
-            return Ok(());
+        let request = DiagnoseRequest { reference: before, ..DiagnoseRequest::new(model, &after) };
+        let diagnosis = match diagnose(&request) {
+            Err(DiagnoseError::WrongColumns(_)) => {
+                self.lines.push(format!("{title}: failed input check"));
+                return Ok(());
+            }
+            found => found?,
         };
-        let mut diagnosis = heard?;
-        diagnosis.doubt_gains(&books.drive_gains);
         let carrier = &model.chain.joints[link];
         let place_m = carrier.child_link_in_e.inverse_transform_point(&carrier.link.com_m().into());
         let is_body = |effect: &str| ["payload", "link_inertia_error"].contains(&effect);

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use armident_diagnose::{Books, Diagnosis, Finding, Placebo, diagnose_with_placebo};
+use armident_diagnose::{DiagnoseError, DiagnoseRequest, Diagnosis, Finding, Placebo, diagnose};
 use armident_ident::{
     BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
 };
 use armident_model::{ArmModel, BandPrediction, PredictError};
 use armident_recording::Recording;
-use armident_report::unit_told;
+use armident_report::unit_after_number;
 
 use crate::estimators::{STRETCHES, in_errors};
 use crate::sets::{Data, KeptOut, SETS, part};
@@ -49,8 +49,8 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
     sorted.sort_by(f64::total_cmp);
     let mut total = Placebo::default();
     let mut largest = Vec::new();
-    for (set, _, Judged { said, .. }) in &all {
-        let Some(Said { placebo, .. }) = said else { continue };
+    for (set, _, Judged { diagnosis, .. }) in &all {
+        let Some(placebo) = diagnosis.as_ref().and_then(|d| d.placebo.as_ref()) else { continue };
         total.terms += placebo.terms;
         total.improve += placebo.improve;
         total.named += placebo.named;
@@ -103,10 +103,10 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         }
     }
     row("all", "each", &of_all);
-    for (set, _, Judged { said, .. }) in &all {
-        let Some(Said { diagnosis, books, .. }) = said else { continue };
+    for (set, _, Judged { diagnosis, .. }) in &all {
+        let Some(diagnosis) = diagnosis else { continue };
         println!("\n### {set}\n");
-        for fault in &books.faults {
+        for fault in &diagnosis.input_checks.faults {
             let joint = fault.joint.as_deref().unwrap_or("all");
             println!("* columns of {joint}: {}", fault.message);
         }
@@ -128,8 +128,8 @@ struct Ratios {
 
 /// A set with something kept out.
 struct Judged {
-    /// none where the columns are in doubt
-    said: Option<Said>,
+    /// none where the columns fail the input checks
+    diagnosis: Option<Diagnosis>,
     joints: Vec<String>,
     given: Vec<JointError>,
     plain: Vec<JointError>,
@@ -145,32 +145,34 @@ impl Judged {
         {
             train = halves(whole)?;
         }
-        let books = Books::of(&data.model, &train)?;
-        let in_effort = |r: &Vec<Recording>| -> Vec<Recording> {
-            r.iter().map(|r| books.in_effort(r)).collect()
-        };
-        let (train, holdout) = (in_effort(&train), in_effort(&holdout));
         let joints: Vec<String> =
             data.model.chain.joint_names().iter().map(|name| (*name).to_owned()).collect();
-        let Some(mut said) = heard(&data.model, books, &train)? else {
-            let [given, plain, identified, diagnosed] = [const { Vec::new() }; 4];
-            return Ok(Self { said: None, joints, given, plain, identified, diagnosed });
+        let request = DiagnoseRequest {
+            holdout: &holdout,
+            placebo_terms: Some(PLACEBOS),
+            ..DiagnoseRequest::new(&data.model, &train)
         };
-        let diagnosis = &mut said.diagnosis;
-        diagnosis.confirm(&diagnosis.see(&holdout)?)?;
+        let diagnosis = match diagnose(&request) {
+            Err(DiagnoseError::WrongColumns(_)) => {
+                let [given, plain, identified, diagnosed] = [const { Vec::new() }; 4];
+                return Ok(Self { diagnosis: None, joints, given, plain, identified, diagnosed });
+            }
+            found => found?,
+        };
+        let (train, holdout) = (&diagnosis.recordings, &diagnosis.holdout);
         Ok(Self {
-            given: diagnosed_errors(&diagnosis.believed, &holdout)?,
-            plain: plain_errors(data, &train, &holdout)?,
-            identified: identified_errors(data, &train, &holdout)?,
-            diagnosed: diagnosed_errors(&diagnosis.model, &holdout)?,
-            said: Some(said),
+            given: diagnosed_errors(&diagnosis.believed, holdout)?,
+            plain: plain_errors(data, train, holdout)?,
+            identified: identified_errors(data, train, holdout)?,
+            diagnosed: diagnosed_errors(&diagnosis.model, holdout)?,
+            diagnosis: Some(diagnosis),
             joints,
         })
     }
 
     /// Whether a joint's column is what its name says.
     fn is_right(&self, joint: usize) -> bool {
-        let faults = self.said.as_ref().map_or(&[][..], |said| &said.books.faults);
+        let faults = self.diagnosis.as_ref().map_or(&[][..], |found| &found.input_checks.faults);
         faults.iter().all(|fault| fault.joint.as_ref() != Some(&self.joints[joint]))
     }
 
@@ -183,7 +185,7 @@ impl Judged {
     }
 
     fn print_rows(&self, set: &str) {
-        if self.said.is_none() {
+        if self.diagnosis.is_none() {
             println!("| {set} | all | - | - | - | failed input check |");
         }
         for (j, diagnosed) in self.diagnosed.iter().enumerate() {
@@ -214,30 +216,6 @@ impl Judged {
 fn halves(whole: &Recording) -> Result<Vec<Recording>, Box<dyn Error>> {
     let middle = 0.5 * (whole.time_s[0] + whole.time_s[whole.len() - 1]);
     Ok(vec![part(whole, |t| t < middle)?, part(whole, |t| t >= middle)?])
-}
-
-/// Of one set.
-struct Said {
-    diagnosis: Diagnosis,
-    placebo: Placebo,
-    books: Books,
-}
-
-fn heard(
-    model: &ArmModel,
-    mut books: Books,
-    train: &[Recording],
-) -> Result<Option<Said>, Box<dyn Error>> {
-    let mut placebo = Placebo::default();
-    let heard = books.hear(model.chain.dof(), train, &[], |train, _| {
-        let (diagnosis, tried) = diagnose_with_placebo(model, train, Some(PLACEBOS))?;
-        placebo = tried.unwrap_or_default();
-        Ok(diagnosis)
-    });
-    Ok(match heard {
-        Some(heard) => Some(Said { diagnosis: heard?, placebo, books }),
-        None => None,
-    })
 }
 
 /// Of one joint on the hold-out.
@@ -315,7 +293,7 @@ fn errors_with(
 fn in_words(finding: &Finding) -> String {
     let number = |(name, of): (&&str, &armident_diagnose::Value)| {
         let error = of.stderr.map_or_else(String::new, |e| format!(" +- {e:.2}"));
-        let unit = unit_told(of.unit);
+        let unit = unit_after_number(of.unit);
         format!("{name} {:.3}{error} {unit}", of.value).trim_end().to_owned()
     };
     let parameters: &BTreeMap<_, _> = &finding.parameters;

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use armident_recording::Formats;
 use clap::{Args, ValueEnum};
 
 use super::value::{
@@ -9,6 +10,21 @@ use super::value::{
     parse_positive, parse_rate, parse_sigma,
 };
 use super::{ChainArgs, OutputArgs, ReadingArgs};
+
+/// Names of the formats of recordings: `CSV, MCAP, Parquet`.
+fn formats() -> String {
+    Formats::standard().names().join(", ")
+}
+
+/// Help of the recordings of a command.
+pub(super) fn recordings() -> String {
+    format!("Recordings ({}) or folders of them", formats())
+}
+
+/// Extensions of the formats: `.csv, .mcap, .parquet`.
+fn extensions() -> String {
+    format!(".{}", Formats::standard().extensions().join(", ."))
+}
 
 /// Print an arm's driving-axis frames and minimal parameter set
 #[derive(Args)]
@@ -90,11 +106,11 @@ Without --encoder-bits the exact accelerations are also written, and identify us
 pub(crate) struct SimulateArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Folder of a plan, or trajectory files (CSV, MCAP, Parquet)
-    #[arg(required = true)]
+    #[arg(required = true, help = format!("Folder of a plan, or trajectory files ({})", formats()))]
     pub(crate) trajectories: Vec<PathBuf>,
-    /// Output folder, or output file for one trajectory (.csv, .mcap, .parquet)
-    #[arg(short, long, value_name = "PATH")]
+    #[arg(short, long, value_name = "PATH", help = format!(
+        "Output folder, or output file for one trajectory ({})", extensions()
+    ))]
     pub(crate) output_path: PathBuf,
     /// Direction
     #[arg(long, value_enum, default_value_t = Direction::Inverse)]
@@ -131,10 +147,11 @@ Examples:
 pub(crate) struct PredictArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Motion (CSV, MCAP, Parquet) with the joint positions
+    #[arg(help = format!("Motion ({}) with the joint positions", formats()))]
     pub(crate) motion: PathBuf,
-    /// Output file with columns t and JOINT/effort (.csv, .mcap, .parquet); - for CSV on stdout
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help = format!(
+        "Output file with columns t and JOINT/effort ({}); - for CSV on stdout", extensions()
+    ))]
     pub(crate) output_file: PathBuf,
     /// Low-pass cut-off frequency [Hz] [default: the model's, else from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use armident_ident::Method;
 use clap::{Args, ValueEnum};
 
+use super::arm::recordings;
 use super::value::{PayloadArg, parse_payload, parse_positive};
 use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
@@ -73,8 +74,7 @@ known payload.")]
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV, MCAP, Parquet) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Hold-out recordings, for validation
     #[arg(long, num_args = 1.., value_name = "FILE")]
@@ -130,8 +130,7 @@ and voltages are accepted in place of efforts.")]
 pub(crate) struct CheckArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV, MCAP, Parquet) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Low-pass cut-off frequency [Hz] [default: from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
@@ -161,8 +160,7 @@ never fitted.")]
 pub(crate) struct DiagnoseArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV, MCAP, Parquet) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Hold-out recordings, for confirmation
     #[arg(long, num_args = 1.., value_name = "FILE")]
@@ -208,8 +206,7 @@ URDF and with the model.")]
 pub(crate) struct ValidateArgs {
     /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
-    /// Recordings (CSV, MCAP, Parquet) or folders of them
-    #[arg(required = true)]
+    #[arg(required = true, help = recordings())]
     pub(crate) recordings: Vec<PathBuf>,
     /// Low-pass cut-off frequency [Hz] [default: the model's, else from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]

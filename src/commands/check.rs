@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armident_ident::check::{Verdict, check, with_drive_signals};
+use armident_ident::check::{check, with_drive_signals};
 use armident_model::ArmModel;
 use armident_page::Role;
 use armident_report::CheckReport;
@@ -27,11 +27,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
         armident_motion::common_cutoff_hz(&recorded, &joints, args.cutoff_hz.or(model.cutoff_hz))?;
     let motions = recordings::motions_with_effort(&recorded, &joints, cutoff_hz)?;
     let found = check(&model, &recorded, &motions, &signals)?;
-    let mut warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
-    for wrong in found.checks.iter().filter(|c| c.verdict == Verdict::Wrong) {
-        let joint = wrong.joint.as_ref().map_or(String::new(), |joint| format!("{joint}: "));
-        warnings.push(format!("{joint}{}: {} [check-wrong]", wrong.topic.name(), wrong.message));
-    }
+    let warnings = model.chain.warnings.iter().map(ToString::to_string).collect();
     let sources = recorded.iter().map(|r| r.source.clone()).collect();
     let mut notes = recordings::notes(&motions);
     notes.extend(unused);
@@ -40,7 +36,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Training)];
-    let models: [(&str, &ArmModel); 1] = [("the robot as given", &model)];
+    let models: [(&str, &ArmModel); 1] = [("given", &model)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text();
     let warnings = &report.warnings;

@@ -6,7 +6,7 @@ use std::path::Path;
 use armident_effects::{CoulombFriction, Effect, EffectOnJoint, Payload, TorqueRipple};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_motion::{Motion, MotionSettings};
-use armident_recording::{FileFormat, JointChannels, Recording, encode, read_csv_from};
+use armident_recording::{JointChannels, Recording, encode, read_csv_from};
 use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
 use clap::Parser;
 
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
         let exact = inverse(&arm, &motion(&chain, text, file)?)?;
         let recording = logged(sensors.apply(&arm, &exact)?);
         let path = folder.join(file);
-        output::write_file(&path, &encode(&recording, FileFormat::of(&path))?.bytes)?;
+        output::write_file(&path, &encode(&recording, &path)?.bytes)?;
     }
     let path = |file: &str| folder.join(file).display().to_string();
     let report = path("report.html");

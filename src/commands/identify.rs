@@ -3,14 +3,13 @@
 mod batch;
 mod planned;
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use armident_ident::{Consistent, JointFit, MinimalSet};
 use armident_model::ArmModel;
 use armident_page::{Correlation, Drawing, Role};
 use armident_recording::Recording;
-use armident_report::{ConstantRow, FitRows, IdentifyReport};
+use armident_report::{ByJoint, ConstantRow, FitRows, IdentifyReport};
 
 use super::recordings;
 use crate::args::IdentifyArgs;
@@ -48,7 +47,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     let [train, holdout] = &read;
     let recorded = [(train.as_slice(), Role::Training), (holdout.as_slice(), Role::Holdout)];
     let before = model.before();
-    let models: [(&str, &ArmModel); 2] = [("URDF alone", &before), ("model", &model)];
+    let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
     let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
     let drawing =
@@ -75,19 +74,19 @@ fn constant_row(
     urdf: f64,
     found: Option<(f64, f64, f64)>,
     undetermined: f64,
-    from_prior: f64,
+    prior_share: f64,
 ) -> ConstantRow {
     let constant = &set.constants[k];
     ConstantRow {
         label: constant.label(),
         joint: joints[constant.joint].to_owned(),
-        unit: constant.unit(),
+        unit: constant.unit().to_owned(),
         value: found.map(|(value, _, _)| value),
         standard_error: found.map(|(_, error, _)| error),
         interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
         urdf,
         consistent: None,
-        from_prior,
+        prior_share,
         undetermined,
     }
 }
@@ -110,6 +109,6 @@ fn fit_rows(fits: &[JointFit], joints: &[&str]) -> FitRows {
     FitRows { rmse: pick(|f| f.rmse), relative: pick(|f| f.relative) }
 }
 
-fn by_joint(values: &[f64], joints: &[&str]) -> BTreeMap<String, f64> {
+fn by_joint(values: &[f64], joints: &[&str]) -> ByJoint {
     joints.iter().zip(values).map(|(j, v)| ((*j).to_owned(), *v)).collect()
 }

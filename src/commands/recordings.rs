@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use armident_kinematics::nearest;
 use armident_motion::{Motion, MotionSettings, findings};
 use armident_recording::{
-    Action, Encoded, FileFormat, FindingKind, Mapping, Quantity, ReadSettings, Recording, encode,
+    Action, Encoded, FindingKind, Formats, Mapping, Quantity, ReadSettings, Recording, encode,
     read_recording,
 };
 
@@ -14,18 +14,16 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 
-/// Ends of the names of recordings.
-const ENDS: [&str; 3] = ["csv", "mcap", "parquet"];
-
-/// A recording in the format that the file's name tells, and a note on what it cannot hold.
+/// Encodes a recording in the format of the file extension; unsupported channels become a note.
 pub(crate) fn encoded(
     recording: &Recording,
     path: &Path,
     output: &OutputArgs,
 ) -> Result<Vec<u8>, Failure> {
-    let Encoded { bytes, lost } = encode(recording, FileFormat::of(path))?;
-    if !lost.is_empty() {
-        let note = format!("{} cannot hold {}", path.display(), lost.join(", "));
+    let Encoded { bytes, omitted } = encode(recording, path)?;
+    if !omitted.is_empty() {
+        let omitted = omitted.join(", ");
+        let note = format!("{}: the format cannot hold {omitted}; omitted", path.display());
         output::say_all(output, "note", &[note]);
     }
     Ok(bytes)
@@ -33,6 +31,7 @@ pub(crate) fn encoded(
 
 /// Files as given; folders are replaced by their recordings, sorted by name.
 pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let extensions = Formats::standard().extensions();
     let mut files = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -46,16 +45,20 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             let mut found: Vec<PathBuf> = entries
                 .filter_map(|entry| Some(entry.ok()?.path()))
                 .filter(|p| {
-                    let end = p.extension().map(|e| e.to_string_lossy().to_lowercase());
-                    end.is_some_and(|end| ENDS.contains(&end.as_str()))
+                    let extension = p.extension().map(|e| e.to_string_lossy().to_lowercase());
+                    extension.is_some_and(|found| extensions.contains(&found.as_str()))
                 })
                 .collect();
             found.sort();
             if found.is_empty() {
+                let hint = format!(
+                    "pass recordings as files (.{}), or a folder of them",
+                    extensions.join(", .")
+                );
                 return Err(Failure::new(
-                    "the folder holds no recording",
+                    "no recordings in the folder",
                     path.display(),
-                    Some("give recordings as files (.csv, .mcap, .parquet), or a folder of them"),
+                    Some(hint),
                 ));
             }
             files.extend(found);

@@ -7,7 +7,7 @@ use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, repl
 use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_page::Role;
-use armident_report::{EffortErrorRow, ReplayReport, ValidateReport};
+use armident_report::{ByJoint, EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
 use crate::args::ValidateArgs;
@@ -76,8 +76,9 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
     }
+    let prismatic = model.chain.joints.iter().filter(|joint| !joint.kind.is_rotational());
     let report = ValidateReport {
-        schema: "armident.validate/1",
+        schema: ValidateReport::SCHEMA.to_owned(),
         robot: model.chain.robot.clone(),
         model: args.robot.display().to_string(),
         recordings: recorded.iter().map(|r| r.source.clone()).collect(),
@@ -86,6 +87,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         replay_before,
         replay_after,
         joints: names,
+        prismatic_joints: Some(prismatic.map(|joint| joint.name.clone()).collect()),
         cutoff_hz,
         warnings,
         notes,
@@ -93,7 +95,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
     let recorded = [(recorded.as_slice(), Role::Holdout)];
-    let models: [(&str, &ArmModel); 2] = [("URDF alone", &before), ("model", &model)];
+    let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());
     let warnings = &report.warnings;
@@ -119,6 +121,6 @@ fn errors(
     names.zip(all.iter().map(row)).collect()
 }
 
-fn by_joint(names: &[String], values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {
+fn by_joint(names: &[String], values: impl Iterator<Item = f64>) -> ByJoint {
     names.iter().cloned().zip(values).collect()
 }

@@ -73,7 +73,7 @@ fn reports_lower_friction() {
             let level = of("coulomb_friction", joint, "level");
             assert!((viscous + 5.0).abs() < 0.5 && (level + 3.6).abs() < 0.4, "{viscous} {level}");
             for law in ["viscous", "Coulomb"] {
-                assert!(said.contains(&format!("less {law} friction on {joint}")), "{said}");
+                assert!(said.contains(&format!("lower {law} friction on {joint}")), "{said}");
             }
         }
         assert_eq!(findings.len(), 5, "{said}");
@@ -155,22 +155,22 @@ fn noisy_reference_is_inconclusive() {
     let change =
         diagnose(&folder, &["--reference", "before.csv", "--report", "change.html"]).fine().json();
     assert_eq!(named(&change), BTreeSet::new());
-    let doubtful = list(&change["doubtful_changes"]);
+    let doubtful = list(&change["inconclusive_changes"]);
     assert_eq!(doubtful.len(), 1, "{doubtful:?}");
     assert_eq!(
-        (&doubtful[0]["effect"], &doubtful[0]["joints"][0], &doubtful[0]["maybe_before"]),
+        (&doubtful[0]["effect"], &doubtful[0]["joints"][0], &doubtful[0]["maybe_in_reference"]),
         (&"torque_ripple".into(), &"elbow_joint".into(), &true.into())
     );
     let args = ["diagnose", text(&urdf), "train.csv", "-q", "--reference", "before.csv"];
     let said = run_in(&folder, &args).fine().stdout;
-    let line = "not named: may have been so before, which the reference does not show: torque ripple on elbow_joint";
+    let line = "Inconclusive, the reference does not rule out that this was already present: torque ripple on elbow_joint";
     assert!(said.contains(line), "{said}");
     let page = std::fs::read_to_string(folder.join("change.html")).unwrap();
-    assert!(page.contains("To know whether torque ripple on elbow_joint changed"));
+    assert!(page.contains("To decide whether torque ripple on elbow_joint changed"));
     // one without that noise shows it
     let known = diagnose(&folder, &["--reference", "holdout.csv"]).fine().json();
     assert_eq!(named(&known), BTreeSet::new());
-    assert!(known["doubtful_changes"].is_null());
+    assert!(known["inconclusive_changes"].is_null());
 }
 
 /// A pendulum whose efforts follow a curve that no law of the library has, before and after: what is left
@@ -228,12 +228,13 @@ fn finds_payload_despite_model_discrepancy() {
     let same = change("same.csv");
     assert_eq!(named(&same), BTreeSet::new());
     let sentence = string(&same["sentence"]);
-    assert!(sentence.contains("no change"), "{sentence}");
-    assert!(same["beyond_reference"].is_null());
+    let none = sentence.starts_with("no ") && sentence.contains("change since the reference");
+    assert!(none, "{sentence}");
+    assert!(same["reference_max_speed"].is_null());
     let faster = change("faster.csv");
     assert_eq!(named(&faster), BTreeSet::new());
     // the sines before, at their fastest, all in step
-    let fastest = number(&faster["beyond_reference"]["servo"]);
+    let fastest = number(&faster["reference_max_speed"]["servo"]);
     assert!((1.5..2.2).contains(&fastest), "{fastest}");
     let loaded = change("loaded.csv");
     let findings = list(&loaded["findings"]);

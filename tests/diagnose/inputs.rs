@@ -59,7 +59,7 @@ fn uninformative_recordings_have_no_findings() {
     });
     let shuffled = diagnose("shuffled.csv", &[]).fine().json();
     let said = string(&shuffled["sentence"]);
-    assert!(said.starts_with("the books are wrong"), "{said}");
+    assert!(said.starts_with("input check failed"), "{said}");
     let believed = list(&shuffled["findings"]).iter().filter(|f| number(&f["confidence"]) > 0.5);
     assert_eq!(believed.count(), 0, "{}", shuffled["findings"]);
 }
@@ -87,13 +87,13 @@ fn input_checks_come_first() {
     assert_eq!(diagnosis["verdict"], "mismatch");
     // nothing is named on that joint; the others are diagnosed without it
     assert_eq!(named(&diagnosis), pairs(&[("viscous_friction", "elbow_joint")]));
-    let faults = list(&diagnosis["books"]["faults"]);
+    let faults = list(&diagnosis["input_checks"]["faults"]);
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(faults[0]["joint"], "shoulder_lift_joint");
     assert!(string(&faults[0]["message"]).contains("sign"), "{faults:?}");
-    assert!(string(&diagnosis["sentence"]).starts_with("the books are wrong"));
+    assert!(string(&diagnosis["sentence"]).starts_with("input check failed"));
     // with right books nothing is said of them
-    assert!(list(&diagnosed(&folder)["books"]["faults"]).is_empty());
+    assert!(list(&diagnosed(&folder)["input_checks"]["faults"]).is_empty());
 }
 
 /// Names do not depend on what joints and files are called, on units, on a joint beside the arm, or on
@@ -209,5 +209,5 @@ fn accepts_missing_effort_in_one_recording() {
     let args = ["diagnose", text(&urdf), "less.csv", "holdout.csv", "-q", "--json", "-"];
     let diagnosis = run_in(&folder, &args).fine().json();
     assert_eq!(named(&diagnosis), pairs(&[("viscous_friction", "elbow_joint")]));
-    assert!(string(&diagnosis["books"]["unchecked"]).contains("elbow_joint"));
+    assert!(string(&diagnosis["input_checks"]["unchecked"]).contains("elbow_joint"));
 }

@@ -25,7 +25,7 @@ fn writes_holdout_model_and_fields() {
     assert_eq!(unproven(&with), unproven(&without));
     assert!(list(&with["findings"]).iter().all(|f| f["confirmed"] == true));
     assert!(list(&without["findings"]).iter().all(|f| f["confirmed"].is_null()));
-    assert!(string(&with["sentence"]).ends_with("the hold-out confirms it"));
+    assert!(string(&with["sentence"]).ends_with("it is confirmed by the hold-out"));
     assert_eq!(with["verdict"], without["verdict"]);
     assert_eq!(with["fit"]["train"], without["fit"]["train"]);
     assert!(without["fit"]["holdout"].is_null());
@@ -147,7 +147,7 @@ fn constants_cover_the_true_arm() {
         );
         let interval: Vec<f64> = list(&constant["interval_95"]).iter().map(number).collect();
         within += usize::from(interval[0] <= truth[k] && truth[k] <= interval[1]);
-        assert!((0.0..=1.0).contains(&number(&constant["from_prior"])), "{label}");
+        assert!((0.0..=1.0).contains(&number(&constant["prior_share"])), "{label}");
     }
     assert!(
         within * 10 >= constants.len() * 8,
@@ -156,7 +156,7 @@ fn constants_cover_the_true_arm() {
     );
     // the forearm's first moment is known from the recording, not from the URDF
     let moment = constants.iter().find(|c| c["label"] == "k3_x").unwrap();
-    assert!(number(&moment["from_prior"]) < 0.05 && number(&moment["value"]) > 1.7);
+    assert!(number(&moment["prior_share"]) < 0.05 && number(&moment["value"]) > 1.7);
 }
 
 /// A hold-out of another arm than the one trained on: the finding is not confirmed, and the joint is said on
@@ -170,7 +170,8 @@ fn contradicting_holdout_is_not_confirmed() {
     assert_eq!(diagnosis["findings"][0]["confirmed"], false);
     assert_eq!(diagnosis["worse_on_holdout"], serde_json::json!(["elbow_joint"]));
     let sentence = string(&diagnosis["sentence"]);
-    assert!(sentence.ends_with("worse than by the robot as given on elbow_joint"), "{sentence}");
+    let worse = "hold-out error on elbow_joint is over 10 % larger than with the given model";
+    assert!(sentence.ends_with(worse), "{sentence}");
 }
 
 /// What is said of a finding is what the saved model has: a friction without the smaller one beside it, too small
@@ -231,9 +232,9 @@ fn encoder_jitter_reduces_bandwidth() {
         run_in(&folder, &[&args[..], &["--save-model", "model.json"]].concat()).fine().json()
     };
     let still = found(false);
-    assert!(still["narrowed_to_hz"].is_null(), "{still}");
+    assert!(still["comparison_bandwidth_hz"].is_null(), "{still}");
     let shaken = found(true);
-    assert_eq!(number(&shaken["narrowed_to_hz"]), 5.0);
+    assert_eq!(number(&shaken["comparison_bandwidth_hz"]), 5.0);
     assert_eq!(shaken["verdict"], "match", "{shaken}");
     let link = read_json(&folder.join("model.json"))["joints"][0]["link"].clone();
     let found = number(list(&link).last().unwrap());

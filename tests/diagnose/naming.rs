@@ -75,7 +75,7 @@ fn findings_have_their_location() {
 fn null_recording_has_no_finding() {
     let folder = recordings("diagnose_clean", &[]);
     let diagnosis = diagnosed(&folder);
-    assert_eq!(diagnosis["schema"], "armident.diagnosis/1");
+    assert_eq!(diagnosis["schema"], "armident.diagnosis/2");
     assert_eq!(diagnosis["verdict"], "match");
     assert!(list(&diagnosis["findings"]).is_empty());
     for joint in JOINTS {
@@ -144,7 +144,7 @@ fn payload_has_link_error_as_alternative() {
     // no motion tells a load from its link, and that is said
     let next = &diagnosis["next_motion"];
     assert!(next.is_object());
-    assert!(next["file"].is_null() == (number(&next["told_apart"]) == 0.0));
+    assert!(next["file"].is_null() == (number(&next["separated"]) == 0.0));
     assert_eq!(folder.join("next/next_motion.csv").exists(), !next["file"].is_null());
 }
 
@@ -172,7 +172,7 @@ fn small_link_errors_are_not_single_effects() {
     assert_eq!(diagnosis["verdict"], "mismatch");
     let sentence = string(&diagnosis["sentence"]);
     assert!(sentence.contains("no single effect"), "{sentence}");
-    let on: Vec<&str> = list(&diagnosis["inertias_matter_on"]).iter().map(string).collect();
+    let on: Vec<&str> = list(&diagnosis["link_errors_material_on"]).iter().map(string).collect();
     assert!(on.contains(&"shoulder_lift_joint"), "{on:?}");
     // whose masses carry no more effort than the noise
     assert!(!on.contains(&"wrist_3_joint"), "{on:?}");

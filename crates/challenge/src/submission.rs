@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use armident_diagnose::{Books, diagnose, diagnose_change};
+use armident_diagnose::{DiagnoseError, DiagnoseRequest, diagnose};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording};
@@ -68,17 +68,17 @@ pub fn solve(task: &Task) -> Result<Submission, String> {
     let selection = ChainSelection { recorded_joints: Some(recorded), ..ChainSelection::default() };
     let chain = SerialChain::from_description(&description, &selection).map_err(|e| reason(&e))?;
     let given = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-    let reference = if task.before.is_empty() { &task.train[..] } else { &task.before };
-    let mut books = Books::of(&given, reference).map_err(|e| reason(&e))?;
-    let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
-        recordings.iter().map(|r| books.in_effort(r)).collect()
+    let holdout = std::slice::from_ref(&task.holdout);
+    let request = DiagnoseRequest {
+        reference: &task.before,
+        holdout,
+        ..DiagnoseRequest::new(&given, &task.train)
     };
-    let (train, before) = (in_effort(&task.train), in_effort(&task.before));
-    let holdout = books.in_effort(&task.holdout);
+    let sources = |recordings: &[Recording]| recordings.iter().map(|r| r.source.clone()).collect();
     let inputs = DiagnoseInputs {
-        recordings: train.iter().map(|recording| recording.source.clone()).collect(),
-        holdout_recordings: vec![holdout.source.clone()],
-        reference_recordings: before.iter().map(|recording| recording.source.clone()).collect(),
+        recordings: sources(&task.train),
+        holdout_recordings: sources(holdout),
+        reference_recordings: sources(&task.before),
         warnings: given.chain.warnings.iter().map(ToString::to_string).collect(),
         ..DiagnoseInputs::default()
     };
@@ -86,20 +86,18 @@ pub fn solve(task: &Task) -> Result<Submission, String> {
         let out_json = serde_json::to_string_pretty(report).map_err(|e| reason(&e))? + "\n";
         Ok(Submission { out_json, model, seconds: started.elapsed().as_secs_f64() })
     };
-    let heard = books.hear(given.chain.dof(), &train, &before, |train, before| {
-        if !before.is_empty() {
-            return diagnose_change(&given, before, train);
+    let diagnosis = match diagnose(&request) {
+        Err(DiagnoseError::WrongColumns(wrong)) => {
+            let checks = &wrong.input_checks;
+            return submission(
+                &DiagnoseReport::of_failed_checks(&given.chain, checks, inputs),
+                None,
+            );
         }
-        diagnose(&given, train)
-    });
-    let Some(heard) = heard else {
-        return submission(&DiagnoseReport::of_wrong_books(&given.chain, &books, inputs), None);
+        found => found.map_err(|e| reason(&e))?,
     };
-    let mut diagnosis = heard.map_err(|e| reason(&e))?;
-    diagnosis.doubt_gains(&books.drive_gains);
-    let seen = diagnosis.see(std::slice::from_ref(&holdout)).map_err(|e| reason(&e))?;
-    diagnosis.confirm(&seen).map_err(|e| reason(&e))?;
-    let on_holdout = diagnosis.errors(&seen).map_err(|e| reason(&e))?;
+    let prepared = diagnosis.prepared(&diagnosis.holdout).map_err(|e| reason(&e))?;
+    let on_holdout = diagnosis.errors(&prepared).map_err(|e| reason(&e))?;
     let model_json = diagnosis.model.to_json().map_err(|e| reason(&e))?;
     let efforts = diagnosis.model.predict(&task.exam_motion, None).map_err(|e| reason(&e))?.efforts;
     let channels = diagnosis
@@ -110,7 +108,7 @@ pub fn solve(task: &Task) -> Result<Submission, String> {
     let stamps = task.exam_motion.time_s.clone();
     let predicted =
         Recording::new("prediction", stamps, channels.collect()).map_err(|e| reason(&e))?;
-    let fits = Fits { train: None, holdout: Some(on_holdout) };
-    let report = DiagnoseReport::new(&given.chain, &diagnosis, inputs, fits).with_books(&books);
+    let fits = Fits::of(None, Some(on_holdout));
+    let report = DiagnoseReport::new(&given.chain, &diagnosis, inputs, fits);
     submission(&report, Some(SubmittedModel { model_json, predicted }))
 }

@@ -1,27 +1,38 @@
-//! Says what physics a model leaves out.
+//! Finds the physical effects that a model of an arm lacks, from recordings.
 //!
-//! [`diagnose`] compares recorded efforts with those of a believed arm in a band of 10 Hz, in units of the
-//! noise of the recordings themselves. It looks for the smallest set of laws of the effects library which,
-//! beside errors of all links, explains the difference. A law is named when the effort that it alone
-//! explains is material against the noise of a recorded sample, and when it lowers the error of blocks
-//! of the recordings to which it was not fitted. What remains and depends on some column, but on no law of the
-//! library, is described without a name ([`UNMODELLED`]).
+//! ```text
+//! y = W b + Phi x + e,   b ~ N(0, s^2 I),   e ~ N(0, R)
+//! ```
 //!
-//! The result is a list of [`Finding`]s and a [`ArmModel`] that predicts what recordings of other
-//! motions would show. [`Diagnosis::errors`] compares it with the believed model on recordings kept out.
+//! | symbol | shape | meaning |
+//! | --- | --- | --- |
+//! | `y` | rows | measured minus predicted efforts of all joints in a band of 10 Hz |
+//! | `W b` | rows x directions | errors of all link inertias, nuisance parameters of relative size `s` |
+//! | `Phi x` | rows x columns | laws of the effects library at joints, links and neighbours, and smooth terms |
+//! | `R` | rows | noise of the recordings in the band, and model discrepancy |
+//!
+//! [`diagnose`] selects the smallest set of columns by a description length with `b` marginalised, moves the operating
+//! point (tilt, delay, encoder zeros, gains, springs) with each fit, and keeps a law where it is *material* (its
+//! effort alone exceeds a share of the noise of one recorded sample, all else refitted) and lowers the
+//! *cross-validated* error of blocks of the recordings. Structure that depends on some column, but on no law, is a smooth
+//! term ([`UNMODELLED`]).
+//!
+//! The result is a list of [`Finding`]s with standard errors and alternatives, and an
+//! [`ArmModel`](armident_model::ArmModel) that predicts the efforts of other motions.
 //!
 //! ```
-//! use armident_model::ArmModel;
+//! use armident_diagnose::{DiagnoseRequest, diagnose};
 //! use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
+//! use armident_model::ArmModel;
 //! use armident_recording::read_csv;
 //!
 //! # let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/ur5");
 //! let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf")?;
 //! let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
-//! let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-//! let mut diagnosis = armident_diagnose::diagnose(&believed, &[read_csv(examples.join("train.csv"))?])?;
-//! let holdout = [read_csv(examples.join("holdout.csv"))?];
-//! diagnosis.confirm(&diagnosis.see(&holdout)?)?;
+//! let model = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+//! let (train, holdout) = ([read_csv(examples.join("train.csv"))?], [read_csv(examples.join("holdout.csv"))?]);
+//! let request = DiagnoseRequest { holdout: &holdout, ..DiagnoseRequest::new(&model, &train) };
+//! let diagnosis = diagnose(&request)?;
 //!
 //! // the forearm is 0.6 kg heavier than the URDF says
 //! let forearm = diagnosis.findings.iter().find(|f| f.link.as_deref() == Some("link_3")).unwrap();
@@ -30,14 +41,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Limits: what differs by clearly less than the noise of a sample is not named; of laws that are the same
-//! effort in these motions one is named; contacts push on the tip.
+//! Limits: effects clearly below the noise of one sample are not reported; of laws with the same effort in these motions
+//! one is reported, the others are its alternatives; contacts push on the tip.
 
-mod change;
 mod checks;
 mod design;
 mod diagnosis;
+mod error;
 mod findings;
+mod pipeline;
 mod regression;
 mod request;
 mod selection;
@@ -45,17 +57,15 @@ mod selection;
 mod test_arms;
 mod uncertainty;
 
-pub use findings::residual_map::{Bin, Character, JointAtlas, Regime, SymmetryTest};
-
-pub use change::diagnose_change;
-pub use checks::effort_columns::{Books, DriveGain};
-pub use checks::usable::DiagnoseError;
-pub use design::known_effort::Known;
-pub use diagnosis::{Diagnosis, Errors, diagnose, diagnose_with_placebo};
+pub use checks::effort_columns::{DriveGain, InputChecks};
+pub use checks::usable::Unusable;
+pub use diagnosis::{Diagnosis, Errors};
+pub use error::{DiagnoseError, WrongColumns};
 pub use findings::finding::{Alternative, DoubtfulChange, Finding, FindingEvidence, Value};
 pub use findings::next_experiment::NextMotion;
 pub use findings::placebo::Placebo;
-pub use request::Heard;
+pub use findings::residual_map::{Bin, Character, JointAtlas, Regime, SymmetryTest};
+pub use request::{DiagnoseRequest, diagnose};
 pub use uncertainty::minimal_constants::{ConstantEstimate, ConstantEstimates};
 
 pub use armident_effects::UNMODELLED;

@@ -1,50 +1,116 @@
-//! A diagnosis whose input checks are in inconclusive: what physics explains is no fault.
+//! The door: what a diagnosis is asked, and its steps.
 
-use crate::checks::effort_columns::Books;
-use crate::checks::usable::DiagnoseError;
+use armident_effects::{Effect, TorqueScale};
+use armident_ident::check::Topic;
+use armident_model::ArmModel;
+use armident_recording::Recording;
+
+use crate::checks::effort_columns::InputChecks;
+use crate::design::known_effort::KnownModel;
 use crate::diagnosis::Diagnosis;
+use crate::error::{DiagnoseError, WrongColumns};
 use crate::findings::finding::Finding;
 use crate::findings::residual_map::JointAtlas;
-use armident_ident::check::Topic;
-use armident_recording::Recording;
+use crate::pipeline::{against_model, against_reference};
+
 /// Relative error of all links beyond which they may be anything.
 const MOST_BELIEVED: f64 = 0.2;
 
-/// A diagnosis, or why there is none.
-pub type Heard = Result<Diagnosis, DiagnoseError>;
+/// What a diagnosis is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct DiagnoseRequest<'a> {
+    /// The given model: that of a URDF, or one that holds effects, which are then no findings.
+    pub model: &'a ArmModel,
+    /// Recordings that are fitted.
+    pub recordings: &'a [Recording],
+    /// Earlier recordings of the same arm: only changes since then are findings. May be empty.
+    pub reference: &'a [Recording],
+    /// Recordings that are not fitted, which confirm findings or do not. May be empty.
+    pub holdout: &'a [Recording],
+    /// Whether columns that fail the input checks are used as they are.
+    pub trust_columns: bool,
+    /// Placebo terms to try, if any.
+    pub placebo_terms: Option<usize>,
+}
 
-impl Books {
-    /// Diagnoses recordings, and a reference of theirs, whose columns are in inconclusive: what physics explains is
-    /// taken back, and joints whose columns are wrong are left out of a second run, for what is wrong with one
-    /// column says nothing against the other joints. `run` is given the recordings and the reference; nothing
-    /// comes back where the columns leave nothing to say of physics.
-    pub fn hear(
-        &mut self,
-        joints: usize,
-        recordings: &[Recording],
-        reference: &[Recording],
-        mut run: impl FnMut(&[Recording], &[Recording]) -> Heard,
-    ) -> Option<Heard> {
-        let heard = run(recordings, reference);
-        if let Ok(diagnosis) = &heard {
-            self.take_back(diagnosis);
+impl<'a> DiagnoseRequest<'a> {
+    /// Recordings against a model, without a reference and a hold-out.
+    pub fn new(model: &'a ArmModel, recordings: &'a [Recording]) -> Self {
+        Self {
+            model,
+            recordings,
+            reference: &[],
+            holdout: &[],
+            trust_columns: false,
+            placebo_terms: None,
         }
-        if self.faults.is_empty() {
-            return Some(heard);
-        }
-        let kept = |recordings: &[Recording]| -> Option<Vec<Recording>> {
-            recordings.iter().map(|r| self.without_faulty(r, joints)).collect()
-        };
-        let heard = run(&kept(recordings)?, &kept(reference)?);
-        heard.is_ok().then_some(heard)
     }
 
+    /// Whether the given model holds more than links, so that only what it leaves out is found.
+    pub fn is_beyond_a_model(&self) -> bool {
+        // a reference shows all that a model of the same arm knows, as it is now
+        self.reference.is_empty() && !self.model.is_links_only()
+    }
+}
+
+/// Finds the effects that the given model lacks, and confirms them on the hold-out.
+///
+/// The input is checked first: columns that physics explains pass after all, and joints whose columns do not are excluded
+/// from a second fit, for what is wrong with one column says nothing against the other joints.
+///
+/// # Errors
+/// [`DiagnoseError`]; [`DiagnoseError::WrongColumns`] where the columns leave nothing to diagnose.
+pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let &DiagnoseRequest { model, recordings, reference, holdout, .. } = request;
+    let known = request.is_beyond_a_model().then(|| KnownModel::of(model.clone()));
+    // gains of drives come from recordings of the arm as it is believed to be; friction that a model has too much of,
+    // taken out, would look like a sign
+    let mut checks = match &known {
+        Some(known) => InputChecks::of(known.body(), recordings)?,
+        None => InputChecks::of(model, if reference.is_empty() { recordings } else { reference })?,
+    };
+    let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
+        recordings.iter().map(|r| checks.in_effort(r)).collect()
+    };
+    let [recordings, reference, holdout] = [recordings, reference, holdout].map(in_effort);
+    if request.trust_columns {
+        checks.faults.clear();
+    }
+    let of = |recordings: &[Recording], reference: &[Recording]| match reference {
+        [] => against_model(model, known.as_ref(), recordings, request.placebo_terms),
+        _ => against_reference(model, reference, recordings),
+    };
+    let mut found = of(&recordings, &reference);
+    if let Ok(diagnosis) = &found {
+        checks.excuse(diagnosis);
+    }
+    if !checks.faults.is_empty() {
+        let joints = model.chain.dof();
+        let kept = |recordings: &[Recording]| -> Option<Vec<Recording>> {
+            recordings.iter().map(|r| checks.without_faulty(r, joints)).collect()
+        };
+        let again = kept(&recordings).zip(kept(&reference)).map(|(r, before)| of(&r, &before));
+        found = match again {
+            Some(Ok(diagnosis)) => Ok(diagnosis),
+            _ => {
+                let wrong = WrongColumns { input_checks: checks, recordings };
+                return Err(DiagnoseError::WrongColumns(Box::new(wrong)));
+            }
+        };
+    }
+    let mut diagnosis = Diagnosis { recordings, holdout, input_checks: checks, ..found? };
+    diagnosis.widen_by_drive_gains();
+    diagnosis.confirm()?;
+    Ok(diagnosis)
+}
+
+impl InputChecks {
     /// Takes back what physics explains: where the diagnosed model leaves over little more than noise, the
     /// columns are what they are called. Only links turned inside out and gains could turn a column of
     /// another joint, sign or unit into that: where these are found, the fault stands. So do faults of what was
     /// recorded at all: a column that is 0 is soon explained.
-    fn take_back(&mut self, diagnosis: &Diagnosis) {
-        let turned = |f: &Finding| f.link.is_some() || f.effect == "torque_scale";
+    fn excuse(&mut self, diagnosis: &Diagnosis) {
+        let turned = |f: &Finding| f.link.is_some() || f.effect == TorqueScale.slug();
         if diagnosis.findings.iter().any(turned) || diagnosis.inertial_error > MOST_BELIEVED {
             return;
         }

@@ -7,7 +7,7 @@ use armident_effects::{
 use nalgebra::Vector3;
 
 use crate::arm_model::ArmModel;
-use crate::transmission::Transmission;
+use crate::transmission::FittedTransmission;
 
 impl ArmModel {
     /// The arm with all that the model holds as effects on joints, for simulation and export; and what these cannot hold
@@ -24,8 +24,8 @@ impl ArmModel {
         let mut lost = Vec::new();
         for term in &self.transmissions {
             let gap = term.transmission.fitted_gap(term.share);
-            let transmission =
-                Transmission { gap, ..term.transmission }.with_motor_inertia(term.motor_inertia);
+            let transmission = FittedTransmission { gap, ..term.transmission }
+                .with_motor_inertia(term.motor_inertia);
             let law: &dyn Effect = if gap > 0.0 { &Backlash } else { &JointElasticity };
             let parameters = law.parameters_of_transmission(&transmission);
             arm.effects.push(EffectOnJoint::new(law.slug(), &term.joint, parameters));

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Spring, damper and play between motor and link.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Transmission {
+pub struct FittedTransmission {
     /// Gap in which no effort passes \[rad or m\]; 0 for a springy transmission.
     pub gap: f64,
     /// \[N m/rad or N/m\]
@@ -23,14 +23,14 @@ pub struct TransmissionTerm {
     /// Joint.
     pub joint: String,
     /// What lies between.
-    pub transmission: Transmission,
+    pub transmission: FittedTransmission,
     /// Inertia of the motor beyond the model's \[kg m2 or kg\].
     pub motor_inertia: f64,
     /// Fitted size of the difference to a rigid transmission; 1 where the law holds.
     pub share: f64,
 }
 
-impl Transmission {
+impl FittedTransmission {
     /// The transmission that a law has for a shape; `link_inertia` is what the joint moves \[kg m2 or kg\]. None where
     /// the law has none.
     pub fn of_law(law: &dyn Effect, shape: &[f64], link_inertia: f64) -> Option<Self> {
@@ -69,7 +69,7 @@ pub struct Spring {
     /// Joint, from 0.
     pub joint: usize,
     /// What lies between motor and link.
-    pub transmission: Transmission,
+    pub transmission: FittedTransmission,
     /// Fitted size of the difference to a rigid transmission; 1 where the law holds
     pub share: f64,
 }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
 use crate::grid::EvenGrid;
+use armident_numeric::order_statistic;
 use armident_recording::{MIN_SAMPLES, Quantity, Recording, RecordingError};
 
 /// Share of the velocity power that lies below the band edge of a motion.
@@ -164,7 +165,9 @@ impl Band {
 /// Mean power of a bin of white noise, from the upper half of the bins.
 fn noise_power(power: &[f64]) -> f64 {
     // the median of an exponentially distributed periodogram is ln 2 of its mean
-    median(&power[power.len() / 2..]) / LN_2
+    let mut upper = power[power.len() / 2..].to_vec();
+    let middle = upper.len() / 2;
+    order_statistic(&mut upper, middle).unwrap_or_default() / LN_2
 }
 
 /// Standard deviation of the white noise in evenly sampled values: from the median of the spectrum
@@ -199,12 +202,6 @@ fn windowed_power(signal: &[f64]) -> Option<Vec<f64>> {
     let mut spectrum = transform.make_output_vec();
     transform.process(&mut windowed, &mut spectrum).ok()?;
     Some(spectrum.iter().map(realfft::num_complex::Complex::norm_sqr).collect())
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

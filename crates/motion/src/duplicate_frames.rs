@@ -5,7 +5,8 @@
 //! rate, as in films, and the next one is one step ahead: then the clock stood. Read as it is, either is a jump of all
 //! speeds by half or whole, which no arm can do.
 
-use armident_recording::{Action, Finding, FindingKind, Recording, percent, places, spans_of};
+use armident_numeric::order_statistic;
+use armident_recording::{Action, Finding, FindingKind, Recording, Span, percent};
 
 /// Frames before and after in which the arm must move steadily.
 const STEADY: usize = 3;
@@ -59,8 +60,7 @@ impl RepeatedFrames {
             return None;
         }
         let middle = ahead.len() / 2;
-        let (_, median, _) = ahead.select_nth_unstable_by(middle, f64::total_cmp);
-        let meaning = match *median {
+        let meaning = match order_statistic(&mut ahead, middle)? {
             steps if steps < CLOCK_STOOD => Meaning::Inserted,
             steps if steps > WAS_OLD => Meaning::Old,
             _ => Meaning::Unknown,
@@ -88,7 +88,7 @@ impl RepeatedFrames {
         Some((clock, used))
     }
 
-    /// What is said of them.
+    /// The finding on them.
     pub(crate) fn finding(&self, time_s: &[f64]) -> Finding {
         let share = self.frames.len() as f64 / time_s.len() as f64;
         let action = match self.meaning {
@@ -97,18 +97,16 @@ impl RepeatedFrames {
         };
         let mut finding = Finding::of_stamps(FindingKind::RepeatedFrames, action, share);
         let runs: Vec<(usize, usize)> = self.frames.iter().map(|k| (*k, *k)).collect();
-        finding.spans = spans_of(time_s, &runs);
-        let done = match self.meaning {
-            Meaning::Old => "the next one is two steps ahead: they are left out of the motion",
-            Meaning::Inserted => "the next one is one step ahead: the clock is taken to have stood",
-            Meaning::Unknown => {
-                "how far ahead the next one is says nothing clear: they are used as they are"
-            }
+        finding.spans = Span::of_runs(time_s, &runs);
+        let action = match self.meaning {
+            Meaning::Old => "dropped (the next frame is two periods ahead)",
+            Meaning::Inserted => "clock pause removed (the next frame is one period ahead)",
+            Meaning::Unknown => "kept (ambiguous)",
         };
         finding.message = format!(
-            "{} of the frames repeat the one before while the arm moves ({}); {done}",
+            "{} duplicate frames while the arm moves ({}); {action}",
             percent(share),
-            places(&finding.spans)
+            Span::describe(&finding.spans)
         );
         finding
     }

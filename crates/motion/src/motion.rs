@@ -128,7 +128,9 @@ impl Motion {
             None if use_recorded => None,
             None => {
                 let cutoff_hz = default_cutoff_hz(&raw_position, rate_hz);
-                notes.push(format!("cutoff chosen from the motion: {cutoff_hz:.1} Hz"));
+                notes.push(format!(
+                    "low-pass cut-off {cutoff_hz:.1} Hz (from the motion's spectrum)"
+                ));
                 Some(cutoff_hz)
             }
             given => given,
@@ -316,10 +318,13 @@ fn timing_note(grid: &EvenGrid) -> Option<String> {
     let gaps = longest.map_or(String::new(), |longest| {
         let count = timing.gaps.len();
         let (length_ms, at_s) = (1e3 * longest.length_s, longest.at_s);
-        format!("; gaps: {count}, the longest of {length_ms:.1} ms at t = {at_s:.3} s")
+        format!(
+            "; {count} gap{}, longest {length_ms:.1} ms at t = {at_s:.3} s",
+            if count == 1 { "" } else { "s" }
+        )
     });
     Some(format!(
-        "uneven stamps (jitter {:.1} % of the step{gaps}): resampled at {:.2} Hz",
+        "uneven time stamps (jitter {:.1} %{gaps}); resampled at {:.2} Hz",
         100.0 * timing.jitter,
         grid.rate_hz()
     ))
@@ -333,5 +338,5 @@ fn effort_note(joints: &[&JointChannels]) -> Option<String> {
         .map(|joint| joint.name.as_str())
         .collect();
     (lacking.len() < joints.len())
-        .then(|| format!("efforts are not used: none is recorded for {}", lacking.join(", ")))
+        .then(|| format!("efforts ignored: none recorded for {}", lacking.join(", ")))
 }

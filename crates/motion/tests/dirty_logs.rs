@@ -253,7 +253,7 @@ fn told(report: &QualityReport) -> String {
 }
 
 #[test]
-fn what_is_said_about_every_defect() {
+fn messages_of_every_defect() {
     let mut book = String::new();
     for (name, log) in cases() {
         let _ = writeln!(book, "== {name}");
@@ -369,8 +369,8 @@ fn recordings_that_differ_among_each_other() {
     assert_eq!(
         said,
         [
-            "the sample rates differ, which is fine: 200.0 Hz in swing.csv, 100.0 Hz in slow.csv",
-            "elbow/velocity: is not recorded in slow.csv",
+            "sample rates differ (supported): 200.0 Hz in swing.csv, 100.0 Hz in slow.csv",
+            "elbow/velocity: missing in slow.csv",
         ]
     );
 }
@@ -394,7 +394,7 @@ fn known_defects_of_shared_recordings() {
     );
     let servo = of("bam-xl330/sin_sin_kp400.csv");
     assert_eq!(kinds(&servo, FindingKind::Saturated), ["servo"], "{}", told(&servo));
-    assert!(told(&servo).contains("is at its limit of -7.4"), "{}", told(&servo));
+    assert!(told(&servo).contains("at its limit of -7.4"), "{}", told(&servo));
     assert!((servo.channels[0].step.unwrap() - 1.534e-3).abs() < 1e-6);
     // the bridge is off
     let dropped = of("bam-xl330/lift_and_drop_kp100.csv");

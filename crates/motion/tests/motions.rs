@@ -94,7 +94,7 @@ fn a_jittered_and_lossy_recording_gives_its_smooth_motion() {
     let motion = of(&recording, &MotionSettings::default());
     println!("{:?}", motion.notes);
     assert!((motion.rate_hz - 250.0).abs() < 1.0, "{}", motion.rate_hz);
-    assert!(motion.notes[0].contains("gaps: 2, the longest of 24."));
+    assert!(motion.notes[0].contains("2 gaps, longest 24."));
     for (values, derivative, tolerance) in
         [(&motion.position, 0, 1e-5), (&motion.velocity, 1, 1e-4), (&motion.acceleration, 2, 5e-4)]
     {
@@ -149,7 +149,8 @@ fn recorded_accelerations_are_used_as_they_are() {
     let settings =
         MotionSettings { derivatives: DerivativeSource::FromPosition, ..MotionSettings::default() };
     let derived = of(&recording, &settings);
-    assert!(derived.notes[0].starts_with("cutoff chosen from the motion: "));
+    assert!(derived.notes[0].starts_with("low-pass cut-off "));
+    assert!(derived.notes[0].ends_with(" Hz (from the motion's spectrum)"));
     assert_ne!(derived.acceleration, motion.acceleration);
     assert!(relative_error(&derived, &derived.acceleration[0], 2) < 1e-3);
 }
@@ -194,48 +195,48 @@ fn what_is_missing_is_named() {
     assert_eq!(
         refused(&["Elbow_Join"], &settings),
         [
-            "nothing is recorded of the joint `Elbow_Join`",
+            "no data for joint `Elbow_Join`",
             "exact.csv",
-            "did you mean `elbow_joint`? recorded joints are `shoulder_lift_joint`, `elbow_joint`",
+            "did you mean `elbow_joint`? recorded joints: `shoulder_lift_joint`, `elbow_joint`",
         ]
     );
     assert_eq!(
         refused(&["gripper"], &settings)[2],
-        "recorded joints are `shoulder_lift_joint`, `elbow_joint`"
+        "recorded joints: `shoulder_lift_joint`, `elbow_joint`"
     );
     assert_eq!(
         refused(&["elbow_joint"], &settings),
         [
-            "the position of the joint `elbow_joint` is not recorded",
+            "no position column for joint `elbow_joint`",
             "exact.csv",
-            "add a column `elbow_joint/position`; recorded are `elbow_joint/velocity`, \
+            "add a column `elbow_joint/position`; recorded: `elbow_joint/velocity`, \
              `elbow_joint/effort`",
         ]
     );
-    assert_eq!(refused(&[], &settings)[0], "no joint was asked for");
+    assert_eq!(refused(&[], &settings)[0], "no joint selected");
     assert_eq!(
         refused(&["shoulder_lift_joint"], &cutoff(70.0)),
         [
-            "a cutoff of 70 Hz is not possible at 100 samples per second",
+            "cut-off 70 Hz is out of range at 100 samples per second",
             "exact.csv",
-            "choose a cutoff from 0.01 Hz to below 49 Hz",
+            "choose a cut-off from 0.01 Hz to below 49 Hz",
         ]
     );
 
     let recorded = MotionSettings { derivatives: DerivativeSource::Recorded, ..settings.clone() };
     recording.joints[1].position = recording.joints[0].position.clone();
     let error = Motion::from_recording(&recording, &["elbow_joint"], &recorded).unwrap_err();
-    assert_eq!(error.to_string(), "the acceleration of the joint `elbow_joint` is not recorded");
+    assert_eq!(error.to_string(), "no acceleration column for joint `elbow_joint`");
 
     recording.joints[1].effort = None;
     let motion = of(&recording, &settings);
     assert!(motion.effort.is_none() && motion.effort_filtered.is_none());
-    let note = "efforts are not used: none is recorded for elbow_joint";
+    let note = "efforts ignored: none recorded for elbow_joint";
     assert!(motion.notes.iter().any(|line| line == note), "{:?}", motion.notes);
 
     recording.time_s[5] = recording.time_s[4];
     let error = Motion::from_recording(&recording, &["elbow_joint"], &settings).unwrap_err();
-    assert!(error.to_string().starts_with("the time goes backwards"));
+    assert!(error.to_string().starts_with("time stamps decrease"));
 }
 
 #[test]

@@ -10,9 +10,11 @@
 //! | `A⁺` for several right-hand sides | [`PseudoInverse`] |
 //! | `min |A x - b|² + |x - c|²` | [`DampedLeastSquares`] |
 //! | `R` with `RᵀR` the inverse of a covariance | [`information_root`] |
+//! | `A⁻¹` of a square matrix | [`inverse()`] |
 //! | rank with its gap | [`rank_of_columns`] |
 //! | linear dependence of columns, in a stated order | [`eliminate_in_order`] |
 //! | products of columns with each other; many small symmetric systems | [`gram_of_columns`], [`Cholesky`] |
+//! | medians and quantiles | [`order_statistic`] |
 //!
 //! ```
 //! use armident_numeric::AccumulatedQr;
@@ -27,17 +29,21 @@
 
 mod accumulate;
 mod gram;
+mod inverse;
 mod least_squares;
 mod non_negative;
+mod order;
 mod rank;
 mod svd;
 
 pub use accumulate::AccumulatedQr;
 pub use faer::Mat;
 pub use gram::{Cholesky, dot, gram_of_columns, products_of_columns, symmetric_eigen};
+pub use inverse::inverse;
 pub use least_squares::{
     DampedLeastSquares, LeastSquares, NumericError, PseudoInverse, information_root,
 };
 pub use non_negative::NonNegative;
+pub use order::order_statistic;
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};
 pub use svd::ThinSvd;

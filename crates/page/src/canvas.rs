@@ -1,103 +1,23 @@
 //! From recordings and predictions to what is drawn of them.
 
-use std::ops::Range;
-
 use armident_kinematics::DrivingAxisChain;
-use armident_motion::{HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, default_cutoff_hz, quality};
-use armident_recording::{Quantity, Recording, RecordingError};
+use armident_motion::quality;
+use armident_recording::{Recording, RecordingError};
 
 use crate::drawing::{
     Channel, Drawing, EffortTraces, JointName, JointResidual, Quality, RecordingTraces, Role,
     Skeleton,
 };
 use crate::reduce::{rounded, samples_per_pair, smallest_and_largest};
-use crate::{atlas, spectrum};
+use crate::sheet::{Compared, Sheet};
+use crate::{residual_maps, spectrum};
 
 /// Values of all series of the traces together: bounds the size of a page whatever is recorded.
 const TRACE_VALUES: usize = 420_000;
 /// Values of one series, at least and at most.
 const SERIES_VALUES: [usize; 2] = [300, 4000];
-/// Lowest cut-off for the speeds and accelerations that residuals are sorted by \[Hz\].
-const LEAST_CUTOFF_HZ: f64 = 10.0;
 /// Poses of the arm that are kept.
 const POSES: usize = 240;
-
-/// A recording with the efforts that the models predict for it.
-#[derive(Debug)]
-pub struct Compared<'a> {
-    /// The recording.
-    pub recording: &'a Recording,
-    /// Whether it was fitted.
-    pub role: Role,
-    /// `predicted[model][joint]`, at the stamps of the recording \[N m or N\].
-    pub predicted: Vec<Vec<Vec<f64>>>,
-    /// Time at both ends in which the predictions are those of a low-pass that lacks the samples before
-    /// and after \[s\]: not counted in what is said of residuals.
-    pub edge_s: f64,
-}
-
-/// One recording on its even grid.
-pub(crate) struct Sheet {
-    pub(crate) motion: Motion,
-    pub(crate) role: Role,
-    /// samples that count in what is said of residuals
-    pub(crate) kept: Range<usize>,
-    /// empty for a joint without recorded effort
-    pub(crate) measured: Vec<Vec<f64>>,
-    /// model, joint
-    pub(crate) residual: Vec<Vec<Vec<f64>>>,
-    /// model, joint
-    pub(crate) predicted: Vec<Vec<Vec<f64>>>,
-}
-
-impl Sheet {
-    fn new(joints: &[&str], compared: &Compared<'_>) -> Result<Self, RecordingError> {
-        let recording = compared.recording;
-        let grid = armident_motion::EvenGrid::of(recording)?;
-        let positions: Vec<Vec<f64>> = joints
-            .iter()
-            .filter_map(|j| recording.joint(j)?.channel(Quantity::Position))
-            .map(|q| grid.resample(q))
-            .collect();
-        let rate_hz = grid.rate_hz();
-        let cutoff_hz = default_cutoff_hz(&positions, rate_hz)
-            .max(LEAST_CUTOFF_HZ)
-            .min(HIGHEST_CUTOFF_SHARE * rate_hz);
-        let settings = MotionSettings { cutoff_hz: Some(cutoff_hz), ..MotionSettings::default() };
-        let motion = Motion::from_recording(recording, joints, &settings)?;
-        let measured: Vec<Vec<f64>> = joints
-            .iter()
-            .map(|j| {
-                let effort = recording.joint(j).and_then(|j| j.channel(Quantity::Effort));
-                effort.map(|e| motion.on_grid(e)).unwrap_or_default()
-            })
-            .collect();
-        let predicted: Vec<Vec<Vec<f64>>> = compared
-            .predicted
-            .iter()
-            .map(|model| model.iter().map(|effort| motion.on_grid(effort)).collect())
-            .collect();
-        let residual = predicted
-            .iter()
-            .map(|model| measured.iter().zip(model).map(|(m, p)| less(m, p)).collect())
-            .collect();
-        let edge = ((compared.edge_s * rate_hz).ceil() as usize).min(motion.len() / 4);
-        let kept = edge..motion.len() - edge;
-        Ok(Self { motion, role: compared.role, kept, measured, residual, predicted })
-    }
-}
-
-impl Sheet {
-    /// What counts of a column; nothing of an empty one.
-    pub(crate) fn of<'s>(&self, column: &'s [f64]) -> &'s [f64] {
-        column.get(self.kept.clone()).unwrap_or_default()
-    }
-}
-
-/// `a - b`, empty where `a` is.
-pub(crate) fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
 
 /// What is drawn of some recordings of one arm.
 pub struct Canvas<'a> {
@@ -157,18 +77,18 @@ impl<'a> Canvas<'a> {
                 let share = sheet.motion.len() as f64 / samples.max(1) as f64;
                 let values = (share * (TRACE_VALUES / series.max(1)) as f64) as usize;
                 let points = values.clamp(SERIES_VALUES[0], SERIES_VALUES[1]);
-                let stretch = samples_per_pair(sheet.motion.len(), points);
-                let reduced = |x: &[f64]| rounded(&smallest_and_largest(x, stretch));
+                let block = samples_per_pair(sheet.motion.len(), points);
+                let reduced = |x: &[f64]| rounded(&smallest_and_largest(x, block));
                 let of = |all: &[Vec<Vec<f64>>], j: usize| {
                     all.iter().map(|model| reduced(&model[j])).collect()
                 };
-                let half = if stretch <= 1 { 1.0 } else { 0.5 * stretch as f64 };
+                let half = if block <= 1 { 1.0 } else { 0.5 * block as f64 };
                 RecordingTraces {
                     source: sheet.motion.source.clone(),
                     role: sheet.role,
                     duration_s: sheet.motion.len() as f64 / sheet.motion.rate_hz,
                     step_s: half / sheet.motion.rate_hz,
-                    samples_per_pair: stretch,
+                    samples_per_pair: block,
                     joints: (0..self.chain.dof())
                         .filter(|_| !sheet.measured.is_empty())
                         .map(|j| EffortTraces {
@@ -202,9 +122,9 @@ impl<'a> Canvas<'a> {
         JointResidual {
             effort_deviation: (variance / measured.len() as f64).sqrt(),
             rms,
-            speed_position: atlas::speed_position(&sheets, joint),
-            load_direction: atlas::load_direction(&sheets, joint),
-            time: atlas::time(&sheets, joint),
+            speed_position: residual_maps::speed_position(&sheets, joint),
+            load_direction: residual_maps::load_direction(&sheets, joint),
+            time: residual_maps::time(&sheets, joint),
             spectrum: spectrum::spectrum(&sheets, joint),
             orders: spectrum::orders(&sheets, joint, self.chain.joints[joint].kind),
             autocorrelation,

@@ -75,7 +75,7 @@ pub enum Role {
     /// Fitted, or looked at where nothing is fitted.
     #[default]
     Training,
-    /// Kept out.
+    /// Held out.
     Holdout,
 }
 
@@ -205,7 +205,7 @@ pub struct Skeleton {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Correlation {
-    /// Names of the unknowns.
+    /// Names of the parameters.
     pub labels: Vec<String>,
     /// Rows.
     pub rows: Vec<Vec<Option<f64>>>,

@@ -31,7 +31,7 @@ fn colour(model: usize, models: usize) -> &'static str {
     }
 }
 
-/// Dashes tell the models apart without colours.
+/// Dashes distinguish the models without colours.
 fn dash(model: usize, models: usize) -> &'static str {
     match model {
         0 => "solid",
@@ -131,14 +131,14 @@ pub(crate) fn efforts(
     };
     let reduced = recordings.iter().map(|r| r.samples_per_pair).max().unwrap_or(1);
     let mut legend = format!(
-        "Above the efforts, below recorded less predicted{}. Drag to zoom, double click to go back.",
-        if noise.is_some() { ", with the band of 1.96 noise levels" } else { "" }
+        "Top: effort. Bottom: residual (measured minus predicted){}. Drag to zoom, double click to go back.",
+        if noise.is_some() { "; band: \u{b1}1.96 noise levels" } else { "" }
     );
     if recordings.len() > 1 {
         legend += &format!(" {} recordings, one after another.", recordings.len());
     }
     if reduced > 1 {
-        legend += &format!(" Smallest and largest of every {reduced} samples: no peak is lost.");
+        legend += &format!(" Minimum and maximum of every {reduced} samples, so that peaks stay.");
     }
     Some(figure(
         format!("efforts-{slug}-{joint}"),
@@ -165,7 +165,7 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
             &of.load_direction,
             format!("predicted effort [{}]", name.effort_unit),
             json!({ "title": { "text": "direction" }, "automargin": true, "tickmode": "array",
-                    "tickvals": [-1, 0, 1], "ticktext": ["backward", "rest", "forward"] }),
+                    "tickvals": [-1, 0, 1], "ticktext": ["backward", "at rest", "forward"] }),
         ),
     ];
     for (kind, map, x, y) in kinds {
@@ -191,14 +191,14 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
         if let (Some(model), Some(z)) = (drawing.models.last(), map.values.last())
             && largest(z) < 0.5 * most
         {
-            views.push(one(&format!("{model}, on a scale of its own"), z, largest(z)));
+            views.push(one(&format!("{model}, own colour scale"), z, largest(z)));
         }
     }
     (!views.is_empty()).then(|| {
         figure(
             format!("maps-{joint}"),
-            "Where the residual lies".to_owned(),
-            "Mean residual of the fitted recordings by cell; the same colours mean the same for every model."
+            "Residual map".to_owned(),
+            "Mean residual per cell, training recordings; one colour scale for all models."
                 .to_owned(),
             300,
             views,
@@ -210,7 +210,7 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
 pub(crate) fn spectra(drawing: &Drawing, joint: usize, of: &JointResidual) -> Option<Figure> {
     let name = drawing.joints.get(joint)?;
     let unit = &name.effort_unit;
-    let orders = if name.position_unit == "m" { "cycles a metre" } else { "cycles a turn" };
+    let orders = if name.position_unit == "m" { "cycles per metre" } else { "cycles per turn" };
     let kinds = [
         (
             "by frequency",
@@ -219,7 +219,7 @@ pub(crate) fn spectra(drawing: &Drawing, joint: usize, of: &JointResidual) -> Op
                     "yaxis": { "title": { "text": format!("{unit}/sqrt(Hz)") }, "type": "log", "automargin": true } }),
         ),
         (
-            "by order of the position",
+            "by order in position",
             &of.orders,
             json!({ "xaxis": axis(orders), "yaxis": axis(&format!("amplitude [{unit}]")) }),
         ),
@@ -241,8 +241,8 @@ pub(crate) fn spectra(drawing: &Drawing, joint: usize, of: &JointResidual) -> Op
         figure(
             format!("spectra-{joint}"),
             "Spectrum and whiteness of the residual".to_owned(),
-            "Lines at one frequency are resonances or interference; lines at one order of the position \
-             are ripple. White noise stays inside the band of the autocorrelation."
+            "Lines at one frequency are resonances or interference; lines at one order in position are \
+             ripple. The autocorrelation of white noise stays inside the band."
                 .to_owned(),
             300,
             views,
@@ -302,9 +302,9 @@ pub(crate) fn over_time(drawing: &Drawing) -> Option<Figure> {
         .collect();
     Some(figure(
         "over-time".to_owned(),
-        "When the models err".to_owned(),
-        "Root mean square residual of each joint over the fitted recordings, as a share of the standard \
-         deviation of its effort."
+        "Residual over time".to_owned(),
+        "RMS residual of each joint over the training recordings, relative to the standard deviation of \
+         its effort."
             .to_owned(),
         90 + 30 * names.len() as u32,
         views,
@@ -341,9 +341,9 @@ pub(crate) fn finding(drawing: &Drawing, index: usize, of: &FindingTraces) -> Op
                     "fillcolor": "@spread", "line": { "width": 0, "color": "@before" },
                     "name": "80 % of the samples", "hoverinfo": "skip"
                 }),
-                line(&v.without, "left without it", "@before", "solid"),
-                line(&v.law, "the law", "@between", "dash"),
-                line(&v.with, "left with it", "@after", "solid"),
+                line(&v.without, "residual without", "@before", "solid"),
+                line(&v.law, "fitted law", "@between", "dash"),
+                line(&v.with, "residual with", "@after", "solid"),
             ];
             let layout = json!({
                 "hovermode": "x unified", "xaxis": axis(&v.over),
@@ -356,9 +356,9 @@ pub(crate) fn finding(drawing: &Drawing, index: usize, of: &FindingTraces) -> Op
     (!views.is_empty()).then(|| {
         figure(
             format!("finding-{index}"),
-            "What the recordings show of it".to_owned(),
-            "Recorded effort less the model of everything else: the law should lie on it, and nothing \
-             should be left with it. Other views show that it is no function of something else."
+            "Residual and fitted law".to_owned(),
+            "Residual without this finding (points) and the fitted law (line). With the finding included \
+             the residual should be flat. The other views check for dependence on other variables."
                 .to_owned(),
             320,
             views,
@@ -392,14 +392,13 @@ pub(crate) fn skeleton(
     let marked = if blamed_joints.is_empty() && blamed_links.is_empty() {
         String::new()
     } else {
-        " Rings mark joints with a finding, thick orange lines links with one.".to_owned()
+        " Rings: joints with findings. Orange: links with findings.".to_owned()
     };
     Figure {
         id: "skeleton".to_owned(),
-        title: "The arm in the recorded motion".to_owned(),
+        title: "Arm in the recorded motion".to_owned(),
         legend: format!(
-            "Joints where the URDF has them, coloured by the share of their effort that the model leaves \
-             unexplained.{marked} Recording: {}.",
+            "Joints as in the URDF, coloured by the residual relative to their effort.{marked} Recording: {}.",
             of.source
         ),
         height: 520,
@@ -414,7 +413,7 @@ pub(crate) fn skeleton(
     }
 }
 
-/// Which estimates cannot be told apart.
+/// Which estimates are identified only jointly.
 pub(crate) fn correlation(of: &Correlation) -> Figure {
     let data = json!({
         "type": "heatmap", "x": of.labels, "y": of.labels, "z": of.rows, "zmin": -1, "zmax": 1,
@@ -430,7 +429,7 @@ pub(crate) fn correlation(of: &Correlation) -> Figure {
     figure(
         "correlation".to_owned(),
         "Correlation of the estimates".to_owned(),
-        "Near 1 or -1 the recordings know only the sum or the difference of the two.".to_owned(),
+        "Pairs near 1 or -1 are identified only jointly.".to_owned(),
         (180 + 11 * of.labels.len() as u32).clamp(320, 900),
         vec![view("", vec![data], layout)],
     )
@@ -449,15 +448,15 @@ pub(crate) fn intervals(rows: &[(String, f64, f64)]) -> Option<Figure> {
     });
     let layout = json!({
         "hovermode": "closest", "showlegend": false,
-        "xaxis": axis("estimate less URDF [standard errors]"),
+        "xaxis": axis("(est-URDF)/se"),
         "yaxis": { "automargin": true, "autorange": "reversed", "tickfont": { "size": 10 } },
         "shapes": [{ "type": "rect", "yref": "paper", "y0": 0, "y1": 1, "x0": -1.96, "x1": 1.96,
                      "fillcolor": "@band", "line": { "width": 0 }, "layer": "below" }]
     });
     Some(figure(
         "intervals".to_owned(),
-        "How far the estimates are from the URDF".to_owned(),
-        "Inside the band the recordings agree with the URDF.".to_owned(),
+        "Estimates relative to the URDF".to_owned(),
+        "Inside the band, the estimate agrees with the URDF (95 %).".to_owned(),
         (140 + 15 * rows.len() as u32).clamp(220, 1200),
         vec![view("", vec![data], layout)],
     ))
@@ -483,16 +482,16 @@ pub(crate) fn errors(joints: &[String], models: &[(String, Vec<Option<f64>>)]) -
     (!data.is_empty() && !joints.is_empty()).then(|| {
         figure(
             "errors".to_owned(),
-            "Error by joint".to_owned(),
-            "Logarithmic: equal steps are equal ratios.".to_owned(),
+            "Effort error by joint".to_owned(),
+            "Logarithmic scale.".to_owned(),
             300,
             vec![view("", data, layout)],
         )
     })
 }
 
-/// How much of a joint's residual goes with single variables and functions of the motion.
-pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> Option<Figure> {
+/// Share of a joint's residual that single variables and functions of the motion explain.
+pub(crate) fn regressors(joint: usize, rows: &[(String, f64, f64)], about: &str) -> Option<Figure> {
     if rows.is_empty() {
         return None;
     }
@@ -504,7 +503,7 @@ pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> 
             "marker": { "color": colour }, "hovertemplate": "%{x:.1f} %"
         })
     };
-    let data = vec![bars("before", "@before", |r| r.1), bars("after", "@after", |r| r.2)];
+    let data = vec![bars("given", "@before", |r| r.1), bars("diagnosed", "@after", |r| r.2)];
     let layout = json!({
         "hovermode": "y unified", "barmode": "group",
         "xaxis": { "title": { "text": "share of the residual's variance [%]" }, "automargin": true,
@@ -512,9 +511,9 @@ pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> 
         "yaxis": { "automargin": true, "autorange": "reversed" }
     });
     Some(figure(
-        format!("depends-{joint}"),
-        "What the residual goes with".to_owned(),
-        said.trim().to_owned(),
+        format!("regressors-{joint}"),
+        "Regressors of the residual".to_owned(),
+        about.trim().to_owned(),
         110 + 26 * rows.len() as u32,
         vec![view("", data, layout)],
     ))
@@ -522,7 +521,7 @@ pub(crate) fn depends(joint: usize, rows: &[(String, f64, f64)], said: &str) -> 
 
 /// Findings of like confidence.
 pub(crate) struct Reliability {
-    /// Mean of what was said.
+    /// Mean confidence.
     pub(crate) confidence: f64,
     /// Share that is right.
     pub(crate) right: f64,
@@ -538,38 +537,38 @@ pub(crate) fn reliability(bins: &[Reliability]) -> Option<Figure> {
         return None;
     }
     let of = |value: fn(&Reliability) -> f64| -> Vec<f64> { bins.iter().map(value).collect() };
-    let said: Vec<String> = bins.iter().map(|b| format!("{} findings", b.count)).collect();
+    let counts: Vec<String> = bins.iter().map(|b| format!("{} findings", b.count)).collect();
     let data = vec![
         json!({
-            "type": "scatter", "mode": "lines", "x": [0, 1], "y": [0, 1], "name": "as said",
+            "type": "scatter", "mode": "lines", "x": [0, 1], "y": [0, 1], "name": "ideal",
             "line": { "color": "@faint", "dash": "dot", "width": 1.5 }, "hoverinfo": "skip"
         }),
         json!({
             "type": "scatter", "mode": "markers", "name": "found", "x": of(|b| b.confidence),
-            "y": of(|b| b.right), "text": said, "marker": { "color": "@after", "size": 9 },
+            "y": of(|b| b.right), "text": counts, "marker": { "color": "@after", "size": 9 },
             "error_y": { "type": "data", "symmetric": false, "color": "@after", "thickness": 1.5,
                          "array": of(|b| b.interval[1] - b.right),
                          "arrayminus": of(|b| b.right - b.interval[0]) },
-            "hovertemplate": "confidence %{x:.2f}<br>right %{y:.2f}<br>%{text}<extra></extra>"
+            "hovertemplate": "confidence %{x:.2f}<br>correct %{y:.2f}<br>%{text}<extra></extra>"
         }),
     ];
     let layout = json!({
         "hovermode": "closest", "hoverdistance": -1,
-        "xaxis": { "title": { "text": "confidence that was stated" }, "range": [0, 1.03], "automargin": true },
-        "yaxis": { "title": { "text": "share that is right" }, "range": [0, 1.05], "automargin": true },
+        "xaxis": { "title": { "text": "confidence" }, "range": [0, 1.03], "automargin": true },
+        "yaxis": { "title": { "text": "share correct" }, "range": [0, 1.05], "automargin": true },
     });
     Some(figure(
         "reliability".to_owned(),
-        "Is the confidence right?".to_owned(),
-        "Findings in bins of their confidence, with 95 % intervals. On the dotted line they are right as \
-         often as is said; above it more often."
+        "Calibration of the confidence".to_owned(),
+        "Share of correct findings by confidence, with 95 % intervals. On the dotted line the two are \
+         equal."
             .to_owned(),
         320,
         vec![view("", data, layout)],
     ))
 }
 
-/// What is concealed (rows) against what is named (columns), by counts.
+/// Hidden effects (rows) against reported ones (columns), by counts.
 pub(crate) fn confusion(
     table: &std::collections::BTreeMap<String, std::collections::BTreeMap<String, usize>>,
 ) -> Option<Figure> {
@@ -598,20 +597,20 @@ pub(crate) fn confusion(
         "type": "heatmap", "x": columns, "y": rows, "z": z, "showscale": false, "zmin": 0, "zmax": most,
         "colorscale": [[0, "@middle"], [1, "#0072B2"]], "xgap": 2, "ygap": 2, "hoverongaps": false,
         "texttemplate": "%{z}",
-        "hovertemplate": "concealed: %{y}<br>named: %{x}<br>%{z} times<extra></extra>"
+        "hovertemplate": "hidden: %{y}<br>reported: %{x}<br>%{z} times<extra></extra>"
     });
     let layout = json!({
         "hovermode": "closest",
-        "xaxis": { "title": { "text": "named" }, "automargin": true, "tickangle": -40,
+        "xaxis": { "title": { "text": "reported" }, "automargin": true, "tickangle": -40,
                    "tickfont": { "size": 10 }, "type": "category" },
-        "yaxis": { "title": { "text": "concealed" }, "automargin": true, "autorange": "reversed",
+        "yaxis": { "title": { "text": "hidden" }, "automargin": true, "autorange": "reversed",
                    "tickfont": { "size": 10 }, "type": "category" }
     });
     Some(figure(
         "confusion".to_owned(),
-        "What is named for what".to_owned(),
-        "Rows are what is concealed, columns what is named; `nothing` as a column is a miss, as a row a false \
-         name."
+        "Confusion of effects".to_owned(),
+        "Rows: hidden effects, columns: reported effects. The column `nothing` holds misses, the row `nothing` \
+         false positives."
             .to_owned(),
         (200 + 22 * rows.len() as u32).clamp(300, 900),
         vec![view("", vec![data], layout)],
@@ -656,9 +655,9 @@ pub(crate) fn over_floors(ratios: &[(&'static str, &str, String, String, f64)]) 
     (!views.is_empty()).then(|| {
         figure(
             "floors".to_owned(),
-            "How near the errors come to their floors".to_owned(),
-            "A point a joint of a case. At 1 the error of a recording kept back is what the true laws, fitted \
-             to the same recordings, leave (or the noise of the sensors alone)."
+            "Errors over their floors".to_owned(),
+            "One point per joint and case. At 1, the hold-out error equals that of the true laws fitted to the same \
+             recordings (or the sensor noise alone)."
                 .to_owned(),
             (160 + 34 * effects.len() as u32).clamp(260, 1100),
             views,

@@ -6,10 +6,11 @@ use armident_effects::{Place, effect};
 use armident_kinematics::JointKind;
 use nalgebra::{Isometry3, Vector3};
 
-use crate::atlas::Classes;
-use crate::canvas::{Canvas, Sheet, less};
+use crate::canvas::Canvas;
 use crate::drawing::{FindingTraces, FindingView, Role};
 use crate::reduce::{rounded, rounded_some};
+use crate::residual_maps::Classes;
+use crate::sheet::{Sheet, less};
 
 const CLASSES: usize = 48;
 const LEAST_SAMPLES: usize = 4;
@@ -37,7 +38,7 @@ pub struct FindingPlace {
     pub recording: Option<String>,
     /// Force of a contact on the tip, in the base frame \[N\].
     pub force_n: Option<[f64; 3]>,
-    /// Centre of a load in the frame of its link \[m\]; none: the believed centre of the link.
+    /// Centre of a load in the frame of its link \[m\]; none: the centre of the given link.
     pub centre_m: Option<[f64; 3]>,
 }
 

@@ -7,30 +7,36 @@
 //! from anywhere, and the page's own policy forbids it.
 //!
 //! ```
-//! let result = r#"{ "schema": "armident.diagnosis/1", "robot": "arm", "joints": ["elbow"],
-//!     "sentence": "the recordings show nothing that the model leaves out" }"#;
+//! let result = r#"{ "schema": "armident.diagnosis/2", "robot": "arm", "joints": ["elbow"],
+//!     "findings": [{ "effect": "payload", "link": "link_6" }] }"#;
 //! let page = armident_page::html(result)?;
-//! assert!(page.contains("The recordings show nothing that the model leaves out"));
+//! assert!(page.contains("1 effect is missing from the model"));
 //! assert!(armident_page::html("{}").is_err());
 //! # Ok::<(), armident_page::PageError>(())
 //! ```
 
-mod atlas;
+mod blocks;
 mod canvas;
 mod drawing;
+mod error;
 mod figures;
 mod finding;
+mod html;
 mod kinds;
 mod pack;
-mod page;
 mod provenance;
 mod reduce;
+mod residual_maps;
+mod sheet;
 mod spectrum;
+mod view;
 
-pub use canvas::{Canvas, Compared};
+pub use canvas::Canvas;
 pub use drawing::{
     Channel, Correlation, Drawing, EffortTraces, FindingTraces, FindingView, Input, JointName,
     JointResidual, Map, Provenance, Quality, RecordingTraces, Role, Series, Skeleton,
 };
+pub use error::PageError;
 pub use finding::FindingPlace;
-pub use page::{PageError, html};
+pub use html::{html, html_of_sections};
+pub use sheet::Compared;

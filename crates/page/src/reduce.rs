@@ -1,20 +1,19 @@
 //! Fewer values that look the same.
 
-/// Smallest and largest value of every stretch of `samples_per_pair` samples, in the order in which they
-/// come, so that no peak is lost; all samples where a stretch is one sample.
+/// Smallest and largest value of every block of `samples_per_pair` samples, in the order in which they
+/// come, so that no peak is lost; all samples where a block is one sample.
 pub(crate) fn smallest_and_largest(values: &[f64], samples_per_pair: usize) -> Vec<f64> {
     if samples_per_pair <= 1 {
         return values.to_vec();
     }
     let mut kept = Vec::with_capacity(2 * values.len().div_ceil(samples_per_pair));
-    for stretch in values.chunks(samples_per_pair) {
+    for block in values.chunks(samples_per_pair) {
         let at = |better: fn(f64, f64) -> bool| {
-            (0..stretch.len())
-                .fold(0, |best, k| if better(stretch[k], stretch[best]) { k } else { best })
+            (0..block.len()).fold(0, |best, k| if better(block[k], block[best]) { k } else { best })
         };
         let (low, high) = (at(|a, b| a < b), at(|a, b| a > b));
-        kept.push(stretch[low.min(high)]);
-        kept.push(stretch[low.max(high)]);
+        kept.push(block[low.min(high)]);
+        kept.push(block[low.max(high)]);
     }
     kept
 }
@@ -58,10 +57,10 @@ mod tests {
         let mut values: Vec<f64> = (0..600_000).map(|k| (f64::from(k) * 1e-3).sin()).collect();
         values[123_456] = 7.0;
         values[123_457] = -9.0;
-        let stretch = samples_per_pair(values.len(), 3000);
-        let kept = smallest_and_largest(&values, stretch);
+        let block = samples_per_pair(values.len(), 3000);
+        let kept = smallest_and_largest(&values, block);
         assert!(kept.len() <= 3002, "{}", kept.len());
-        let at = 2 * (123_456 / stretch);
+        let at = 2 * (123_456 / block);
         assert_eq!(kept[at..at + 2], [7.0, -9.0]);
         assert_eq!(smallest_and_largest(&values[..50], samples_per_pair(50, 3000)), values[..50]);
     }

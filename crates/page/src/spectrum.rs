@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use armident_kinematics::JointKind;
 use realfft::RealFftPlanner;
 
-use crate::canvas::Sheet;
 use crate::drawing::Series;
 use crate::reduce::{rounded, rounded_some};
+use crate::sheet::Sheet;
 
 /// Length of the stretches whose periodograms are averaged \[s\].
 const STRETCH_S: f64 = 4.0;
@@ -65,7 +65,7 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
     }
     let chunk = (n / 2).div_ceil(POINTS).max(1);
     let hertz = rate_hz / n as f64;
-    // the mean is taken out: frequency 0 says nothing
+    // the mean is taken out: nothing is left at frequency 0
     let x: Vec<f64> =
         (1..=n / 2).step_by(chunk).map(|k| (k as f64 + 0.5 * (chunk - 1) as f64) * hertz).collect();
     let strongest = |density: &Vec<f64>| {

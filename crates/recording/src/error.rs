@@ -1,16 +1,26 @@
-//! What can be wrong with a recording, where, and what to do about it.
+//! Faults of recordings, their locations and hints.
 
 use std::fmt::Write as _;
 use std::io;
 
-use crate::draft::{MISSING_RUN, MISSING_SHARE};
 use crate::finding::Finding;
-use crate::recording::Quantity;
+use crate::limits::{MISSING_RUN, MISSING_SHARE};
+use crate::quantity::Quantity;
 
-/// A fault of a recording: what is wrong (`Display`, one sentence), the place, and a hint.
+/// A fault of a recording (`Display`, one clause) with its location and a hint.
 ///
 /// A command line prints three lines: `error:` the fault, `in:` [`place`](Self::place), `hint:`
 /// [`hint`](Self::hint).
+///
+/// Formats and users of recordings make their own:
+///
+/// ```
+/// use armident_recording::{Fault, RecordingError};
+///
+/// let error = RecordingError::new(Fault::EmptyField, "run.csv").in_column("elbow/effort");
+/// assert_eq!(error.to_string(), "empty field");
+/// assert_eq!(error.place(), "run.csv, column `elbow/effort`");
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .0.fault)]
 pub struct RecordingError(Box<Inner>);
@@ -24,31 +34,33 @@ struct Inner {
 }
 
 impl RecordingError {
-    /// A fault of the file or signal `source`.
+    /// A fault of the file or signal `source`, a path or a description.
     pub fn new(fault: Fault, source: &str) -> Self {
         Self(Box::new(Inner { fault, source_name: source.to_owned(), line: None, column: None }))
     }
 
-    /// The same fault with the line it was found on, counted from 1.
-    pub(crate) fn on_line(mut self, line: u64) -> Self {
-        // formats without lines count from 0
+    /// The same fault on a line of the file, counted from 1; 0 means no line, as in binary formats.
+    #[must_use]
+    pub fn on_line(mut self, line: u64) -> Self {
         self.0.line = (line > 0).then_some(line);
         self
     }
 
-    /// The same fault with the column it was found in.
+    /// The same fault in a column or channel: `t`, `elbow/effort`.
+    #[must_use]
     pub fn in_column(mut self, column: &str) -> Self {
         self.0.column = Some(column.to_owned());
         self
     }
 
-    /// The same fault in another source.
+    /// The same fault in another source, for faults of parts that do not know their file.
+    #[must_use]
     pub fn of_source(mut self, source: &str) -> Self {
         source.clone_into(&mut self.0.source_name);
         self
     }
 
-    /// The kind of the fault with its numbers.
+    /// Kind of the fault with its numbers.
     pub fn fault(&self) -> &Fault {
         &self.0.fault
     }
@@ -68,7 +80,7 @@ impl RecordingError {
         self.0.column.as_deref()
     }
 
-    /// Where: ``file.csv, line 12, column `elbow/position` ``, as far as known.
+    /// The location: ``file.csv, line 12, column `elbow/position` ``, as far as known.
     pub fn place(&self) -> String {
         let mut place = self.0.source_name.clone();
         if let Some(line) = self.0.line {
@@ -80,13 +92,13 @@ impl RecordingError {
         place
     }
 
-    /// What to do about it, where there is something to say beyond the fault itself.
+    /// What the user can do, if that does not follow from the fault.
     pub fn hint(&self) -> Option<String> {
         self.0.fault.hint()
     }
 }
 
-/// The kinds of faults. Lists of names are in file order.
+/// Kinds of faults. Lists of names are in file order.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
@@ -101,53 +113,63 @@ pub enum Fault {
     Io {
         /// "opened", "read" or "written".
         doing: &'static str,
-        /// What the operating system said.
+        /// Message of the operating system.
         error: io::Error,
     },
-    /// The first bytes are those of another format.
-    #[error("this is {format}, not CSV text")]
+    /// Text was expected, the first bytes are those of another format.
+    #[error("expected CSV, found {found}")]
     NotCsv {
-        /// The format with its article.
-        format: &'static str,
+        /// Name of the format.
+        found: &'static str,
+        /// How to convert it.
+        advice: &'static str,
     },
-    /// A file of a known format that breaks its rules.
-    #[error("this is no whole {format} file: {what}")]
-    Broken {
-        /// The format.
+    /// A format that is recognised, but neither read nor written.
+    #[error("unsupported format: {format}")]
+    Unsupported {
+        /// Name of the format.
         format: &'static str,
-        /// What its reader says.
+        /// How to convert it.
+        advice: &'static str,
+    },
+    /// A file that breaks the rules of its format.
+    #[error("truncated or corrupt {format} file: {what}")]
+    Broken {
+        /// Name of the format.
+        format: &'static str,
+        /// Message of its reader.
         what: String,
     },
-    /// A format that this build does not read.
-    #[error("this is {format}, which this build does not read")]
+    /// A format that needs a cargo feature which this build lacks.
+    #[error("{format} is not supported by this build")]
     NotBuilt {
-        /// The format with its article.
+        /// Name of the format.
         format: &'static str,
-        /// The feature that reads it.
+        /// The cargo feature.
         feature: &'static str,
     },
-    /// Joint states are in several topics, none of them the usual one.
+    /// Joint states are in several topics, none of them `/joint_states`.
     #[error("several topics have joint states: {}", .topics.join(", "))]
     SeveralJointStates {
         /// The topics.
         topics: Vec<String>,
     },
     /// No topic has joint states.
-    #[error("no topic has messages sensor_msgs/JointState")]
+    #[error("no topic has sensor_msgs/JointState messages")]
     NoJointStates {
         /// The topics with their messages.
         topics: Vec<String>,
     },
-    /// The topic asked for has no joint states.
-    #[error("the topic `{topic}` has no messages sensor_msgs/JointState")]
+    /// The selected topic has no joint states.
+    #[error("topic `{topic}` has no sensor_msgs/JointState messages")]
     UnknownTopic {
-        /// The topic asked for.
+        /// The selected topic.
         topic: String,
         /// Topics that have.
         found: Vec<String>,
     },
-    /// A message that is not what its schema says.
-    #[error("message {number} of the topic `{topic}` cannot be read: at byte {offset}, {what}")]
+    /// A message that does not match its schema.
+    #[error("invalid message {number} of topic `{topic}`: at byte {offset}, {what}")]
     BadMessage {
         /// The topic.
         topic: String,
@@ -155,37 +177,37 @@ pub enum Fault {
         number: usize,
         /// Byte in the message, from 0.
         offset: usize,
-        /// What is wrong there.
+        /// The fault there.
         what: String,
     },
     /// The header is not UTF-8.
-    #[error("the header is not UTF-8 text")]
+    #[error("header is not UTF-8 text")]
     HeaderNotUtf8,
-    /// Joints are in several topics, none of them the usual one.
+    /// Joints are in several topics, none of them `/joint_states`.
     #[error("several topics have joints: {}", .topics.join(", "))]
     SeveralTopics {
         /// The topics.
         topics: Vec<String>,
     },
-    /// A mapping file is wrong, or does not fit the recording.
+    /// A mapping file is invalid, or does not fit the recording.
     #[error("{what}")]
     Mapping {
-        /// What is wrong, one sentence.
+        /// The fault, one clause.
         what: String,
-        /// What to do.
+        /// What the user can do.
         advice: String,
     },
-    /// The signals are not what their names say.
+    /// The signals contradict their names or units.
     #[error("{0}")]
     Refused(Box<Finding>),
-    /// Nothing in the file but white space.
-    #[error("the file is empty")]
+    /// Only white space in the file.
+    #[error("empty file")]
     Empty,
-    /// The header has no row below it.
-    #[error("there is a header, but no samples below it")]
+    /// A header without rows.
+    #[error("header without samples")]
     HeaderOnly,
     /// The header is one field that contains another separator.
-    #[error("the columns are separated by {separator}, not by commas")]
+    #[error("columns are separated by {separator}, expected commas")]
     WrongSeparator {
         /// "semicolons", "tabs", ...
         separator: &'static str,
@@ -193,7 +215,7 @@ pub enum Fault {
         decimal_commas: bool,
     },
     /// No column is called `t`.
-    #[error("there is no column `t` with the time stamps")]
+    #[error("missing time column `t`")]
     NoTimeColumn {
         /// A column that looks like time stamps.
         similar: Option<String>,
@@ -201,7 +223,7 @@ pub enum Fault {
         columns: Vec<String>,
     },
     /// Two columns have the same name.
-    #[error("the column `{name}` occurs twice, as columns number {first} and {second}")]
+    #[error("duplicate column `{name}` (columns {first} and {second})")]
     DuplicateColumn {
         /// Its name.
         name: String,
@@ -211,26 +233,26 @@ pub enum Fault {
         second: usize,
     },
     /// No column is `<joint>/<quantity>`.
-    #[error("there is no joint column")]
+    #[error("no joint columns")]
     NoJointColumns {
-        /// A column that looks like one, and what it would have to be called.
+        /// A column that looks like one, and its standard name.
         rename: Option<(String, String)>,
         /// All columns.
         columns: Vec<String>,
     },
     /// A row has more or fewer fields than the header.
-    #[error("the row has {found} fields, the header {expected}")]
+    #[error("row has {found} fields, expected {expected} as in the header")]
     RaggedRow {
         /// Fields of the header.
         expected: usize,
         /// Fields of the row.
         found: usize,
     },
-    /// A field goes on over the end of its line.
-    #[error("a field begins with a quotation mark that is not closed on its line")]
+    /// A quoted field that continues on the next line.
+    #[error("unclosed quotation mark")]
     UnclosedQuote,
-    /// A field has nothing in it.
-    #[error("the field is empty")]
+    /// A field without a value.
+    #[error("empty field")]
     EmptyField,
     /// A field is no number.
     #[error("`{text}` is not a number")]
@@ -239,18 +261,21 @@ pub enum Fault {
         text: String,
     },
     /// A value is NaN or infinite.
-    #[error("the value is {text}; the recording has {count} such value{} among {total}", plural(*.count))]
+    #[error(
+        "value is {text}; {count} of {total} values in the recording {} NaN or infinite",
+        if *.count == 1 { "is" } else { "are" }
+    )]
     NotFinite {
-        /// The first one found.
+        /// The first one.
         text: String,
-        /// How many NaN or infinite values there are in all.
+        /// Number of NaN or infinite values.
         count: usize,
-        /// How many values there are.
+        /// Number of values.
         total: usize,
     },
-    /// Time runs backwards.
+    /// Time stamps decrease.
     #[error(
-        "the time goes backwards, from {previous_s} s to {found_s} s{}",
+        "time stamps decrease, from {previous_s} s to {found_s} s{}",
         several_times(*.count, *.total)
     )]
     TimeBackwards {
@@ -258,120 +283,114 @@ pub enum Fault {
         previous_s: f64,
         /// The stamp found \[s\].
         found_s: f64,
-        /// How often it does so.
+        /// Number of decreases.
         count: usize,
         /// Number of rows.
         total: usize,
     },
-    /// Too many samples repeat the stamp before them.
-    #[error("{count} of {total} samples repeat the time stamp before them")]
+    /// Too many duplicate time stamps.
+    #[error("{count} duplicate time stamp{} among {total}", plural(*.count))]
     RepeatedStamps {
-        /// Number of repetitions.
+        /// Number of duplicates.
         count: usize,
         /// Number of rows.
         total: usize,
     },
     /// The stamps cannot be seconds.
-    #[error(
-        "the time stamps are not in seconds: the median step is {median_step:?}, so they look like \
-         {unit}"
-    )]
+    #[error("time stamps appear to be in {unit} (median step {median_step:?})")]
     NotSeconds {
-        /// Median step in whatever unit it is.
+        /// Median step in the unit of the stamps.
         median_step: f64,
         /// "milliseconds", ...
         unit: &'static str,
-        /// What the stamps have to be multiplied by.
+        /// Factor to seconds.
         factor: f64,
-        /// Whether a mapping said that they are seconds.
+        /// Whether a mapping is used.
         by_mapping: bool,
     },
-    /// Too short for anything.
-    #[error("the recording has {found} sample{}, at least {required} are needed", plural(*.found))]
+    /// Too few samples.
+    #[error("recording too short: {found} sample{}, at least {required} required", plural(*.found))]
     TooFewSamples {
         /// Samples present.
         found: usize,
-        /// Samples needed.
+        /// Samples required.
         required: usize,
     },
     /// A channel has another length than the time stamps.
-    #[error("the channel has {found} samples, the time stamps are {expected}")]
+    #[error("channel has {found} samples, expected {expected} as time stamps")]
     LengthMismatch {
         /// Number of time stamps.
         expected: usize,
         /// Number of values.
         found: usize,
     },
-    /// A joint name that cannot be written into a header and read back.
-    #[error("`{name}` cannot be the name of a joint")]
+    /// A joint name that a header cannot hold.
+    #[error("`{name}` is not a valid joint name")]
     BadJointName {
         /// The name.
         name: String,
     },
     /// Two joints have the same name.
-    #[error("the joint `{joint}` occurs twice")]
+    #[error("duplicate joint `{joint}`")]
     DuplicateJoint {
         /// Its name.
         joint: String,
     },
-    /// A joint without a single channel.
-    #[error("the joint `{joint}` has no channel")]
+    /// A joint without channels.
+    #[error("joint `{joint}` has no channels")]
     NoChannels {
         /// Its name.
         joint: String,
     },
-    /// A motion of no joints was asked for.
-    #[error("no joint was asked for")]
+    /// A motion of no joints.
+    #[error("no joint selected")]
     NoJointsRequested,
-    /// A joint asked for is not recorded.
-    #[error("nothing is recorded of the joint `{joint}`")]
+    /// A selected joint is not recorded.
+    #[error("no data for joint `{joint}`")]
     UnknownJoint {
-        /// The joint asked for.
+        /// The selected joint.
         joint: String,
         /// The recorded joint with the most similar name.
         nearest: Option<String>,
         /// The recorded joints.
         recorded: Vec<String>,
     },
-    /// A joint asked for lacks a channel that is needed.
-    #[error("the {quantity} of the joint `{joint}` is not recorded")]
+    /// A selected joint lacks a channel that is needed.
+    #[error("no {quantity} column for joint `{joint}`")]
     MissingChannel {
-        /// The joint asked for.
+        /// The selected joint.
         joint: String,
-        /// What is missing.
+        /// The missing channel.
         quantity: Quantity,
-        /// What is recorded of this joint.
+        /// The channels of this joint.
         recorded: Vec<Quantity>,
     },
     /// More of the time span is gap than recorded.
-    #[error(
-        "most of the recording is missing: {gaps} gap{} among {samples} samples where {expected} \
-         are due", plural(*.gaps)
-    )]
+    #[error("{samples} of {expected} expected samples present ({gaps} gap{})", plural(*.gaps))]
     MostlyGaps {
         /// Number of gaps.
         gaps: usize,
         /// Samples present.
         samples: usize,
-        /// Samples that the duration holds at the median step.
+        /// Duration over median step.
         expected: usize,
     },
-    /// The low-pass cannot be built.
-    #[error("a cutoff of {cutoff_hz} Hz is not possible at {rate_hz} samples per second")]
+    /// A cut-off that the low-pass filter cannot have.
+    #[error("cut-off {cutoff_hz} Hz is out of range at {rate_hz} samples per second")]
     CutoffOutOfRange {
-        /// The cutoff asked for.
+        /// The cut-off.
         cutoff_hz: f64,
         /// The sample rate.
         rate_hz: f64,
-        /// Lowest cutoff at this rate.
+        /// Lowest cut-off at this rate.
         lowest_hz: f64,
-        /// Bound that the cutoff must stay below at this rate.
+        /// Upper bound of the cut-off at this rate, excluded.
         below_hz: f64,
     },
-    /// The low-pass cannot be built.
-    #[error("{order} is not a possible order of the low-pass filter")]
+    /// An order that the low-pass filter cannot have.
+    #[error("low-pass order {order} is out of range")]
     OrderOutOfRange {
-        /// The order asked for.
+        /// The order.
         order: usize,
         /// The highest order.
         highest: usize,
@@ -382,153 +401,128 @@ impl Fault {
     fn hint(&self) -> Option<String> {
         let hint = match self {
             Self::SeveralTopics { topics } => format!(
-                "choose one by a mapping file: `column = \"{}/{{joint}}/{{quantity}}\"`",
+                "choose one in a mapping file: `column = \"{}/{{joint}}/{{quantity}}\"`",
                 topics.first().map_or("/joint_states", String::as_str)
             ),
             Self::SeveralJointStates { topics } => {
                 let first = topics.first().map_or("/joint_states", String::as_str);
                 format!("choose one, for example by --topic {first}")
             }
-            Self::Broken { .. } => "was the file copied whole? `mcap recover` may help".to_owned(),
+            Self::Broken { format: "MCAP", .. } => {
+                "copy the file again, or try `mcap recover`".to_owned()
+            }
+            Self::Broken { .. } => "copy the file again".to_owned(),
             Self::NotBuilt { feature, .. } => {
                 format!("build armident with `--features {feature}`, or export CSV")
             }
             Self::NoJointStates { topics } => {
-                format!("record /joint_states too; the topics are {}", listed(topics))
+                format!("record /joint_states too; topics in the file: {}", listed(topics))
             }
             Self::UnknownTopic { found, .. } => {
-                format!("topics with joint states are {}", listed(found))
+                format!("topics with joint states: {}", listed(found))
             }
             Self::BadMessage { .. } => {
-                "was the file written by another version of the message, or damaged?".to_owned()
+                "check that the file is intact and uses the standard message definition".to_owned()
             }
             Self::Mapping { advice, .. } => advice.clone(),
             Self::Refused(finding) => return finding.advice.clone(),
             Self::NotFound | Self::NoJointsRequested | Self::Io { .. } => return None,
-            Self::IsDirectory => "name one CSV file in it".to_owned(),
-            Self::NotCsv { format } if converter(format).is_some() => {
-                converter(format).unwrap_or_default().to_owned()
-            }
-            Self::NotCsv { .. } => "export it as comma-separated UTF-8 text: a column `t` in \
-                                    seconds, then `<joint>/position` and so on"
-                .to_owned(),
+            Self::IsDirectory => "pass one of the files in it".to_owned(),
+            Self::NotCsv { advice, .. } | Self::Unsupported { advice, .. } => (*advice).to_owned(),
             Self::HeaderNotUtf8 => "save the file as UTF-8".to_owned(),
             Self::Empty | Self::HeaderOnly => {
-                "the first line names the columns: `t`, `<joint>/position`, `<joint>/effort`; one \
-                 line per sample follows"
+                "name the columns in the first line: `t`, `<joint>/position`, `<joint>/effort`; \
+                 write one line per sample below"
                     .to_owned()
             }
             Self::WrongSeparator { decimal_commas: true, .. } => {
-                "separate the columns by commas and write decimal points: `0.5`, not `0,5`"
-                    .to_owned()
+                "separate columns by commas and use decimal points: `0.5`, not `0,5`".to_owned()
             }
-            Self::WrongSeparator { .. } => "separate the columns by commas".to_owned(),
+            Self::WrongSeparator { .. } => "separate columns by commas".to_owned(),
             Self::NoTimeColumn { similar: Some(name), .. } => {
-                format!("rename the column `{name}` to `t`; it must be in seconds")
+                format!("rename column `{name}` to `t`; its unit must be seconds")
             }
             Self::NoTimeColumn { similar: None, columns } => {
-                format!("add a column `t` in seconds; the columns are {}", listed(columns))
+                format!("add a column `t` in seconds; columns in the file: {}", listed(columns))
             }
             Self::DuplicateColumn { .. } => "delete or rename one of the two".to_owned(),
             Self::NoJointColumns { rename: Some((from, to)), .. } => {
-                format!("rename the column `{from}` to `{to}`, and the others alike")
+                format!("rename column `{from}` to `{to}`, and the others likewise")
             }
             Self::NoJointColumns { rename: None, columns } => format!(
-                "name the columns `<joint>/<quantity>`, for example `elbow/position`; the columns \
-                 are {}",
+                "name columns `<joint>/<quantity>`, for example `elbow/position`; columns in the \
+                 file: {}",
                 listed(columns)
             ),
             Self::RaggedRow { expected, found } if found >= &(2 * expected - 1) => {
-                "decimal commas? write decimal points: `0.5`, not `0,5`".to_owned()
+                "use decimal points: `0.5`, not `0,5`".to_owned()
             }
             Self::RaggedRow { expected, found } if found > expected => {
-                "is a name missing in the header, or a decimal comma in the row?".to_owned()
+                "add the missing name to the header, or use decimal points in the row".to_owned()
             }
-            Self::RaggedRow { .. } => "was the file cut off or written to while it was copied? \
-                                       complete or delete the row"
-                .to_owned(),
-            Self::UnclosedQuote => "delete or close the quotation mark".to_owned(),
-            Self::EmptyField => {
-                "delete the row: a lost sample may be left out, its place is interpolated"
+            Self::RaggedRow { .. } => {
+                "incomplete row, possibly from an interrupted copy: complete or delete it"
                     .to_owned()
             }
+            Self::UnclosedQuote => "close the quotation mark on its line, or delete it".to_owned(),
+            Self::EmptyField => "delete the row; missing samples are interpolated".to_owned(),
             Self::NotANumber { text } if text.replacen(',', ".", 1).parse::<f64>().is_ok() => {
-                "write a decimal point instead of the comma".to_owned()
+                "use a decimal point instead of the comma".to_owned()
             }
             Self::NotANumber { .. } => {
                 "write a number such as `-0.25` or `1e-3`, without a unit".to_owned()
             }
             Self::NotFinite { text, .. } if is_nan(text) => format!(
-                "delete these rows: lost samples may be left out, their places are interpolated \
-                 (NaN is filled in up to {MISSING_RUN} in a row and {:.0} % of a channel, between \
-                 numbers)",
+                "delete these rows; missing samples are interpolated (as is NaN, up to \
+                 {MISSING_RUN} in a row and {:.0} % of a channel, between numbers)",
                 100.0 * MISSING_SHARE
             ),
             Self::NotFinite { .. } => {
-                "delete these rows: lost samples may be left out, their places are interpolated"
-                    .to_owned()
+                "delete these rows; missing samples are interpolated".to_owned()
             }
-            Self::TimeBackwards { .. } => "sort the rows by time (a mapping file does it with \
-                                           `sort = true` under [time]), or split the file where a \
-                                           new recording begins"
+            Self::TimeBackwards { .. } => "sort the rows by time (`sort = true` under [time] of a \
+                                           mapping file), or split the file where a new recording \
+                                           begins"
                 .to_owned(),
             Self::RepeatedStamps { .. } => {
                 "write the stamps with more digits, or keep one row per stamp".to_owned()
             }
             Self::NotSeconds { by_mapping: true, .. } => {
-                "state the unit under [time] in the mapping file: unit = \"ms\", \"us\" or \"ns\""
+                "set the unit under [time] in the mapping file: unit = \"ms\", \"us\" or \"ns\""
                     .to_owned()
             }
             Self::NotSeconds { median_step: 1.0, .. } => {
-                "multiply the column `t` by the sampling period in seconds".to_owned()
+                "multiply column `t` by the sampling period in seconds".to_owned()
             }
-            Self::NotSeconds { factor, .. } => format!("multiply the column `t` by {factor:?}"),
-            Self::TooFewSamples { .. } => "give a longer recording".to_owned(),
-            Self::LengthMismatch { .. } => "give every channel one value per stamp".to_owned(),
+            Self::NotSeconds { factor, .. } => format!("multiply column `t` by {factor:?}"),
+            Self::TooFewSamples { .. } => "provide a longer recording".to_owned(),
+            Self::LengthMismatch { .. } => {
+                "provide one value per time stamp in every channel".to_owned()
+            }
             Self::BadJointName { .. } => {
-                "a name is not empty and has no line breaks and no space around it".to_owned()
+                "use a name without line breaks and without spaces at its ends".to_owned()
             }
-            Self::DuplicateJoint { .. } => "give every joint once".to_owned(),
-            Self::NoChannels { .. } => "give its position at least".to_owned(),
+            Self::DuplicateJoint { .. } => "provide every joint once".to_owned(),
+            Self::NoChannels { .. } => "provide at least a position column".to_owned(),
             Self::UnknownJoint { nearest: Some(name), recorded, .. } => {
-                format!("did you mean `{name}`? recorded joints are {}", listed(recorded))
+                format!("did you mean `{name}`? recorded joints: {}", listed(recorded))
             }
             Self::UnknownJoint { nearest: None, recorded, .. } => {
-                format!("recorded joints are {}", listed(recorded))
+                format!("recorded joints: {}", listed(recorded))
             }
             Self::MissingChannel { joint, quantity, recorded } => {
                 let recorded: Vec<String> =
                     recorded.iter().map(|channel| format!("{joint}/{channel}")).collect();
-                format!("add a column `{joint}/{quantity}`; recorded are {}", listed(&recorded))
+                format!("add a column `{joint}/{quantity}`; recorded: {}", listed(&recorded))
             }
             Self::MostlyGaps { .. } => "split the file at the gaps".to_owned(),
             Self::CutoffOutOfRange { lowest_hz, below_hz, .. } => {
-                format!("choose a cutoff from {lowest_hz} Hz to below {below_hz} Hz")
+                format!("choose a cut-off from {lowest_hz} Hz to below {below_hz} Hz")
             }
             Self::OrderOutOfRange { highest, .. } => format!("choose an order from 1 to {highest}"),
         };
         Some(hint)
     }
-}
-
-/// What turns a format into one that is read.
-fn converter(format: &str) -> Option<&'static str> {
-    Some(match format {
-        "a ROS 1 bag" => "convert it by `mcap convert in.bag out.mcap` (mcap.dev/guides/cli)",
-        "an SQLite file (a ROS 2 bag?)" => {
-            "convert it by `mcap convert in.db3 out.mcap` (mcap.dev/guides/cli), or by `ros2 bag \
-             convert`"
-        }
-        "a MATLAB file" | "an HDF5 file" => {
-            "in MATLAB: `writematrix([t q dq tau], 'log.csv')`, with a first line `t, \
-             <joint>/position, ...`; in Python scipy.io.loadmat (h5py for version 7.3) reads it"
-        }
-        "a NumPy file" => {
-            "in Python: `numpy.savetxt(\"log.csv\", columns, delimiter=\",\", \
-             header=\"t,<joint>/position,...\", comments=\"\")`"
-        }
-        _ => return None,
-    })
 }
 
 /// Names in backquotes, the first twelve of them.
@@ -542,7 +536,7 @@ pub(crate) fn listed(names: &[String]) -> String {
 }
 
 fn several_times(count: usize, total: usize) -> String {
-    if count < 2 { String::new() } else { format!(", and so {count} times in {total} samples") }
+    if count < 2 { String::new() } else { format!(" ({count} times in {total} samples)") }
 }
 
 fn is_nan(text: &str) -> bool {

@@ -1,45 +1,45 @@
-//! What is wrong or doubtful in recorded signals: kind, place, share, and what was done about it.
+//! Findings on recorded signals: kind, location, share of samples, and action.
 
 use std::fmt;
 
 use serde::Serialize;
 
-use crate::recording::Quantity;
+use crate::quantity::Quantity;
 
-/// What kind of defect.
+/// Kind of a defect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum FindingKind {
-    /// The steps between the stamps differ.
+    /// Uneven time stamps.
     UnevenStamps,
-    /// Samples repeat the stamp before them.
+    /// Duplicate time stamps.
     RepeatedStamps,
-    /// Rows were out of the order of time.
+    /// Rows not sorted by time.
     UnsortedRows,
-    /// Whole frames repeat the one before although the arm moves.
+    /// Duplicate frames (all channels) while the arm moves.
     RepeatedFrames,
-    /// Samples are lost.
+    /// Missing samples.
     Gap,
-    /// Values are NaN.
+    /// NaN values.
     MissingValues,
-    /// An angle jumps by a full turn.
+    /// An angle wraps at a full turn.
     WrappedAngle,
-    /// A value repeats although the joint moves.
+    /// A constant value while the joint moves.
     Stuck,
     /// Flat tops at the largest or smallest value.
     Saturated,
-    /// No velocity is recorded.
+    /// No velocity column.
     MissingVelocity,
     /// The velocity is a multiple of the differentiated position.
     VelocityScale,
-    /// The velocity has the other sign than the differentiated position.
+    /// The sign of the velocity is opposite to the differentiated position.
     VelocitySign,
-    /// The velocity comes later than the differentiated position.
+    /// The velocity lags the differentiated position.
     VelocityDelay,
-    /// The velocity has little to do with the differentiated position.
+    /// The velocity disagrees with the differentiated position.
     VelocityMismatch,
-    /// Positions are probably not in rad or m.
+    /// Positions probably not in rad or m.
     SuspectedUnit,
     /// Recordings have different sample rates.
     RatesDiffer,
@@ -47,7 +47,7 @@ pub enum FindingKind {
     ChannelsDiffer,
 }
 
-/// What was done about it.
+/// Action taken on a defect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
@@ -59,7 +59,7 @@ pub enum Action {
     Refused,
 }
 
-/// A stretch of time, both ends included \[s\].
+/// A time interval, both ends included \[s\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Span {
     /// First stamp \[s\].
@@ -68,24 +68,60 @@ pub struct Span {
     pub to_s: f64,
 }
 
+impl Span {
+    /// The intervals of runs of samples, each given by its first and last index into the stamps
+    /// `time_s` \[s\].
+    ///
+    /// # Panics
+    /// An index is not below the number of stamps.
+    pub fn of_runs(time_s: &[f64], runs: &[(usize, usize)]) -> Vec<Self> {
+        runs.iter()
+            .map(|(first, last)| Self { from_s: time_s[*first], to_s: time_s[*last] })
+            .collect()
+    }
+
+    /// The intervals in words.
+    ///
+    /// ```
+    /// use armident_recording::Span;
+    ///
+    /// let spans = Span::of_runs(&[0.0, 0.5, 1.0, 1.5], &[(0, 0), (2, 3)]);
+    /// assert_eq!(Span::describe(&spans), "2 times, first at t = 0.000 s");
+    /// assert_eq!(Span::describe(&spans[1..]), "from t = 1.000 s to 1.500 s");
+    /// assert_eq!(Span::describe(&[]), "everywhere");
+    /// ```
+    pub fn describe(spans: &[Self]) -> String {
+        let Some(first) = spans.first() else { return "everywhere".to_owned() };
+        let one = if first.from_s == first.to_s {
+            format!("at t = {:.3} s", first.from_s)
+        } else {
+            format!("from t = {:.3} s to {:.3} s", first.from_s, first.to_s)
+        };
+        match spans.len() {
+            1 => one,
+            count => format!("{count} times, first {one}"),
+        }
+    }
+}
+
 /// One defect of one channel, or of the time stamps. `Display` is [`message`](Self::message).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What kind of defect.
+    /// Kind of the defect.
     pub kind: FindingKind,
-    /// What was done.
+    /// Action taken.
     pub action: Action,
     /// The joint; none for the time stamps.
     pub joint: Option<String>,
     /// The channel; none for the time stamps.
     pub quantity: Option<Quantity>,
-    /// Where; empty if it is everywhere.
+    /// Time intervals; empty if the whole recording is affected.
     pub spans: Vec<Span>,
-    /// Share of the samples concerned, 0 to 1.
+    /// Share of the samples affected, 0 to 1.
     pub share: f64,
-    /// One sentence with place, share and what was done.
+    /// One line: channel, share, times and action.
     pub message: String,
-    /// What the user can do about it.
+    /// What the user can do.
     pub advice: Option<String>,
 }
 
@@ -96,7 +132,7 @@ impl fmt::Display for Finding {
 }
 
 impl Finding {
-    /// About the time stamps, everywhere.
+    /// A finding on the time stamps of the whole recording; `share` is 0 to 1.
     pub fn of_stamps(kind: FindingKind, action: Action, share: f64) -> Self {
         Self {
             kind,
@@ -110,7 +146,7 @@ impl Finding {
         }
     }
 
-    /// About a channel.
+    /// A finding on a whole channel; `share` is 0 to 1.
     pub fn of_channel(
         kind: FindingKind,
         action: Action,
@@ -125,13 +161,15 @@ impl Finding {
         }
     }
 
-    /// The same with its places.
+    /// The same at these time intervals.
+    #[must_use]
     pub fn at(self, spans: Vec<Span>) -> Self {
         Self { spans, ..self }
     }
 
-    /// The same with its sentence; `: ` and the channel's name go before it.
-    pub fn saying(self, text: impl fmt::Display) -> Self {
+    /// The same with a message, to which the name of the channel is prepended: `elbow/effort: ...`.
+    #[must_use]
+    pub fn with_message(self, text: impl fmt::Display) -> Self {
         let message = match (&self.joint, self.quantity) {
             (Some(joint), Some(quantity)) => format!("{joint}/{quantity}: {text}"),
             _ => text.to_string(),
@@ -140,31 +178,19 @@ impl Finding {
     }
 
     /// The same with advice.
-    pub fn advising(self, advice: impl Into<String>) -> Self {
+    #[must_use]
+    pub fn with_advice(self, advice: impl Into<String>) -> Self {
         Self { advice: Some(advice.into()), ..self }
     }
 }
 
-/// Spans of time of runs of samples `first..=last`.
-pub fn spans_of(time_s: &[f64], runs: &[(usize, usize)]) -> Vec<Span> {
-    runs.iter().map(|(from, to)| Span { from_s: time_s[*from], to_s: time_s[*to] }).collect()
-}
-
-/// `at t = 1.250 s`, `from t = 1.000 s to 1.250 s`, `3 times, first at t = 1.250 s`.
-pub fn places(spans: &[Span]) -> String {
-    let Some(first) = spans.first() else { return "everywhere".to_owned() };
-    let one = if first.from_s == first.to_s {
-        format!("at t = {:.3} s", first.from_s)
-    } else {
-        format!("from t = {:.3} s to {:.3} s", first.from_s, first.to_s)
-    };
-    match spans.len() {
-        1 => one,
-        count => format!("{count} times, first {one}"),
-    }
-}
-
-/// A share as a percentage, with as many digits as say something.
+/// A share (0 to 1) as a percentage with about two significant digits.
+///
+/// ```
+/// use armident_recording::percent;
+///
+/// assert_eq!([0.5, 0.0123, 0.0004].map(percent), ["50 %", "1.2 %", "0.04 %"]);
+/// ```
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {

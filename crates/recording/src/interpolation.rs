@@ -1,8 +1,9 @@
 //! Local cubic interpolation between sample times.
 
-/// Gaps up to this many median steps are bridged by the cubic through the two samples on either
-/// side, longer ones by a line.
+/// Gaps up to this many median steps are interpolated by the cubic through the two samples on
+/// either side, longer ones linearly.
 pub const BRIDGED_STEPS: f64 = 10.0;
+
 /// Local cubic interpolation from one set of times to another: the polynomial of third degree
 /// through the four nearest samples, two on either side; at the ends through the last four.
 /// It reproduces cubics exactly.
@@ -14,7 +15,7 @@ pub struct Interpolation {
 
 impl Interpolation {
     /// From samples at `from_s` to values at `to_s`, both increasing \[s\]. Between two samples
-    /// more than `longest_step_s` apart the values lie on a line, and no polynomial reaches across.
+    /// more than `longest_step_s` apart interpolation is linear, and no cubic reaches across.
     /// Before the first and after the last sample their values are held.
     pub fn new(from_s: &[f64], to_s: &[f64], longest_step_s: f64) -> Self {
         let n = from_s.len();
@@ -22,13 +23,13 @@ impl Interpolation {
             return Self { taps: Vec::new() };
         }
         let mut interval = 0;
-        // the stretch without long steps that the interval lies in: samples start..=end
-        let (mut start, mut end) = stretch(from_s, 0, longest_step_s);
+        // the segment without long steps around the interval: samples start..=end
+        let (mut start, mut end) = segment(from_s, 0, longest_step_s);
         let taps = to_s.iter().map(|&t| {
             while interval + 2 < n && from_s[interval + 1] <= t {
                 interval += 1;
                 if interval > end {
-                    (start, end) = stretch(from_s, interval, longest_step_s);
+                    (start, end) = segment(from_s, interval, longest_step_s);
                 }
             }
             let t = t.clamp(from_s[0], from_s[n - 1]);
@@ -55,7 +56,7 @@ impl Interpolation {
         Self { taps: taps.collect() }
     }
 
-    /// The values at the times asked for, from `values` at the sample times.
+    /// Values at the new times, from `values` at the sample times.
     pub fn apply(&self, values: &[f64]) -> Vec<f64> {
         let one = |(first, weights): &(usize, [f64; 4])| {
             values.iter().skip(*first).zip(weights).map(|(value, weight)| value * weight).sum()
@@ -64,8 +65,8 @@ impl Interpolation {
     }
 }
 
-/// The stretch of samples around `index` that continues to the next long step.
-fn stretch(from_s: &[f64], index: usize, longest_step_s: f64) -> (usize, usize) {
+/// The segment from `index` to the next long step: its first and last sample.
+fn segment(from_s: &[f64], index: usize, longest_step_s: f64) -> (usize, usize) {
     let steps = from_s[index..].windows(2);
     let length = steps.take_while(|pair| pair[1] - pair[0] <= longest_step_s).count();
     (index, index + length)
@@ -76,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn short_stretches_between_long_gaps() {
+    fn short_segments_between_gaps_are_linear() {
         let from_s = [0.0, 1.0, 2.0, 50.0, 51.0, 90.0, 130.0, 131.0, 132.0, 133.0];
         let to_s: Vec<f64> = (-5..140).map(f64::from).collect();
         let values: Vec<f64> = from_s.iter().map(|t| 2.0 * t - 1.0).collect();
@@ -86,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn few_samples() {
+    fn few_samples_are_held_or_linear() {
         assert!(Interpolation::new(&[], &[1.0], 1.0).apply(&[]).is_empty());
         assert_eq!(Interpolation::new(&[0.0], &[-1.0, 0.0, 2.0], 1.0).apply(&[7.0]), [7.0; 3]);
         let line = Interpolation::new(&[0.0, 2.0], &[0.5, 1.0], 9.0).apply(&[1.0, 3.0]);

@@ -2,13 +2,13 @@
 //!
 //! # From a file to a recording
 //!
-//! [`read_csv`], or [`read_csv_mapped`] with a [`Mapping`] for files with names and units of
-//! their own, gives a [`Recording`]: time stamps and joint channels, checked, with notes and
-//! [`Finding`]s on what was doubtful or repaired.
+//! [`read_recording`], with a [`Mapping`] for files with names and units of their own, gives a
+//! [`Recording`]: time stamps and joint channels, checked, with notes and [`Finding`]s on repairs
+//! and doubtful signals. [`read_csv`] and its siblings read CSV only.
 //!
 //! # Formats
 //!
-//! Comma-separated UTF-8 text. One header line, one line per sample:
+//! CSV is comma-separated UTF-8 text: one header line, then one line per sample:
 //!
 //! | column | unit |
 //! |---|---|
@@ -20,8 +20,10 @@
 //! | `<joint>/motor_position` | encoder of the motor, divided by the gear ratio: rad or m |
 //! | `<joint>/temperature` | °C |
 //!
-//! [`read_recording`] also reads MCAP, the recordings of ROS 2 (feature `mcap`: `sensor_msgs/JointState`
-//! of one topic), and Parquet (feature `parquet`: the same columns as above); [`encode`] writes them.
+//! MCAP, the recordings of ROS 2 (feature `mcap`): `sensor_msgs/JointState` of one topic. Parquet
+//! (feature `parquet`): the same columns as above. [`encode`] writes all three. Other formats (ROS
+//! 1 bags, SQLite bags, MATLAB, NumPy) are recognised, and the error names a converter. A
+//! [`Format`] of another crate joins the list with [`Formats::with`].
 //!
 //! Joint names may contain slashes. Other columns are ignored, with a note. Without a column `t`
 //! the names of PlotJuggler are understood: `__time` or `time`, then
@@ -29,18 +31,18 @@
 //!
 //! # Defects on reading
 //!
-//! What can be repaired without guessing is repaired, noted and listed in
-//! [`Recording::findings`]; what would change the result is refused with advice; the rest is kept
-//! and reported by the quality report of a motion.
+//! Defects with a unique repair are repaired, noted and listed in [`Recording::findings`]; defects
+//! that would change the result are refused with a hint; others are kept and reported by the
+//! quality report of a motion.
 //!
 //! | defect | repaired | refused |
 //! |---|---|---|
-//! | stamps that repeat | dropped, up to 1 % of the samples | above |
-//! | stamps that go back | sorted, if a mapping says so | otherwise |
+//! | duplicate time stamps | dropped, up to 1 % of the samples | above |
+//! | decreasing time stamps | sorted, with `sort = true` in a mapping | otherwise |
 //! | NaN | interpolated, up to 3 in a row and 1 % of a channel | above, at the ends, infinite |
 //! | empty or unreadable fields | | always |
-//! | angles that wrap at a full turn | made continuous | |
-//! | frames that repeat the one before while the arm moves | not used, or the clock stood there | |
+//! | angles that wrap at a full turn | unwrapped | |
+//! | duplicate frames while the arm moves | dropped, or the clock pause removed | |
 //! | positions in degrees or mm | | if their velocities show it |
 //! | recorded derivatives that contradict the position | | if they would be used |
 //!
@@ -48,8 +50,7 @@
 //!
 //! # Not handled
 //!
-//! Other formats (ROS 1 bags, SQLite bags, MATLAB, NumPy: it is said what converts them); stamps that differ between
-//! channels; delays between position and effort.
+//! Time stamps that differ between channels; delays between position and effort.
 //!
 //! # Example
 //!
@@ -69,18 +70,14 @@
 //! # Ok::<(), armident_recording::RecordingError>(())
 //! ```
 
-mod csv;
-mod csv_write;
-mod draft;
 mod error;
 mod finding;
-mod header;
+mod formats;
+mod import;
 mod interpolation;
+mod limits;
 mod mapping;
-#[cfg(feature = "mcap")]
-mod mcap;
-#[cfg(feature = "parquet")]
-mod parquet;
+mod quantity;
 mod raw;
 mod read;
 mod recording;
@@ -91,21 +88,20 @@ mod velocity_check;
 mod whole_file;
 mod write;
 
-pub use csv::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from};
-pub use csv_write::{write_csv, write_csv_to};
-pub use draft::{MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
 pub use error::{Fault, RecordingError};
-pub use finding::{Action, Finding, FindingKind, Span, percent, places, spans_of};
+pub use finding::{Action, Finding, FindingKind, Span, percent};
+pub use formats::{
+    ALL as STANDARD_FORMATS, ColumnRequest, Csv, Encoded, FileStart, Format, Formats, Input, Mcap,
+    Parquet, ReadSettings, Support, write_csv_to,
+};
 pub use interpolation::{BRIDGED_STEPS, Interpolation};
+pub use limits::{MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
 pub use mapping::Mapping;
-#[cfg(feature = "mcap")]
-pub use mcap::write_mcap_to;
-#[cfg(feature = "parquet")]
-pub use parquet::write_parquet_to;
+pub use quantity::Quantity;
 pub use raw::{RawColumn, RawColumns};
-pub use read::{ReadSettings, read_recording};
-pub use recording::{JointChannels, MIN_SAMPLES, Quantity, Recording};
+pub use read::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from, read_recording};
+pub use recording::{JointChannels, Recording};
 pub use timing::{GAP_STEPS, Gap, Timing};
 pub use velocity_check::findings as velocity_findings;
 pub use whole_file::{remove_partial_files, write_whole};
-pub use write::{Encoded, FileFormat, encode};
+pub use write::{encode, write_csv};

@@ -1,16 +1,15 @@
-//! Columns of numbers before anything is known of joints and units.
+//! Columns of numbers before their joints and units are known.
 
 /// One column of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawColumn {
     /// Its name in the file.
     pub name: String,
-    /// Its numbers, NaN where missing; none for a column that was not read.
+    /// Values, NaN where missing; none for an ignored column.
     pub values: Option<Vec<f64>>,
 }
 
-/// The columns of a file. What they mean is told by their names or by a
-/// [`Mapping`](crate::Mapping).
+/// The columns of a file. Their names or a [`Mapping`](crate::Mapping) give the meaning.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RawColumns {
     /// Where they come from: a path, or a description.
@@ -19,7 +18,7 @@ pub struct RawColumns {
     pub columns: Vec<RawColumn>,
     /// Line of each row in a text file; empty for sources without lines.
     pub lines: Vec<u64>,
-    /// One sentence for each thing the user should know of the reading.
+    /// Notes on reading, one line each.
     pub notes: Vec<String>,
     /// Row, column and text of the first value that is NaN or infinite.
     pub(crate) first_not_finite: Option<(usize, usize, String)>,
@@ -52,12 +51,12 @@ impl RawColumns {
             .unwrap_or(0)
     }
 
-    /// The line that a row was read from.
+    /// Line of a row in the file.
     pub(crate) fn line(&self, row: usize) -> Option<u64> {
         self.lines.get(row).copied()
     }
 
-    /// How the value of this row and column was written, as far as known.
+    /// Text of a value in the file, as far as known.
     pub(crate) fn text(&self, row: usize, column: usize, value: f64) -> String {
         match &self.first_not_finite {
             Some((r, c, text)) if (*r, *c) == (row, column) => text.clone(),

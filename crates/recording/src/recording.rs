@@ -1,76 +1,9 @@
-//! A recording as it was taken: time stamps and the channels of each joint.
-
-use std::fmt;
-
-use serde::Serialize;
+//! Time stamps and joint channels of one recording.
 
 use crate::error::{Fault, RecordingError};
 use crate::finding::Finding;
-
-/// Fewest samples that make a recording.
-pub const MIN_SAMPLES: usize = 8;
-
-/// What a channel of a joint holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Joint position, rad (revolute) or m (prismatic).
-    Position,
-    /// Joint velocity, rad/s or m/s.
-    Velocity,
-    /// Joint acceleration, rad/s² or m/s².
-    Acceleration,
-    /// Joint torque or force on the joint side, N m or N.
-    Effort,
-    /// Motor current, A.
-    Current,
-    /// Motor voltage, V.
-    Voltage,
-    /// Position of the encoder on the motor side, divided by the gear ratio: without elasticity and
-    /// backlash that of the joint, rad or m.
-    MotorPosition,
-    /// Temperature of motor or drive, °C.
-    Temperature,
-}
-
-impl Quantity {
-    /// All quantities, in the order in which they are written.
-    pub const ALL: [Self; 8] = [
-        Self::Position,
-        Self::Velocity,
-        Self::Acceleration,
-        Self::Effort,
-        Self::Current,
-        Self::Voltage,
-        Self::MotorPosition,
-        Self::Temperature,
-    ];
-
-    /// The last part of a column's name: `position` in `elbow/position`.
-    pub fn suffix(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Effort => "effort",
-            Self::Current => "current",
-            Self::Voltage => "voltage",
-            Self::MotorPosition => "motor_position",
-            Self::Temperature => "temperature",
-        }
-    }
-
-    /// The quantity of a column suffix, exactly as [`suffix`](Self::suffix) writes it.
-    pub fn from_suffix(suffix: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|quantity| quantity.suffix() == suffix)
-    }
-}
-
-impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.suffix())
-    }
-}
+use crate::limits::MIN_SAMPLES;
+use crate::quantity::Quantity;
 
 /// The channels of one joint, each as long as the time stamps. SI units: rad, N m for a revolute
 /// joint; m, N for a prismatic one.
@@ -116,7 +49,7 @@ impl JointChannels {
         }
     }
 
-    /// The place of one quantity, to fill it or to take it out.
+    /// Mutable samples of one quantity, to add, change or remove them.
     pub fn channel_mut(&mut self, quantity: Quantity) -> &mut Option<Vec<f64>> {
         match quantity {
             Quantity::Position => &mut self.position,
@@ -141,18 +74,18 @@ impl JointChannels {
 /// Time stamps and joint channels of one recording, as recorded: nothing is filtered or resampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// Where it comes from: a path, or a description.
+    /// Origin: a path, or a description.
     pub source: String,
     /// Time stamps \[s\], strictly increasing, not necessarily even, not necessarily from 0.
     pub time_s: Vec<f64>,
     /// The joints in order of first appearance.
     pub joints: Vec<JointChannels>,
-    /// What was found doubtful or was repaired, one sentence each.
+    /// Notes: automatic choices and repairs, one line each.
     pub notes: Vec<String>,
-    /// Columns of the file that were not read.
+    /// Ignored columns of the file.
     pub ignored_columns: Vec<String>,
-    /// What reading repaired or left alone although it is doubtful, with place and share; more is
-    /// found by the quality report of a motion.
+    /// Defects that reading repaired or kept, with times and share; the quality report of a motion
+    /// has more.
     pub findings: Vec<Finding>,
 }
 
@@ -178,12 +111,12 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Checks what everything that uses a recording relies on.
+    /// Checks the invariants of a recording.
     ///
     /// # Errors
-    /// Fewer than [`MIN_SAMPLES`] samples, stamps that do not increase strictly, values that are
-    /// not finite, a channel whose length is not that of the stamps, a joint without a channel,
-    /// twice, or with a name that cannot stand in a header.
+    /// Fewer than [`MIN_SAMPLES`] samples; stamps that do not increase strictly; values that are
+    /// not finite; a channel with another length than the stamps; a joint without a channel, a
+    /// duplicate joint, or one whose name a header cannot hold.
     pub fn check(&self) -> Result<(), RecordingError> {
         let fault = |fault| RecordingError::new(fault, &self.source);
         let expected = self.time_s.len();
@@ -264,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn finds_joints_by_name_in_order() {
+    fn joints_keep_their_order() {
         let recording = Recording::new("x", ramp(9), vec![joint("b", 9), joint("a", 9)]).unwrap();
         assert_eq!(recording.joint_names(), ["b", "a"]);
         assert!(recording.joint("a").is_some());
@@ -273,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_inconsistent() {
+    fn inconsistent_recordings_are_refused() {
         let place = |time_s, joints| {
             let error = Recording::new("x", time_s, joints).unwrap_err();
             (error.to_string(), error.place())
@@ -281,7 +214,7 @@ mod tests {
         assert_eq!(
             place(ramp(9), vec![joint("a", 8)]),
             (
-                "the channel has 8 samples, the time stamps are 9".to_owned(),
+                "channel has 8 samples, expected 9 as time stamps".to_owned(),
                 "x, column `a/position`".to_owned()
             )
         );
@@ -289,15 +222,15 @@ mod tests {
         broken.effort = Some(vec![f64::NAN; 9]);
         assert_eq!(
             place(ramp(9), vec![broken]).0,
-            "the value is NaN; the recording has 9 such values among 9"
+            "value is NaN; 9 of 9 values in the recording are NaN or infinite"
         );
         assert_eq!(place(vec![0.0; 9], vec![joint("a", 9)]).1, "x, column `t`");
         assert_eq!(place(ramp(9), vec![joint("a", 9), joint("a", 9)]).1, "x");
         for name in ["", " a", "a\nb"] {
-            assert!(place(ramp(9), vec![joint(name, 9)]).0.contains("cannot be the name"));
+            assert!(place(ramp(9), vec![joint(name, 9)]).0.contains("is not a valid joint name"));
         }
-        assert!(place(ramp(9), vec![JointChannels::new("a")]).0.contains("no channel"));
-        assert!(place(ramp(3), vec![joint("a", 3)]).0.contains("at least 8 are needed"));
-        assert!(place(ramp(9), vec![]).0.contains("no joint column"));
+        assert!(place(ramp(9), vec![JointChannels::new("a")]).0.contains("no channels"));
+        assert!(place(ramp(3), vec![joint("a", 3)]).0.contains("at least 8 required"));
+        assert!(place(ramp(9), vec![]).0.contains("no joint columns"));
     }
 }

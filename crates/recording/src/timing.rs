@@ -1,13 +1,14 @@
-//! How even the time stamps of a recording are.
+//! Rate, jitter and gaps of time stamps.
 
+use armident_numeric::order_statistic;
 use serde::Serialize;
 
-/// Steps longer than this many median steps are gaps: samples are lost there.
+/// Steps longer than this many median steps are gaps.
 pub const GAP_STEPS: f64 = 2.5;
 /// Relative deviation of a step from the mean that still counts as even.
 const EVEN_TOLERANCE: f64 = 1e-3;
 
-/// A stretch without samples.
+/// A time interval without samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gap {
     /// Stamp of the last sample before it \[s\].
@@ -16,7 +17,7 @@ pub struct Gap {
     pub length_s: f64,
 }
 
-/// Steps between time stamps, summarised.
+/// Statistics of the steps between time stamps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Timing {
     /// Median step \[s\].
@@ -25,11 +26,11 @@ pub struct Timing {
     pub rate_hz: f64,
     /// Last stamp minus first \[s\].
     pub duration_s: f64,
-    /// Standard deviation of the steps as a share of the median step, gaps left out.
+    /// Standard deviation of the steps as a share of the median step, without gaps.
     pub jitter: f64,
     /// Steps longer than [`GAP_STEPS`] median steps.
     pub gaps: Vec<Gap>,
-    /// Whether all steps are the same, within a thousandth and the rounding of the stamps.
+    /// Whether all steps are equal, within a thousandth and the rounding of the stamps.
     pub is_even: bool,
 }
 
@@ -37,10 +38,11 @@ impl Timing {
     /// Of strictly increasing stamps \[s\]. Fewer than two have step 0 and are even.
     pub fn of(time_s: &[f64]) -> Self {
         let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else {
-            return Self::of(&[0.0]);
-        };
-        if steps.is_empty() {
+        // lower of the two middle steps if their number is even
+        let median_step_s = order_statistic(&mut steps.clone(), steps.len().saturating_sub(1) / 2);
+        let (Some(first), Some(last), Some(median_step_s)) =
+            (time_s.first(), time_s.last(), median_step_s)
+        else {
             return Self {
                 median_step_s: 0.0,
                 rate_hz: 0.0,
@@ -49,9 +51,8 @@ impl Timing {
                 gaps: Vec::new(),
                 is_even: true,
             };
-        }
+        };
         let duration_s = last - first;
-        let median_step_s = median(steps.clone());
         let longest_s = GAP_STEPS * median_step_s;
         let gaps: Vec<Gap> = time_s
             .iter()
@@ -73,8 +74,8 @@ impl Timing {
     }
 }
 
-/// A few steps are twice the usual one: single lost samples. Where they are many, the stamps are rounded
-/// to the step (800 Hz in whole milliseconds: 1, 1, 1, 2).
+/// Whether a few steps are twice the usual one: single missing samples. If they are many, the
+/// stamps are rounded to the step (800 Hz in whole milliseconds: 1, 1, 1, 2).
 fn loses_samples(steps: &[f64], median_step_s: f64) -> bool {
     const LOST: f64 = 1.5;
     const FEW: f64 = 0.1;
@@ -82,8 +83,8 @@ fn loses_samples(steps: &[f64], median_step_s: f64) -> bool {
     long > 0 && (long as f64) < FEW * steps.len() as f64
 }
 
-/// All steps alike; where stamps are rounded so coarsely that steps differ (120 Hz in whole
-/// milliseconds: 8, 8, 9), all stamps must lie on one line within their rounding.
+/// Whether all steps are equal. If stamps are rounded so coarsely that steps differ (120 Hz in
+/// whole milliseconds: 8, 8, 9), all stamps must lie on one line within their rounding.
 fn is_even(time_s: &[f64], steps: &[f64], mean_step_s: f64) -> bool {
     let rounding_s = rounding_s(time_s, mean_step_s);
     let tolerance_s = EVEN_TOLERANCE * mean_step_s;
@@ -114,12 +115,6 @@ fn rounding_s(time_s: &[f64], mean_step_s: f64) -> f64 {
     decimal_s.max(float_s)
 }
 
-/// Lower of the two middle values where the number is even; the slice is not empty.
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = (values.len() - 1) / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn even_stamps() {
+    fn even_stamps_have_rate_and_no_jitter() {
         let timing = Timing::of(&(0..1000).map(|k| f64::from(k) * 0.005).collect::<Vec<_>>());
         assert!(timing.is_even && timing.gaps.is_empty());
         assert!((timing.rate_hz - 200.0).abs() < 1e-9);
@@ -138,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_of_the_stamps_is_not_jitter() {
+    fn rounded_stamps_are_even() {
         // 120 Hz in whole milliseconds, 300 Hz in microseconds, epoch seconds in microseconds
         for (rate_hz, per_s, start_s) in
             [(120.0, 1e3, 0.0), (300.0, 1e6, 3.0), (250.0, 1e6, 1.7e9), (1000.0, 1e3, 0.5)]
@@ -151,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn jitter_and_drift_are_not_even() {
+    fn jitter_and_drift_are_uneven() {
         let jittered =
             (0..500).map(|k| f64::from(k) * 0.005 + 4e-4 * f64::from(k * 7919 % 13 - 6) / 6.0);
         let timing = Timing::of(&rounded(jittered, 1e5));
@@ -167,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn single_lost_samples_are_no_rounding() {
+    fn single_missing_samples_are_uneven() {
         for every in [50, 700] {
             let kept = (0..1200).filter(|k| k % every != every / 2);
             let timing = Timing::of(&rounded(kept.map(|k| f64::from(k) * 0.01), 1e2));
@@ -179,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn lost_samples_are_gaps_and_do_not_count_as_jitter() {
+    fn gaps_do_not_count_as_jitter() {
         let stamps: Vec<f64> = (0..400)
             .filter(|k| !(100..105).contains(k) && *k != 200)
             .map(|k| f64::from(k) * 0.01)
@@ -194,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn one_stamp_and_none() {
+    fn fewer_than_two_stamps_are_even() {
         assert!(Timing::of(&[]).is_even);
         assert_eq!(Timing::of(&[3.0]).duration_s, 0.0);
     }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::recording::Quantity;
+use crate::quantity::Quantity;
 
-/// What a value is after [`Unit::factor`].
+/// Base unit that [`Unit::factor`] leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Base {
     /// The unit of the quantity itself.
@@ -92,7 +92,7 @@ pub(crate) fn units_of(quantity: Quantity) -> &'static [Unit] {
     }
 }
 
-/// The unit of this name, however spaced: `N m`, `Nm`, `N·m`, `N*m`; `µs`; `°/s`; `rad/s²`.
+/// The unit of this name in any spacing: `N m`, `Nm`, `N·m`, `N*m`; `µs`; `°/s`; `rad/s²`.
 pub(crate) fn find(units: &'static [Unit], name: &str) -> Option<Unit> {
     let wanted = plain(name);
     units.iter().copied().find(|unit| plain(unit.name) == wanted)
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_unit_is_found_by_its_name_and_by_its_spellings() {
+    fn units_are_found_in_every_spelling() {
         let all = Quantity::ALL.map(units_of);
         for units in all.into_iter().chain([TIME]) {
             for unit in units {

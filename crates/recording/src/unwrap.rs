@@ -1,18 +1,18 @@
-//! Angles that are logged modulo a full turn.
+//! Unwrapping of angles logged modulo a full turn.
 
 use std::f64::consts::TAU;
 
-/// A step counts as a wrap if it differs from a full turn by less than this \[rad\], and no other
-/// step may be longer: a joint that turns faster per sample cannot be told from one that wraps.
+/// A step is a wrap if it differs from a full turn by less than this \[rad\], and no other step may
+/// be longer: a joint that moves faster per sample is indistinguishable from one that wraps.
 const LONGEST_OTHER_STEP: f64 = 1.0;
-/// Values of a wrapped angle lie within a turn, up to the rounding of what was logged \[rad\].
+/// Values of a wrapped angle lie within a turn and the rounding of the log \[rad\].
 const WINDOW: f64 = TAU + 0.02;
 
-/// Makes an angle continuous that jumps by full turns, and gives the samples after the jumps.
+/// Unwraps an angle that jumps by full turns; returns the samples after the jumps.
 ///
-/// All of it must look wrapped, else nothing is done: all values within one turn, every step either
-/// within 1 rad of a full turn or shorter than 1 rad. Lengths and speeds that do so by accident
-/// would have to jump from one end of a range of 2 π to the other.
+/// Only channels that are wrapped throughout change: all values within one turn, every step either
+/// within 1 rad of a full turn or shorter than 1 rad. Lengths and speeds do so only if they jump
+/// from one end of a range of 2 π to the other.
 pub(crate) fn unwrap_turns(values: &mut [f64]) -> Vec<usize> {
     let largest = values.iter().copied().fold(f64::MIN, f64::max);
     let smallest = values.iter().copied().fold(f64::MAX, f64::min);
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_else_is_left_alone() {
+    fn other_channels_do_not_change() {
         let swing: Vec<f64> = (0..500).map(|k| 3.1 * (0.02 * f64::from(k)).sin()).collect();
         let turning: Vec<f64> = (0..500).map(|k| 0.1 * f64::from(k)).collect();
         let mut spike = swing.clone();

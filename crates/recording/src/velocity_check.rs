@@ -1,44 +1,45 @@
-//! Recorded velocity against differentiated position: wrong units, signs and delays show there.
+//! Recorded velocity against differentiated position: detects wrong units, signs and delays.
 //!
-//! Both are compared over short windows: the change of the position with the integral of the
-//! velocity. That needs no filter and no even stamps, and quantisation averages out.
+//! Over short windows, the change of the position is compared with the integral of the velocity.
+//! That needs neither a filter nor even stamps, and quantisation averages out.
 
 use rayon::prelude::*;
 
 use crate::finding::{Action, Finding, FindingKind};
-use crate::recording::{JointChannels, Quantity, Recording};
+use crate::quantity::Quantity;
+use crate::recording::{JointChannels, Recording};
 use crate::timing::{GAP_STEPS, Timing};
 
-/// Length of a window \[s\]: long against the step of encoders, short against a swing.
+/// Length of a window \[s\]: long compared with encoder steps, short compared with the motion.
 const WINDOW_S: f64 = 0.05;
 /// Fewest steps in a window.
 const FEWEST_STEPS: usize = 4;
-/// Fewest windows, below which nothing is concluded.
+/// Fewest windows for a conclusion.
 const FEWEST_WINDOWS: usize = 40;
-/// Most windows that are compared, spread over the recording: a long one has enough of them.
+/// Most windows compared, spread over a long recording.
 const MOST_WINDOWS: usize = 4000;
-/// Smallest travel that says something \[rad or m\].
+/// Smallest travel for a conclusion \[rad or m\].
 const LEAST_TRAVEL: f64 = 0.05;
-/// Correlation above which a scale is believed.
-const BELIEVED: f64 = 0.95;
-/// Correlation below which the velocity has little to do with the position; noisy velocities of
-/// slow joints reach 0.6.
+/// Correlation above which a scale is accepted.
+const CORRELATED: f64 = 0.95;
+/// Correlation below which velocity and position disagree; noisy velocities of slow joints reach
+/// 0.6.
 const UNRELATED: f64 = 0.5;
-/// A scale is 1, or that of a unit, within this; sensors are calibrated better than that.
+/// Relative tolerance of a scale of 1 or of a unit; sensors are calibrated better.
 const TOLERANCE: f64 = 0.08;
-/// Longest delay looked for \[s\], and in samples: drives have been seen to filter over 0.2 s.
+/// Longest delay searched \[s\], and in samples; some drives filter over 0.2 s.
 const LONGEST_LAG_S: f64 = 0.3;
 const LONGEST_LAG: usize = 64;
 
-/// What velocity over differentiated position says about units.
+/// Units that explain a ratio of velocity to differentiated position.
 struct Unit {
     scale: f64,
-    /// The position's unit, if it is the position that is wrong.
+    /// Unit of the position, if the position is wrong.
     position: Option<&'static str>,
     velocity: &'static str,
 }
 
-/// Velocity over differentiated position for units that are mixed up.
+/// Ratios of velocity to differentiated position for confused units.
 const UNITS: [Unit; 6] = [
     Unit { scale: 57.295_779_513, position: None, velocity: "deg/s" },
     Unit { scale: 1.0 / 57.295_779_513, position: Some("deg"), velocity: "rad/s" },
@@ -48,7 +49,7 @@ const UNITS: [Unit; 6] = [
     Unit { scale: 0.159_154_943, position: None, velocity: "turn/s" },
 ];
 
-/// Velocity as `scale` times the differentiated position, `delay_s` later.
+/// Velocity as `scale` times the differentiated position, delayed by `delay_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Comparison {
     pub(crate) scale: f64,
@@ -73,7 +74,7 @@ fn correlate(
     let stride = (steps / 2).max(n / MOST_WINDOWS).max(1);
     for from in (margin..n.saturating_sub(margin + steps)).step_by(stride) {
         let to = from + steps;
-        // a window over lost samples says nothing
+        // skip windows over gaps
         if time_s[to] - time_s[from]
             > longest_step_s + (steps - 1) as f64 * longest_step_s / GAP_STEPS
         {
@@ -87,12 +88,13 @@ fn correlate(
         of_velocity += integral * integral;
         windows += 1;
     }
-    let believable = windows >= FEWEST_WINDOWS && of_position > 0.0 && of_velocity > 0.0;
+    let is_conclusive = windows >= FEWEST_WINDOWS && of_position > 0.0 && of_velocity > 0.0;
     let (scale, correlation) = (sum / of_position, sum / (of_position * of_velocity).sqrt());
-    (believable && scale.is_finite() && correlation.is_finite()).then_some((scale, correlation))
+    (is_conclusive && scale.is_finite() && correlation.is_finite()).then_some((scale, correlation))
 }
 
-/// Compares the two channels of a joint, `step_s` being the median step of the stamps; none if the joint rests or the recording is short.
+/// Compares the two channels of a joint, given the median step of the stamps `step_s` \[s\]; none
+/// if the joint is at rest or the recording is short.
 pub(crate) fn compare(
     time_s: &[f64],
     step_s: f64,
@@ -141,13 +143,13 @@ fn is_near(found: f64, expected: f64) -> bool {
     (found / expected - 1.0).abs() < TOLERANCE
 }
 
-/// Why a recording cannot be taken as it is: its velocities prove the positions to be in another
-/// unit, or the derivatives that would be used contradict the positions.
+/// A defect that refuses the recording: velocities show that positions are in another unit, or
+/// recorded derivatives that would be used contradict the positions.
 pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) -> Option<Finding> {
     let step_s = timing.median_step_s;
     recording.joints.par_iter().find_map_first(|joint| {
         let found = of_joint(&recording.time_s, step_s, joint)?;
-        if found.correlation.abs() < BELIEVED {
+        if found.correlation.abs() < CORRELATED {
             return None;
         }
         let refused = |kind, quantity| {
@@ -157,40 +159,41 @@ pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) 
         let unit = UNITS.iter().find(|unit| is_near(found.scale.abs(), unit.scale));
         if let Some((unit, position)) = unit.and_then(|unit| Some((unit, unit.position?))) {
             let message = format!(
-                "the position seems to be in {position} and the velocity in {}: the velocity is \
-                 {:.3e} of the differentiated position (correlation {:.3})",
+                "position appears to be in {position} and velocity in {}: velocity is {:.3e} times \
+                 the differentiated position (correlation {:.3})",
                 unit.velocity,
                 found.scale.abs(),
                 found.correlation.abs()
             );
             let finding = refused(FindingKind::SuspectedUnit, Quantity::Position);
-            let advice = format!("state unit = \"{position}\" for the position {how}");
-            return Some(finding.saying(message).advising(advice));
+            let advice = format!("set unit = \"{position}\" for the position {how}");
+            return Some(finding.with_message(message).with_advice(advice));
         }
         // recorded derivatives are used where both are there: then they must be right
         joint.acceleration.as_ref()?;
         let (kind, what) = match unit {
-            Some(unit) => (FindingKind::VelocityScale, format!("seems to be in {}", unit.velocity)),
+            Some(unit) => (FindingKind::VelocityScale, format!("appears to be in {}", unit.velocity)),
             None if is_near(found.scale, -1.0) => {
-                (FindingKind::VelocitySign, "has the other sign".to_owned())
+                (FindingKind::VelocitySign, "has the opposite sign".to_owned())
             }
             None => return None,
         };
         let message = format!(
-            "the velocity {what}: it is {:.3} times the differentiated position (correlation \
-             {:.3}), and with an acceleration beside it it would be used",
+            "velocity {what}: {:.3} times the differentiated position (correlation {:.3}); it would \
+             be used, because accelerations are recorded too",
             found.scale,
             found.correlation.abs()
         );
         let advice = format!(
-            "correct it by unit or sign {how}, or leave the accelerations out: then both are formed \
-             from the position"
+            "set its unit or sign {how}, or remove the accelerations: then both are differentiated \
+             from position"
         );
-        Some(refused(kind, Quantity::Velocity).saying(message).advising(advice))
+        Some(refused(kind, Quantity::Velocity).with_message(message).with_advice(advice))
     })
 }
 
-/// What is odd about the velocities, without consequences for motions made from positions.
+/// Findings on velocities that are not used: missing ones, and those that contradict the
+/// differentiated position.
 pub fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     let lacking: Vec<&str> = recording
         .joints
@@ -202,11 +205,11 @@ pub fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     if !lacking.is_empty() {
         let share = lacking.len() as f64 / recording.joints.len() as f64;
         let message = format!(
-            "no velocity is recorded of {}; velocities are formed from the position anyway",
+            "no velocity columns ({}); velocities are differentiated from position",
             lacking.join(", ")
         );
         let finding = Finding::of_stamps(FindingKind::MissingVelocity, Action::Kept, share);
-        findings.push(finding.saying(message));
+        findings.push(finding.with_message(message));
     }
     let of_joints = recording.joints.par_iter();
     let found =
@@ -219,42 +222,39 @@ fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Find
     let kept = |kind| Finding::of_channel(kind, Action::Kept, &joint.name, Quantity::Velocity, 1.0);
     let found = of_joint(time_s, step_s, joint)?;
     let (scale, correlation) = (found.scale, found.correlation);
-    const NOT_USED: &str = "velocities are formed from the position, so this one is not used";
+    const NOT_USED: &str = "not used";
     if correlation.abs() < UNRELATED {
         let message = format!(
-            "has little to do with the differentiated position (correlation {correlation:.2}); \
-             {NOT_USED}"
+            "disagrees with the differentiated position (correlation {correlation:.2}); {NOT_USED}"
         );
-        return Some(kept(FindingKind::VelocityMismatch).saying(message));
+        return Some(kept(FindingKind::VelocityMismatch).with_message(message));
     }
-    if correlation.abs() < BELIEVED {
+    if correlation.abs() < CORRELATED {
         return None;
     }
     if is_near(scale, -1.0) {
-        let message = format!("has the other sign than the differentiated position; {NOT_USED}");
-        let advice = "state sign = -1 for it in a mapping file if it is to be used";
-        return Some(kept(FindingKind::VelocitySign).saying(message).advising(advice));
+        let message = format!("sign is opposite to the differentiated position; {NOT_USED}");
+        let advice = "set sign = -1 for it in a mapping file to use it";
+        return Some(kept(FindingKind::VelocitySign).with_message(message).with_advice(advice));
     }
     if !is_near(scale, 1.0) {
         let unit = UNITS.iter().find(|unit| is_near(scale.abs(), unit.scale));
-        let like = unit.map_or("motor side or another unit".to_owned(), |unit| {
-            format!("{} for the velocity", unit.velocity)
-        });
+        let cause = unit.map_or("motor side or another unit", |unit| unit.velocity);
         let message =
-            format!("is {scale:.4} times the differentiated position ({like}?); {NOT_USED}");
-        let advice = "state its unit, or the gear ratio, in a mapping file if it is to be used";
-        return Some(kept(FindingKind::VelocityScale).saying(message).advising(advice));
+            format!("{scale:.4} times the differentiated position (probably {cause}); {NOT_USED}");
+        let advice = "set its unit, or the gear ratio, in a mapping file to use it";
+        return Some(kept(FindingKind::VelocityScale).with_message(message).with_advice(advice));
     }
     if found.delay_steps.abs() < 1.0 {
         return None;
     }
-    let way = if found.delay_s > 0.0 { "later" } else { "earlier" };
+    let verb = if found.delay_s > 0.0 { "lags" } else { "leads" };
     let message = format!(
-        "comes {:.1} ms ({:.1} samples) {way} than the differentiated position; {NOT_USED}",
+        "{verb} the differentiated position by {:.1} ms ({:.1} samples); {NOT_USED}",
         1e3 * found.delay_s.abs(),
         found.delay_steps.abs()
     );
-    Some(kept(FindingKind::VelocityDelay).saying(message))
+    Some(kept(FindingKind::VelocityDelay).with_message(message))
 }
 
 #[cfg(test)]
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn scale_sign_and_delay_are_found() {
+    fn comparison_finds_scale_sign_and_delay() {
         for (factor, lag) in [(1.0, 0.0), (57.3, 0.0), (-1.0, 0.0), (1.0, 3.0), (-0.5, 5.5)] {
             let (time_s, position, mut velocity) = swing(lag);
             velocity.iter_mut().for_each(|v| *v *= factor);
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_concluded_from_little() {
+    fn short_or_resting_channels_are_inconclusive() {
         let (time_s, position, velocity) = swing(0.0);
         assert!(compare(&time_s[..60], 1.0 / RATE_HZ, &position[..60], &velocity[..60]).is_none());
         assert!(compare(&time_s, 1.0 / RATE_HZ, &vec![0.3; 2000], &velocity).is_none());

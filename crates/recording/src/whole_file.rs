@@ -1,18 +1,24 @@
-//! Files that are there whole or not at all.
+//! Atomic replacement of files.
+//!
+//! Written here rather than by `tempfile` 3.27, whose `NamedTempFile::persist` was measured to need
+//! the same code around it: a file object is not dropped when the handler of Ctrl-C calls
+//! `process::exit`, so the list of partial files would stay; `persist` replaces a symbolic link
+//! instead of the file behind it, and renames into the folder of a device, so both cases would stay
+//! too; and files get mode 0600 instead of 0644 unless it is set.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Files that are being written, under the names they have until then.
+/// Files being written, by their temporary names.
 static PARTIAL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Writes a file under another name (`.part`) first and renames it then, so that one who looks sees the
-/// old file or the whole new one, and an interrupted program leaves no half of it.
+/// Writes a file under a temporary name (`.part`) and then renames it, so that readers see the old
+/// file or the complete new one, and an interrupted program leaves no partial file.
 ///
-/// A link keeps pointing where it points: the file behind it is replaced. What is no regular file (a
-/// device, a pipe) is written in place.
+/// A symbolic link is kept: the file that it points to is replaced. Devices and pipes are written
+/// in place.
 ///
 /// # Errors
 /// The file cannot be written, or `content` fails.
@@ -36,7 +42,7 @@ pub fn write_whole(
     let mut partial = target.as_os_str().to_owned();
     partial.push(".part");
     let partial = PathBuf::from(partial);
-    // made while the list is held, so that none is made behind the back of a program that ends
+    // created while the list is locked, so that none escapes `remove_partial_files`
     let created = partials(|all| {
         all.push(partial.clone());
         File::create(&partial)
@@ -50,8 +56,8 @@ pub fn write_whole(
     written
 }
 
-/// Removes what [`write_whole`] has not finished; for a program that is about to end: whoever begins another file after
-/// this waits for the end.
+/// Removes the unfinished files of [`write_whole`], for a program that is about to exit: calls of
+/// [`write_whole`] after this one block.
 pub fn remove_partial_files() {
     let mut all = PARTIAL.lock().unwrap_or_else(PoisonError::into_inner);
     for path in all.drain(..) {

@@ -1,75 +1,42 @@
-//! Recordings in the format that a file's name tells.
+//! Writing recordings.
 
+use std::io;
 use std::path::Path;
 
-use crate::csv_write::write_csv_to;
-#[cfg(not(all(feature = "mcap", feature = "parquet")))]
-use crate::error::Fault;
-use crate::error::RecordingError;
+use crate::error::{Fault, RecordingError};
+use crate::formats::{Encoded, Formats, write_csv_to};
 use crate::recording::Recording;
+use crate::whole_file::write_whole;
 
-/// A format that recordings are written in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FileFormat {
-    /// Comma-separated text.
-    Csv,
-    /// ROS 2 joint states.
-    Mcap,
-    /// Apache Parquet.
-    Parquet,
-}
-
-impl FileFormat {
-    /// By the end of a file's name; CSV where it tells nothing.
-    pub fn of(path: &Path) -> Self {
-        let end = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match end.as_deref() {
-            Some("mcap") => Self::Mcap,
-            Some("parquet") => Self::Parquet,
-            _ => Self::Csv,
-        }
-    }
-}
-
-/// The bytes of a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Encoded {
-    /// The file.
-    pub bytes: Vec<u8>,
-    /// Channels that the format has no place for: `<joint>/<quantity>`.
-    pub lost: Vec<String>,
-}
-
-/// Writes a recording in a format.
+/// Encodes a recording in the standard format of a file name, see [`Formats::by_extension`].
 ///
 /// # Errors
-/// The recording is inconsistent, or the format is not built in.
-pub fn encode(recording: &Recording, format: FileFormat) -> Result<Encoded, RecordingError> {
-    let mut bytes = Vec::new();
-    let lost = match format {
-        FileFormat::Csv => write_csv_to(&mut bytes, recording).map(|()| Vec::new())?,
-        FileFormat::Mcap => mcap(&mut bytes, recording)?,
-        FileFormat::Parquet => parquet(&mut bytes, recording)?,
-    };
-    Ok(Encoded { bytes, lost })
+/// The recording is inconsistent, or this build does not write the format.
+pub fn encode(recording: &Recording, path: &Path) -> Result<Encoded, RecordingError> {
+    Formats::standard().by_extension(path).write(recording)
 }
 
-#[cfg(feature = "mcap")]
-use crate::mcap::write_mcap_to as mcap;
-
-#[cfg(not(feature = "mcap"))]
-fn mcap(_bytes: &mut Vec<u8>, recording: &Recording) -> Result<Vec<String>, RecordingError> {
-    let fault = Fault::NotBuilt { format: "an MCAP file", feature: "mcap" };
-    Err(RecordingError::new(fault, &recording.source))
-}
-
-#[cfg(feature = "parquet")]
-fn parquet(bytes: &mut Vec<u8>, recording: &Recording) -> Result<Vec<String>, RecordingError> {
-    crate::parquet::write_parquet_to(bytes, recording).map(|()| Vec::new())
-}
-
-#[cfg(not(feature = "parquet"))]
-fn parquet(_bytes: &mut Vec<u8>, recording: &Recording) -> Result<Vec<String>, RecordingError> {
-    let fault = Fault::NotBuilt { format: "a Parquet file", feature: "parquet" };
-    Err(RecordingError::new(fault, &recording.source))
+/// Writes a CSV file, as [`write_csv_to`].
+///
+/// # Errors
+/// The recording is inconsistent, or the file cannot be written.
+pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), RecordingError> {
+    let path = path.as_ref();
+    recording.check()?;
+    let source = path.display().to_string();
+    let mut failed = None;
+    let written = write_whole(path, |file| {
+        write_csv_to(file, recording).map_err(|error| {
+            let message = io::Error::other(error.to_string());
+            failed = Some(error);
+            message
+        })
+    });
+    match (failed, written) {
+        (Some(error), _) => Err(error.of_source(&source)),
+        (None, Err(error)) => {
+            Err(RecordingError::new(Fault::Io { doing: "written", error }, &source))
+        }
+        (None, Ok(())) => Ok(()),
+    }
 }

@@ -32,7 +32,7 @@ fn plain_file() {
 }
 
 #[test]
-fn forms_that_mean_the_same() {
+fn equivalent_texts_give_one_recording() {
     let plain = "t,a/position\n".to_owned() + &rows(12, |t| format!("{t},{}", 1.0 - t));
     let expected = read(&plain);
     let spaced =
@@ -52,7 +52,7 @@ fn forms_that_mean_the_same() {
 }
 
 #[test]
-fn unknown_columns_are_ignored_and_noted() {
+fn unknown_columns_are_ignored_with_a_note() {
     let text = "t,elbow/position,elbow/torque,elbow/humidity,supply,,base_pos\n".to_owned()
         + &rows(9, |t| format!("{t},{t},{t},warm,,-,1"));
     let recording = read(&text);
@@ -64,17 +64,15 @@ fn unknown_columns_are_ignored_and_noted() {
     assert_eq!(
         recording.notes,
         [
-            "column `elbow/torque` is not read; if it is one of the channels, rename it to \
-             `elbow/effort`",
-            "column `base_pos` is not read; if it is one of the channels, rename it to \
-             `base/position`",
-            "columns not read: elbow/humidity, supply, (column 6 has no name)",
+            "ignored column `elbow/torque`; rename it to `elbow/effort` if it is a channel",
+            "ignored column `base_pos`; rename it to `base/position` if it is a channel",
+            "ignored columns: elbow/humidity, supply, (column 6 has no name)",
         ]
     );
 }
 
 #[test]
-fn repeated_stamps_are_dropped_and_noted() {
+fn duplicate_stamps_are_dropped_with_a_note() {
     let mut lines: Vec<String> = (0..300).map(|k| format!("{},{k}", f64::from(k) * 0.01)).collect();
     lines.insert(100, lines[99].replace(",99", ",-5"));
     lines.insert(200, lines[199].clone());
@@ -83,15 +81,12 @@ fn repeated_stamps_are_dropped_and_noted() {
     assert_eq!(recording.joint("a").unwrap().position.as_ref().unwrap()[99], 99.0);
     assert_eq!(
         recording.notes,
-        [
-            "2 of 302 samples repeated the time stamp before them and were dropped, the first at t = \
-          0.99 s"
-        ]
+        ["2 duplicate time stamps in 302 samples, first at t = 0.99 s; dropped"]
     );
 }
 
 #[test]
-fn stamps_may_start_anywhere() {
+fn stamps_start_at_any_time() {
     let text = "t,a/position\n".to_owned() + &rows(50, |t| format!("{:.6},{t}", 1.7e9 + t));
     assert_eq!(read(&text).time_s[0], 1.7e9);
     let text = "t,a/position\n".to_owned() + &rows(50, |t| format!("{:.6},{t}", t - 5.0));
@@ -99,7 +94,7 @@ fn stamps_may_start_anywhere() {
 }
 
 #[test]
-fn files_on_disk() {
+fn files_round_trip_on_disk() {
     let folder = std::env::temp_dir().join(format!("armident-recording-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("swing.csv");
@@ -139,7 +134,7 @@ impl std::io::Read for Trickle<'_> {
 }
 
 #[test]
-fn slow_and_failing_sources() {
+fn slow_sources_are_read_and_failing_refused() {
     let text = "\u{feff}t,a/position\r\n".to_owned() + &rows(12, |t| format!("{t},{t}\r"));
     let recording = read_csv_from(Trickle(text.as_bytes(), false), "test.csv").unwrap();
     assert_eq!(recording, read(&text));
@@ -186,7 +181,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn written_and_read_again_bit_by_bit(
+    fn round_trip_keeps_every_bit(
         joints in joints(),
         start_s in -1e4..1e4,
         steps_s in proptest::collection::vec(1e-3..0.1, 10),

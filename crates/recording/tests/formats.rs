@@ -1,11 +1,11 @@
-//! MCAP and Parquet: files of other writers are read, and round trips keep every sample.
+//! MCAP and Parquet: files of other writers, round trips, damaged files.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::path::{Path, PathBuf};
 
 use armident_recording::{
-    FileFormat, JointChannels, ReadSettings, Recording, encode, read_recording,
+    Format as _, JointChannels, Parquet, ReadSettings, Recording, read_recording,
 };
 
 fn judge(name: &str) -> PathBuf {
@@ -60,10 +60,10 @@ fn sample(k: usize) -> ([f64; 2], [f64; 2]) {
 #[cfg(feature = "mcap")]
 mod mcap {
     use super::*;
-    use armident_recording::Mapping;
+    use armident_recording::{Mapping, Mcap};
 
     #[test]
-    fn a_file_of_another_writer_is_read() {
+    fn file_of_another_writer_is_read() {
         let found = read(&judge("joint_states.mcap")).unwrap();
         assert_eq!(found.joint_names(), ["shoulder", "elbow"]);
         assert_eq!(found.len(), 120);
@@ -81,9 +81,9 @@ mod mcap {
         let notes = found.notes.join("\n");
         for said in [
             "joint states of the topic /joint_states",
-            "messages with other joints are not read: 12 with finger",
-            "time is counted from 1700000000 s of the clock",
-            "topics not read: /chatter (std_msgs/msg/String)",
+            "ignored messages with other joints: 12 with finger",
+            "time origin: 1700000000 s",
+            "ignored topics: /chatter (std_msgs/msg/String)",
         ] {
             assert!(notes.contains(said), "{said}\n{notes}");
         }
@@ -93,8 +93,8 @@ mod mcap {
     fn round_trips_keep_every_sample() {
         for start_s in [0.0, 12.5, -3.25] {
             let before = recording(start_s);
-            let encoded = encode(&before, FileFormat::Mcap).unwrap();
-            assert!(encoded.lost.is_empty());
+            let encoded = Mcap.write(&before).unwrap();
+            assert!(encoded.omitted.is_empty());
             let path = scratch("round_trip.mcap");
             std::fs::write(&path, &encoded.bytes).unwrap();
             let after = read(&path).unwrap();
@@ -113,15 +113,15 @@ mod mcap {
     }
 
     #[test]
-    fn what_has_no_place_is_said() {
+    fn write_omits_channels_without_field() {
         let mut recording = recording(0.0);
         recording.joints[1].acceleration = Some(vec![0.0; recording.len()]);
-        let encoded = encode(&recording, FileFormat::Mcap).unwrap();
-        assert_eq!(encoded.lost, ["wrist 2/acceleration"]);
+        let encoded = Mcap.write(&recording).unwrap();
+        assert_eq!(encoded.omitted, ["wrist 2/acceleration"]);
     }
 
     #[test]
-    fn a_mapping_sees_the_topic() {
+    fn mapped_columns_have_the_topic() {
         let text = "[time]\ncolumn = \"__time\"\n[[channel]]\ncolumn = \
                     \"/joint_states/{joint}/position\"\nquantity = \"position\"\nunit = \
                     \"deg\"\n[[channel]]\ncolumn = \"/joint_states/{joint}/effort\"\nquantity = \
@@ -134,33 +134,33 @@ mod mcap {
     }
 
     #[test]
-    fn topics_that_are_not_there_are_refused_with_those_that_are() {
+    fn unknown_topic_is_refused_with_known_ones() {
         let settings = ReadSettings { mapping: None, topic: Some("/left/joint_states") };
         let said = read_with(&judge("joint_states.mcap"), &settings).unwrap_err();
         assert_eq!(
             said,
-            "the topic `/left/joint_states` has no messages sensor_msgs/JointState\nFILE\ntopics with \
-             joint states are `/joint_states`"
+            "topic `/left/joint_states` has no sensor_msgs/JointState messages\nFILE\ntopics with \
+             joint states: `/joint_states`"
         );
     }
 
-    /// What a killed recorder leaves is read up to its end; damage never makes the reader panic.
+    /// Truncated files are read up to their end; damaged files never make the reader panic.
     #[test]
-    fn broken_files() {
+    fn damaged_files_do_not_panic() {
         let whole = {
             // many chunks, so that some are whole
             let long = recording(0.0);
-            encode(&long, FileFormat::Mcap).unwrap().bytes
+            Mcap.write(&long).unwrap().bytes
         };
         let path = scratch("broken.mcap");
         std::fs::write(&path, &whole[..whole.len() - 40]).unwrap();
         let found = read(&path).unwrap();
         assert_eq!(found.len(), 500);
-        let note = found.notes.iter().find(|n| n.contains("the file is not complete"));
+        let note = found.notes.iter().find(|n| n.contains("truncated file"));
         assert!(note.is_some(), "{:?}", found.notes);
         std::fs::write(&path, &whole[..60]).unwrap();
         let said = read(&path).unwrap_err();
-        assert!(said.starts_with("this is no whole MCAP file: "), "{said}");
+        assert!(said.starts_with("truncated or corrupt MCAP file: "), "{said}");
 
         let judge = std::fs::read(judge("joint_states.mcap")).unwrap();
         for at in (8..judge.len()).step_by(7) {
@@ -180,7 +180,7 @@ mod parquet {
     use super::*;
 
     #[test]
-    fn a_file_of_another_writer_is_read() {
+    fn file_of_another_writer_is_read() {
         let found = read(&judge("joint_states.parquet")).unwrap();
         assert_eq!(found.joint_names(), ["shoulder", "elbow"]);
         assert_eq!(found.ignored_columns, ["remark"]);
@@ -202,7 +202,7 @@ mod parquet {
         for start_s in [0.0, -3.25] {
             let before = recording(start_s);
             let path = scratch("round_trip.parquet");
-            std::fs::write(&path, encode(&before, FileFormat::Parquet).unwrap().bytes).unwrap();
+            std::fs::write(&path, Parquet.write(&before).unwrap().bytes).unwrap();
             let after = read(&path).unwrap();
             assert_eq!(after.time_s, before.time_s);
             assert_eq!(after.joints, before.joints);
@@ -210,18 +210,18 @@ mod parquet {
     }
 
     #[test]
-    fn broken_files() {
-        let whole = encode(&recording(0.0), FileFormat::Parquet).unwrap().bytes;
+    fn damaged_files_do_not_panic() {
+        let whole = Parquet.write(&recording(0.0)).unwrap().bytes;
         let path = scratch("broken.parquet");
         std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
         let said = read(&path).unwrap_err();
-        assert!(said.starts_with("this is no whole Parquet file: "), "{said}");
+        assert!(said.starts_with("truncated or corrupt Parquet file: "), "{said}");
     }
 }
 
-/// Formats that another program converts are refused with its name.
+/// Recognised formats are refused with a converter.
 #[test]
-fn converters_are_named() {
+fn unread_formats_name_a_converter() {
     let mut said = String::new();
     for (name, start) in [
         ("log.bag", &b"#ROSBAG V2.0\n"[..]),
@@ -241,19 +241,19 @@ fn converters_are_named() {
 
 #[cfg(not(feature = "mcap"))]
 #[test]
-fn formats_that_are_not_built_in_are_named() {
+fn mcap_without_feature_names_the_feature() {
     let said = read(&judge("joint_states.mcap")).unwrap_err();
     assert!(said.contains("--features mcap"), "{said}");
 }
 
 #[cfg(not(feature = "parquet"))]
 #[test]
-fn parquet_that_is_not_built_in_is_named() {
+fn parquet_without_feature_names_the_feature() {
     let said = read(&judge("joint_states.parquet")).unwrap_err();
     assert_eq!(
         said,
-        "this is a Parquet file, which this build does not read\nFILE\nbuild armident with \
-         `--features parquet`, or export CSV"
+        "Parquet is not supported by this build\nFILE\nbuild armident with `--features parquet`, or \
+         export CSV"
     );
-    assert!(encode(&recording(0.0), FileFormat::Parquet).is_err());
+    assert!(Parquet.write(&recording(0.0)).is_err());
 }

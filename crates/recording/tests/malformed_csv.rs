@@ -1,4 +1,4 @@
-//! Files that are wrong: what the user is told, and that nothing panics.
+//! Malformed CSV files: error messages, and no panics.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
@@ -134,7 +134,7 @@ fn cases() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-fn told(error: &RecordingError) -> String {
+fn message(error: &RecordingError) -> String {
     let mut lines = format!("error: {error}\n   in: {}\n", error.place());
     if let Some(hint) = error.hint() {
         let _ = writeln!(lines, " hint: {hint}");
@@ -143,24 +143,24 @@ fn told(error: &RecordingError) -> String {
 }
 
 #[test]
-fn what_the_user_is_told() {
+fn messages_of_malformed_files() {
     let mut book = String::new();
     for (name, bytes) in cases() {
         let error = read_csv_from(bytes.as_slice(), "swing.csv");
-        let told = told(&error.expect_err(name));
-        assert!(told.lines().all(|line| line.len() < 400), "{name}: {told}");
-        let _ = writeln!(book, "== {name}\n{told}");
+        let message = message(&error.expect_err(name));
+        assert!(message.lines().all(|line| line.len() < 400), "{name}: {message}");
+        let _ = writeln!(book, "== {name}\n{message}");
     }
     insta::assert_snapshot!(book);
 }
 
 #[test]
-fn the_file_that_the_cases_are_made_from_is_valid() {
+fn base_of_the_cases_is_valid() {
     assert_eq!(read_csv_from(valid().as_bytes(), "swing.csv").unwrap().len(), 10);
 }
 
 /// Reads, and if that succeeds makes motions too.
-fn read_whatever(bytes: &[u8]) {
+fn read_any(bytes: &[u8]) {
     match read_csv_from(bytes, "swing.csv") {
         Ok(recording) => {
             recording.check().unwrap();
@@ -168,11 +168,11 @@ fn read_whatever(bytes: &[u8]) {
             for cutoff_hz in [None, Some(5.0)] {
                 let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
                 if let Err(error) = Motion::from_recording(&recording, &joints, &settings) {
-                    assert!(!told(&error).is_empty());
+                    assert!(!message(&error).is_empty());
                 }
             }
         }
-        Err(error) => assert!(!told(&error).is_empty()),
+        Err(error) => assert!(!message(&error).is_empty()),
     }
 }
 
@@ -200,17 +200,17 @@ proptest! {
                 _ => {}
             }
         }
-        read_whatever(&bytes);
+        read_any(&bytes);
     }
 
     #[test]
-    fn cut_off_anywhere_never_panics(at in any::<prop::sample::Index>()) {
+    fn truncated_files_never_panic(at in any::<prop::sample::Index>()) {
         let text = valid();
-        read_whatever(&text.as_bytes()[..at.index(text.len())]);
+        read_any(&text.as_bytes()[..at.index(text.len())]);
     }
 
     #[test]
     fn any_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-        read_whatever(&bytes);
+        read_any(&bytes);
     }
 }

@@ -1,4 +1,4 @@
-//! Mapping files: every conversion, what the user is told, and that nothing panics.
+//! Mapping files: conversions, error messages, and no panics.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests
 
@@ -104,7 +104,7 @@ fn units_of_time() {
 }
 
 #[test]
-fn back_emf_is_formed_only_if_asked_for() {
+fn back_emf_is_subtracted_on_request() {
     let text = |back_emf: &str| {
         format!(
             "[[channel]]\ncolumn = \"pwm\"\njoint = \"servo\"\nquantity = \"effort\"\nunit = \"V\"\n\
@@ -124,8 +124,10 @@ fn back_emf_is_formed_only_if_asked_for() {
     assert!((without + 10.0 * 0.3 / 2.0 * 4.0).abs() < 1e-12);
     assert_eq!(
         notes,
-        ["effort of servo formed from a voltage without its back-EMF, which acts as viscous \
-             friction of 4.5000 N m s/rad"]
+        [
+            "effort of servo computed from voltage; back-EMF appears as viscous friction of 4.5000 N m \
+          s/rad"
+        ]
     );
     let (with, notes) = effort(&text("back_emf = true"));
     assert!((with - (without - 4.5 * 0.5)).abs() < 1e-12);
@@ -133,7 +135,7 @@ fn back_emf_is_formed_only_if_asked_for() {
 }
 
 #[test]
-fn coupled_motors_become_joints() {
+fn coupled_motors_give_joint_channels() {
     let text = r#"
         [[channel]]
         column = "{joint}.q"
@@ -181,7 +183,7 @@ fn coupled_motors_become_joints() {
 }
 
 #[test]
-fn names_with_placeholders() {
+fn placeholders_match_joints_and_quantities() {
     let raw = RawColumns::new("run")
         .with("time", stamps())
         .with("q1_deg", vec![90.0; 10])
@@ -205,27 +207,27 @@ fn names_with_placeholders() {
     assert_eq!(first(0).1[0], first(1).1[0]);
     assert_eq!(first(2).0, Quantity::MotorPosition);
     assert_eq!(recording.ignored_columns, ["(column 5 has no name)", "fan"]);
-    assert_eq!(recording.notes, ["columns not read: (column 5 has no name), fan"]);
+    assert_eq!(recording.notes, ["ignored columns: (column 5 has no name), fan"]);
 }
 
 #[test]
-fn rows_are_sorted_on_demand() {
+fn rows_are_sorted_on_request() {
     let mut t = stamps();
     t.swap(4, 5);
     let raw = RawColumns::new("run").with("t", t.clone()).with("a/position", t);
     let plain = mapping("[[channel]]\ncolumn = \"{joint}/{quantity}\"");
-    assert!(plain.apply(&raw).unwrap_err().to_string().starts_with("the time goes backwards"));
+    assert!(plain.apply(&raw).unwrap_err().to_string().starts_with("time stamps decrease"));
     let sorting = mapping("[time]\nsort = true\n[[channel]]\ncolumn = \"{joint}/{quantity}\"");
     let recording = sorting.apply(&raw).unwrap();
     assert_eq!(recording.joints[0].position.as_ref(), Some(&recording.time_s));
     assert_eq!(
         recording.notes,
-        ["the time went backwards 1 time in 10 samples, first to t = 0.04 s: rows sorted by time"]
+        ["time stamps decrease 1 time in 10 samples, first to t = 0.04 s; rows sorted"]
     );
 }
 
 #[test]
-fn names_of_plotjuggler_need_no_mapping() {
+fn plotjuggler_exports_need_no_mapping() {
     let rows: String = stamps().iter().map(|t| format!("{},{t},1,2,3,x\n", 1.7e9 + t)).collect();
     let read = |header: &str| read_csv_from(format!("{header}\n{rows}").as_bytes(), "pj.csv");
     let recording = read(
@@ -239,9 +241,8 @@ fn names_of_plotjuggler_need_no_mapping() {
     assert_eq!(
         recording.notes,
         [
-            "names as PlotJuggler writes them: time stamps from `__time`, joints of the topic \
-             /joint_states",
-            "columns not read: /command/elbow/position, /rosout/msg",
+            "PlotJuggler export: time from `__time`, joints from topic /joint_states",
+            "ignored columns: /command/elbow/position, /rosout/msg",
         ]
     );
     let recording = read("time,/arm/states/elbow/position,/arm/states/elbow/effort,a,b,c").unwrap();
@@ -251,7 +252,7 @@ fn names_of_plotjuggler_need_no_mapping() {
     assert_eq!(error.place(), "pj.csv, line 1");
     assert_eq!(
         error.hint().unwrap(),
-        "choose one by a mapping file: `column = \"/left/{joint}/{quantity}\"`"
+        "choose one in a mapping file: `column = \"/left/{joint}/{quantity}\"`"
     );
     // as does this advice
     let chosen = mapping("[[channel]]\ncolumn = \"/left/{joint}/{quantity}\"");
@@ -260,13 +261,13 @@ fn names_of_plotjuggler_need_no_mapping() {
     assert_eq!(recording.joint_names(), ["elbow"]);
 }
 
-fn told(error: &RecordingError) -> String {
+fn message(error: &RecordingError) -> String {
     let hint = error.hint().map_or(String::new(), |hint| format!(" hint: {hint}\n"));
     format!("error: {error}\n   in: {}\n{hint}", error.place())
 }
 
 #[test]
-fn what_the_user_is_told() {
+fn messages_of_invalid_mappings() {
     let channel = |keys: &str| format!("[[channel]]\ncolumn = \"q1\"\njoint = \"elbow\"\n{keys}");
     let position = |keys: &str| channel(&format!("quantity = \"position\"\n{keys}"));
     let effort = |keys: &str| channel(&format!("quantity = \"effort\"\n{keys}"));
@@ -356,21 +357,21 @@ fn what_the_user_is_told() {
     let mut book = String::new();
     for (name, text) in of_files {
         let error = Mapping::parse(&text, "arm.toml").expect_err(name);
-        let _ = writeln!(book, "== {name}\n{}", told(&error));
+        let _ = writeln!(book, "== {name}\n{}", message(&error));
     }
     for (name, text) in of_columns {
         let error = mapping(&text).apply(&raw).expect_err(name);
-        let _ = writeln!(book, "== {name}\n{}", told(&error));
+        let _ = writeln!(book, "== {name}\n{}", message(&error));
     }
     let no_time = RawColumns::new("run.csv").with("a_deg", vec![0.0; 10]);
     let error = mapping(&rule("{joint}_deg", "")).apply(&no_time).unwrap_err();
-    let _ = writeln!(book, "== no time\n{}", told(&error));
+    let _ = writeln!(book, "== no time\n{}", message(&error));
     let ms: Vec<f64> = (0..10).map(|k| 10.0 * f64::from(k)).collect();
     let slow = RawColumns::new("run.csv").with("t", ms).with("a_deg", vec![0.0; 10]);
     let error = mapping(&rule("{joint}_deg", "")).apply(&slow).unwrap_err();
-    let _ = writeln!(book, "== milliseconds without unit\n{}", told(&error));
+    let _ = writeln!(book, "== milliseconds without unit\n{}", message(&error));
     let error = Mapping::load("no/such/arm.toml").unwrap_err();
-    let _ = writeln!(book, "== no file\n{}", told(&error));
+    let _ = writeln!(book, "== no file\n{}", message(&error));
     insta::assert_snapshot!(book);
 }
 
@@ -393,7 +394,7 @@ matrix = [[45, 0], [32.0, 0x20]]
 offset = [0, 1_000.5]
 "#;
 
-fn whatever() -> RawColumns {
+fn some_columns() -> RawColumns {
     let mut raw = RawColumns::new("run").with("t", stamps());
     for name in ["elbow/current", "m/position", "n/position", "wrist/effort", "x"] {
         raw = raw.with(name, vec![0.25; 10]);
@@ -426,11 +427,11 @@ proptest! {
         }
         let text = String::from_utf8_lossy(&bytes);
         match Mapping::parse(&text, "arm.toml") {
-            Ok(mapping) => match mapping.apply(&whatever()) {
+            Ok(mapping) => match mapping.apply(&some_columns()) {
                 Ok(recording) => recording.check().unwrap(),
-                Err(error) => prop_assert!(!told(&error).is_empty()),
+                Err(error) => prop_assert!(!message(&error).is_empty()),
             },
-            Err(error) => prop_assert!(!told(&error).is_empty()),
+            Err(error) => prop_assert!(!message(&error).is_empty()),
         }
     }
 }
@@ -439,7 +440,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_identity_is_plain_reading(
+    fn identity_mapping_equals_plain_reading(
         columns in proptest::collection::btree_map(
             ("[a-z/_]{0,4}[a-z]", 0..8usize),
             proptest::collection::vec(-1e3..1e3, 10),
@@ -487,7 +488,7 @@ column = "{joint}/position"
 "#;
 
 #[test]
-fn an_arm_with_motor_currents() {
+fn motor_currents_of_an_arm_become_efforts() {
     let Some(path) = shared_recording("tiago-arm/train.csv") else { return };
     let mapped = read_csv_mapped(&path, &mapping(TIAGO)).unwrap();
     let plain = read_csv(&path).unwrap();
@@ -502,13 +503,11 @@ fn an_arm_with_motor_currents() {
             assert!((effort - gain * current).abs() < 1e-12);
         }
     }
-    assert!(
-        mapped.notes[0].starts_with("effort formed from the current: arm_1_joint, arm_2_joint")
-    );
+    assert!(mapped.notes[0].starts_with("effort computed from current: arm_1_joint, arm_2_joint"));
 }
 
 #[test]
-fn a_servo_of_which_the_voltage_is_known() {
+fn voltage_of_a_servo_becomes_effort() {
     let Some(path) = shared_recording("bam-xl330/sin_sin_kp100.csv") else { return };
     let text = "[[channel]]\ncolumn = \"{joint}/voltage\"\nquantity = \"effort\"\nunit = \"V\"\n\
                 torque_constant = 0.36601\nresistance_ohm = 2.8114\n\

@@ -1,7 +1,8 @@
 //! Writes results for people (aligned text) and for programs (JSON with a schema).
 //!
-//! Every result type has both faces: `serde::Serialize` with a `schema` field, and a `text` method.
-//! The fields are described in `docs/json.md`.
+//! Every result is plain data with a schema: what `--json` writes, `armident report` reads, and `docs/json.md`
+//! describes. It is shown in sections ([`Section`]): plain data again, which a terminal shows as aligned text and a
+//! page as HTML. A new section is one file and its line in a list.
 //!
 //! ```
 //! use armident_model::ArmModel;
@@ -17,29 +18,36 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod bar;
-mod check;
-mod consistency;
-mod diagnose;
-mod identify;
-mod numbers;
-mod params;
-mod plan;
-mod small_terms;
-mod table;
-mod validate;
+mod layout;
+mod results;
+mod schemas;
+mod section;
+mod sections;
+mod text;
+mod words;
 
-pub use bar::Bars;
-pub use check::{ChannelRow, CheckReport};
-pub use consistency::ConsistencyReport;
-pub use diagnose::{DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
-pub use identify::{
-    ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport,
-    LoadRow, MergedRow, StepRow,
+pub use layout::{
+    Bars, Block, Cell, Column, Table, aligned, percent, render, significant, uncertain,
+    unit_after_number,
 };
-pub use numbers::{significant, uncertain, unit_told};
-pub use params::ParamsReport;
-pub use plan::plan_text;
-pub use small_terms::{SmallTerm, small_terms_text};
-pub use table::aligned;
-pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};
+pub use results::{
+    Alternative, ByJoint, ChannelRow, Character, CheckReport, CheckRow, ConsistencyReport,
+    ConstantCheckRow, ConstantRow, DiagnoseInputs, DiagnoseReport, DriveGainOfMasses, DriveGainRow,
+    EffectRow, EffortErrorRow, EffortErrors, EndogeneityRow, Estimate, Finding, FindingEvidence,
+    FitReport, FitRows, Fits, IdentifyReport, InputChecks, JointResiduals, MergedRow, MoreData,
+    NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, StepRow,
+    Topic, ValidateReport, VariableShare, Verdict, plan_text,
+};
+pub use schemas::schemas;
+pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};
+pub use sections::{
+    InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult, PlaceboTest,
+    ReferenceSpeed, ReplayPair,
+};
+pub use text::text_of_sections;
+pub use words::{capital, counted, effect_at, effect_label, location, parameter_label, sentence};
+
+/// Lists of the sections of each result.
+pub mod standard_sections {
+    pub use crate::sections::{CHECK, DIAGNOSIS, IDENTIFY, VALIDATE};
+}

@@ -12,8 +12,8 @@ use armident_motion::Motion;
 use armident_page::Correlation;
 use armident_recording::{Quantity, Recording};
 use armident_report::{
-    ConsistencyReport, DriveGainRow, EffectRow, EndogeneityRow, FitReport, IdentifyReport, LoadRow,
-    MergedRow,
+    ConsistencyReport, DriveGainRow, EffectRow, EndogeneityRow, FitReport, IdentifyReport,
+    MergedRow, PayloadRow,
 };
 
 use super::{Identified, add_consistent, by_joint, constant_row, fit_rows};
@@ -233,30 +233,30 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     add_consistent(&mut constants, &set, consistent.as_ref());
     warnings.extend(consistency.iter().flat_map(ConsistencyReport::warnings));
     let report = IdentifyReport {
-        schema: "armident.identify/1",
-        method: "batch",
-        estimator: Some(method.name()),
+        schema: IdentifyReport::SCHEMA.to_owned(),
+        method: "batch".to_owned(),
+        estimator: Some(method.name().to_owned()),
         robot: model.chain.robot.clone(),
         recordings: train.iter().map(|r| r.source.clone()).collect(),
         holdout_recordings: holdout.iter().map(|r| r.source.clone()).collect(),
         joints: names.clone(),
         cutoff_hz,
-        velocities,
-        link_prior: settings.link_prior,
+        velocities: velocities.to_owned(),
+        prior_scale: settings.link_prior,
         consistency,
         constants,
         effects,
         merged,
         drive_gains: gain_rows(drives.as_ref(), &model),
-        loads: load_rows(&problem, &loads, &model, estimate),
+        payloads: payload_rows(&problem, &loads, &model, estimate),
         steps: Vec::new(),
         rank: estimate.rank,
-        unknowns: problem.terms.len(),
+        parameters: problem.terms.len(),
         condition: estimate.condition,
         rows: estimate.rows,
-        independent_share: estimate.independent_share,
+        effective_sample_share: estimate.independent_share,
         effort_noise: by_joint(&effort_noise, &joints),
-        not_essential: (0..problem.terms.len())
+        not_significant: (0..problem.terms.len())
             .filter(|&k| !estimate.is_essential(k))
             .map(|k| problem.label(&problem.terms[k], &joints))
             .collect(),
@@ -455,30 +455,31 @@ fn gain_rows(gains: Option<&DriveGains>, model: &ArmModel) -> Vec<DriveGainRow> 
                     (true, true) => "N m/A",
                     (true, false) => "N/A",
                     (false, _) => "relative",
-                },
+                }
+                .to_owned(),
                 used: gain.value * gains.scale_of_description,
             })
         })
         .collect()
 }
 
-fn load_rows(
+fn payload_rows(
     problem: &BatchProblem<'_>,
     loads: &[KnownLoad],
     model: &ArmModel,
     estimate: &BatchEstimate,
-) -> Vec<LoadRow> {
+) -> Vec<PayloadRow> {
     let in_link = model.chain.joints.last().map(|joint| joint.child_link_in_e.inverse());
     loads
         .iter()
         .map(|load| {
             let centre = problem.centre_of(load, &estimate.values);
             let centre = in_link.map_or(centre, |to| to.transform_point(&centre.into()).into());
-            LoadRow {
+            PayloadRow {
                 recordings: load.sources.clone(),
                 mass_kg: load.mass_kg,
-                centre_m: centre,
-                found: load.centre_error_m > 0.0,
+                centre_of_mass_m: centre,
+                is_estimated: load.centre_error_m > 0.0,
             }
         })
         .collect()

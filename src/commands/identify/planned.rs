@@ -94,10 +94,10 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
         .then(|| estimate.effort_noise.clone());
     found.provenance.push(format!("Algorithm 2 on {}", folder.display()));
     let report = IdentifyReport {
-        schema: "armident.identify/1",
-        method: "algorithm2",
+        schema: IdentifyReport::SCHEMA.to_owned(),
+        method: "algorithm2".to_owned(),
         estimator: None,
-        not_essential: Vec::new(),
+        not_significant: Vec::new(),
         endogeneity: None,
         cross_validation: None,
         robot: found.chain.robot.clone(),
@@ -105,14 +105,14 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
         holdout_recordings: Vec::new(),
         joints: names.clone(),
         cutoff_hz,
-        velocities: if cutoff_hz.is_some() { "position" } else { "recorded" },
-        link_prior: None,
+        velocities: if cutoff_hz.is_some() { "position" } else { "recorded" }.to_owned(),
+        prior_scale: None,
         consistency,
         constants,
         effects: own_friction(&found, &estimate),
         merged: Vec::new(),
         drive_gains: Vec::new(),
-        loads: Vec::new(),
+        payloads: Vec::new(),
         steps: estimate
             .steps
             .iter()
@@ -129,10 +129,10 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
             })
             .collect(),
         rank: estimate.values.iter().filter(|v| v.is_finite()).count(),
-        unknowns: set.len(),
+        parameters: set.len(),
         condition: estimate.steps.iter().map(|s| s.condition).fold(0.0, f64::max),
         rows: estimate.steps.iter().map(|s| s.rows).sum(),
-        independent_share: motions.iter().map(Motion::independent_share).fold(1.0, f64::min),
+        effective_sample_share: motions.iter().map(Motion::independent_share).fold(1.0, f64::min),
         effort_noise: by_joint(&estimate.effort_noise, &joints),
         fit: FitReport {
             train: effort_errors(&found.rigid_arm(), &motions, &joints),

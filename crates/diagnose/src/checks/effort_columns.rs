@@ -1,4 +1,4 @@
-//! The books first: a column in another unit, of another joint or with another sign is no physics.
+//! Input checks: a column in another unit, of another joint or with another sign is no physics.
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::check::{
@@ -9,7 +9,7 @@ use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
 use armident_recording::{Quantity, Recording};
 use serde::Serialize;
 
-use crate::checks::usable::{DiagnoseError, usable_signals};
+use crate::checks::usable::{Unusable, usable_signals};
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
@@ -27,7 +27,7 @@ pub struct DriveGain {
     pub determined: bool,
 }
 
-/// A probability that leaves no inconclusive.
+/// A probability that leaves no doubt.
 const SURE: f64 = 0.99;
 /// Share of the believed effort that must be gravity for a gain to be told from an inertia.
 const GRAVITY_SHARE: f64 = 0.5;
@@ -41,9 +41,9 @@ impl DriveGain {
     }
 }
 
-/// What recordings say of their own columns.
+/// Whether the effort columns of recordings are what their headers say.
 #[derive(Debug, Clone, Default)]
-pub struct Books {
+pub struct InputChecks {
     /// Columns that are wrong beyond a thousand to one, with what to do.
     pub faults: Vec<Check>,
     /// Joints of which only a drive signal is recorded.
@@ -52,12 +52,12 @@ pub struct Books {
     pub unchecked: Option<String>,
 }
 
-impl Books {
+impl InputChecks {
     /// Checks the effort columns of recordings against an arm ([`armident_ident::check`]).
     ///
     /// # Errors
     /// Recordings that a diagnosis refuses.
-    pub fn of(model: &ArmModel, recordings: &[Recording]) -> Result<Self, DiagnoseError> {
+    pub fn of(model: &ArmModel, recordings: &[Recording]) -> Result<Self, Unusable> {
         let (filled, signals) = with_drive_signals(recordings);
         let joints = model.chain.joint_names();
         let joints_of_model: Vec<String> = joints.iter().map(ToString::to_string).collect();

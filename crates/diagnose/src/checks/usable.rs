@@ -2,10 +2,11 @@
 
 use armident_motion::Signals;
 use armident_recording::{Recording, RecordingError};
-/// Why there is no diagnosis.
+
+/// Why recordings cannot be diagnosed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum DiagnoseError {
+pub enum Unusable {
     /// A recording cannot be used.
     #[error(transparent)]
     Recording(#[from] RecordingError),
@@ -18,39 +19,36 @@ pub enum DiagnoseError {
     /// The effort of a joint that moves is one number.
     #[error("the effort column of {0} is constant while the joint moves")]
     ConstantEffort(String),
-    /// The problem could not be solved.
-    #[error("no joint has both measured and predicted effort")]
-    Unsolvable,
 }
 
-/// The recordings on even grids, if they say something.
+/// The recordings on even grids, if they hold motion and effort.
 pub(crate) fn usable_signals(
     names: &[String],
     recordings: &[Recording],
     band_hz: f64,
-) -> Result<Vec<Signals>, DiagnoseError> {
+) -> Result<Vec<Signals>, Unusable> {
     let of_all = recordings.iter().map(Recording::len).sum();
     let signals: Vec<Signals> = recordings
         .iter()
         .map(|r| Ok(Signals::below(r, names, band_hz)?.thinned(of_all)))
         .collect::<Result<_, RecordingError>>()?;
     if signals.iter().any(|s| s.band.kept.len() < 2) {
-        return Err(DiagnoseError::TooShort);
+        return Err(Unusable::TooShort);
     }
     said_something(names, &signals)?;
     Ok(signals)
 }
 
 /// Refuses recordings from which every estimate would be invented: channels that say one number.
-pub(crate) fn said_something(names: &[String], signals: &[Signals]) -> Result<(), DiagnoseError> {
+pub(crate) fn said_something(names: &[String], signals: &[Signals]) -> Result<(), Unusable> {
     let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
     if !(0..names.len()).any(moves) {
-        return Err(DiagnoseError::NoMotion);
+        return Err(Unusable::NoMotion);
     }
     for (j, name) in names.iter().enumerate() {
         let recorded = signals.iter().any(|s| !s.effort[j].is_empty());
         if recorded && moves(j) && signals.iter().all(|s| is_constant(&s.effort[j])) {
-            return Err(DiagnoseError::ConstantEffort(name.clone()));
+            return Err(Unusable::ConstantEffort(name.clone()));
         }
     }
     Ok(())

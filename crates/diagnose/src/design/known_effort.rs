@@ -7,7 +7,7 @@ use armident_recording::RecordingError;
 use nalgebra::Vector3;
 /// A model that holds more than a rigid body: what it knows is taken out of recordings, and they are compared with
 /// its body alone.
-pub struct Known {
+pub(crate) struct KnownModel {
     /// The whole of it.
     pub(crate) model: ArmModel,
     /// Its links under its gravity and nothing else.
@@ -15,9 +15,9 @@ pub struct Known {
     joint_effects: Vec<EffectOnJoint>,
 }
 
-impl Known {
+impl KnownModel {
     /// Of a model.
-    pub fn of(model: ArmModel) -> Self {
+    pub(crate) fn of(model: ArmModel) -> Self {
         let mut body = model.links_in_band();
         // the tilt of the base becomes part of the arm; gains, zeros and lags stay the recordings'
         let tilt = Vector3::new(model.base_tilt_rad[0], model.base_tilt_rad[1], 0.0);
@@ -31,8 +31,8 @@ impl Known {
         Self { model, body, joint_effects }
     }
 
-    /// The arm that recordings are compared with once that is taken out of them.
-    pub fn arm(&self) -> &ArmModel {
+    /// The rigid body that recordings are compared with once the rest is taken out of them.
+    pub(crate) fn body(&self) -> &ArmModel {
         &self.body
     }
 

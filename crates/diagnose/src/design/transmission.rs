@@ -10,7 +10,7 @@
 
 use crate::design::compliant_link::{Posed, mean_inertia};
 use armident_effects::{Effect, LinkSide, Role, RotorInertia};
-use armident_model::{Load, MOST_TURNS, Transmission};
+use armident_model::{FittedTransmission, Load, MOST_TURNS};
 use armident_numeric::dot;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
@@ -59,7 +59,7 @@ fn formed(
     most_turns: usize,
     near: &mut Vec<Option<Load>>,
 ) -> Option<Formed> {
-    let transmission = Transmission::of_law(law, shape, mean_inertia(at, joint))?;
+    let transmission = FittedTransmission::of_law(law, shape, mean_inertia(at, joint))?;
     near.resize(at.len(), None);
     let pieces: Vec<Vec<Vec<f64>>> = at
         .par_iter()

@@ -21,7 +21,7 @@ use crate::selection::materiality::{
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::selection::solution::{Selection, Solution};
 use crate::uncertainty::jackknife::Jackknife;
-use armident_model::Transmission;
+use armident_model::FittedTransmission;
 
 /// A number with its standard error.
 #[derive(Debug, Clone, Serialize)]
@@ -417,8 +417,9 @@ fn parameters(
         if let (Some(_), Some(j)) = (law.law().link_side(), first) {
             let inertia = mean_inertia(solution.at(), j);
             let to_first_order =
-                || Transmission { gap: 0.0, stiffness: 1.0 / coefficients[0], damping: 0.0 };
-            let mut of = Transmission::of_law(law, shape, inertia).unwrap_or_else(to_first_order);
+                || FittedTransmission { gap: 0.0, stiffness: 1.0 / coefficients[0], damping: 0.0 };
+            let mut of =
+                FittedTransmission::of_law(law, shape, inertia).unwrap_or_else(to_first_order);
             of.gap = of.fitted_gap(coefficients[0]);
             return law
                 .parameters_of_transmission(&of.with_motor_inertia(coefficients[1] / gain[j]));

@@ -2,8 +2,8 @@
 
 use crate::selection::solution::Solution;
 use armident_model::{
-    ArmModel, BandPrediction, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
-    changed,
+    ArmModel, BandPrediction, FittedTransmission, OperatingPoint, SHARP, SmoothTerm,
+    TransmissionTerm, changed,
 };
 
 use crate::design::compliant_link::mean_inertia;
@@ -83,12 +83,12 @@ pub(crate) fn fitted_model(
             // a compliance to first order says nothing of its damping: that of gears, by experience
             const DAMPING: f64 = 0.1;
             let inertia = mean_inertia(solution.at(), joint);
-            let of_shape = Transmission::of_law(law, &candidate.shape, inertia);
+            let of_shape = FittedTransmission::of_law(law, &candidate.shape, inertia);
             let (transmission, share) = of_shape.map_or_else(
                 || {
                     let stiffness = 1.0 / coefficients[0];
                     let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
-                    (Transmission { gap: 0.0, stiffness, damping }, 1.0)
+                    (FittedTransmission { gap: 0.0, stiffness, damping }, 1.0)
                 },
                 |transmission| (transmission, coefficients[0]),
             );

@@ -6,7 +6,7 @@ use crate::design::linear_problem::LinearProblem;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 use armident_effects::{LinkSide, OperatingTerm};
-use armident_model::{OperatingPoint, Spring, Transmission};
+use armident_model::{FittedTransmission, OperatingPoint, Spring};
 /// The springs that an estimate has found, beside which its links are fitted.
 pub(crate) fn springs(
     metric: &Marginalised<'_>,
@@ -19,7 +19,8 @@ pub(crate) fn springs(
         .filter_map(|candidate| {
             let joint = candidate.location.joints[0];
             let inertia = mean_inertia(at, joint);
-            let transmission = Transmission::of_law(candidate.law()?, &candidate.shape, inertia)?;
+            let transmission =
+                FittedTransmission::of_law(candidate.law()?, &candidate.shape, inertia)?;
             Some(Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] })
         })
         .collect()

@@ -264,8 +264,8 @@ mod tests {
 
     use crate::test_arms::{swung, ur5};
     use armident_effects::JointElasticity;
+    use armident_model::FittedTransmission;
     use armident_model::Spring;
-    use armident_model::Transmission;
     use armident_motion::Signals;
 
     /// What stays of these changes, as joints.
@@ -333,7 +333,7 @@ mod tests {
         const JOINT: usize = 1;
         const MOTOR_INERTIA: f64 = 0.2;
         let chain = ur5();
-        let transmission = Transmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
+        let transmission = FittedTransmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
         let spring = Spring { joint: JOINT, transmission, share: 1.0 };
         let point =
             OperatingPoint { springs: vec![spring], ..OperatingPoint::of(chain.joints.len()) };

@@ -8,7 +8,7 @@ use crate::duplicate_frames::RepeatedFrames;
 use crate::grid::EvenGrid;
 use armident_recording::{
     Action, Finding, FindingKind, JointChannels, Quantity, Recording, Span, Timing, percent,
-    places, velocity_findings,
+    velocity_findings,
 };
 mod stuck;
 
@@ -168,13 +168,12 @@ fn of_stamps(timing: &Timing, samples: usize) -> Vec<Finding> {
     let mut findings = Vec::new();
     if !timing.is_even && timing.jitter > SMALLEST_JITTER {
         let message = format!(
-            "the stamps are uneven: the steps of {:.3} ms vary by {} (standard deviation); motions \
-             are resampled evenly",
+            "uneven time stamps (period {:.3} ms, jitter {}); resampled",
             1e3 * timing.median_step_s,
             percent(timing.jitter)
         );
         let finding = Finding::of_stamps(FindingKind::UnevenStamps, Action::Kept, 1.0);
-        findings.push(finding.saying(message));
+        findings.push(finding.with_message(message));
     }
     if !timing.gaps.is_empty() {
         let lost_s: f64 = timing.gaps.iter().map(|gap| gap.length_s - timing.median_step_s).sum();
@@ -187,15 +186,14 @@ fn of_stamps(timing: &Timing, samples: usize) -> Vec<Finding> {
             .collect();
         let longest_s = timing.gaps.iter().fold(0.0_f64, |longest, gap| longest.max(gap.length_s));
         let message = format!(
-            "about {lost:.0} samples are lost ({}) in gaps, the longest of {:.1} ms: {}; motions \
-             bridge them",
+            "about {lost:.0} samples missing ({}), longest gap {:.1} ms: {}; interpolated",
             percent(share),
             1e3 * longest_s,
-            places(&spans)
+            Span::describe(&spans)
         );
         let finding = Finding::of_stamps(FindingKind::Gap, Action::Kept, share);
-        let advice = "long gaps are straight lines in the motion: split the file there";
-        findings.push(finding.at(spans).saying(message).advising(advice));
+        let advice = "long gaps are interpolated linearly; split the file there";
+        findings.push(finding.at(spans).with_message(message).with_advice(advice));
     }
     findings
 }
@@ -206,7 +204,7 @@ fn far_position(joint: &JointChannels) -> Option<Finding> {
     if farthest <= FAR_POSITION {
         return None;
     }
-    let message = format!("reaches {farthest:.1}: in degrees or millimetres, not rad or m?");
+    let message = format!("reaches {farthest:.1}, probably degrees or millimetres");
     let finding = Finding::of_channel(
         FindingKind::SuspectedUnit,
         Action::Kept,
@@ -214,8 +212,8 @@ fn far_position(joint: &JointChannels) -> Option<Finding> {
         Quantity::Position,
         1.0,
     );
-    let advice = "state its unit in a mapping file: unit = \"deg\" or \"mm\"";
-    Some(finding.saying(message).advising(advice))
+    let advice = "set its unit in a mapping file: unit = \"deg\" or \"mm\"";
+    Some(finding.with_message(message).with_advice(advice))
 }
 
 /// What differs between recordings that are used together: sample rates, joints, channels. The
@@ -233,13 +231,13 @@ pub fn differences(recordings: &[Recording]) -> Vec<Finding> {
             .map(|recording| format!("{:.1} Hz in {}", rate(recording), recording.source))
             .collect();
         let message = format!(
-            "the sample rates differ, which is fine: {of_first:.1} Hz in {}, {}",
+            "sample rates differ (supported): {of_first:.1} Hz in {}, {}",
             first.source,
             list.join(", ")
         );
         let share = odd.len() as f64 / recordings.len() as f64;
         let finding = Finding::of_stamps(FindingKind::RatesDiffer, Action::Kept, share);
-        findings.push(finding.saying(message));
+        findings.push(finding.with_message(message));
     }
     let mut channels: Vec<(&str, Quantity)> = Vec::new();
     for joint in recordings.iter().flat_map(|recording| &recording.joints) {
@@ -259,10 +257,10 @@ pub fn differences(recordings: &[Recording]) -> Vec<Finding> {
             continue;
         }
         let share = lacking.len() as f64 / recordings.len() as f64;
-        let message = format!("is not recorded in {}", lacking.join(", "));
+        let message = format!("missing in {}", lacking.join(", "));
         let finding =
             Finding::of_channel(FindingKind::ChannelsDiffer, Action::Kept, joint, quantity, share);
-        findings.push(finding.saying(message));
+        findings.push(finding.with_message(message));
     }
     findings
 }

@@ -3,8 +3,9 @@
 use std::cell::LazyCell;
 
 use crate::cutoff::RESTING_RANGE;
+use armident_numeric::order_statistic;
 use armident_recording::{
-    Action, Finding, FindingKind, JointChannels, Quantity, Timing, percent, places, spans_of,
+    Action, Finding, FindingKind, JointChannels, Quantity, Span, Timing, percent,
 };
 
 /// Shortest repetition that can be stuck \[s\]: slower updates than 10 Hz are a fault as well.
@@ -139,37 +140,37 @@ pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> V
             continue;
         }
         let share = samples_in(&runs) as f64 / values.len() as f64;
-        let spans = spans_of(time_s, &runs);
+        let spans = Span::of_runs(time_s, &runs);
         let repeats = if runs.iter().all(|(from, _)| values[*from] == 0.0) {
             "is exactly 0"
         } else {
-            "repeats one value exactly"
+            "constant"
         };
         let message = format!(
-            "{repeats} in {} of the samples although the joint moves: {}",
+            "{repeats} in {} of the samples while the joint moves: {}",
             percent(share),
-            places(&spans)
+            Span::describe(&spans)
         );
         let advice = match quantity {
             Quantity::Position | Quantity::Velocity => {
-                "was the sensor or the bus lost there? cut these stretches out"
+                "possible causes: sensor or bus failure. Cut these intervals"
             }
             _ => {
-                "was the drive off, is the channel not recorded, or its resolution too coarse? \
-                  cut these stretches out, or lock the joint"
+                "possible causes: drive off, channel not recorded, coarse resolution. Cut these \
+                 intervals, or lock the joint"
             }
         };
         findings.push(
             Finding::of_channel(FindingKind::Stuck, Action::Kept, &joint.name, quantity, share)
                 .at(spans)
-                .saying(message)
-                .advising(advice),
+                .with_message(message)
+                .with_advice(advice),
         );
     }
     findings
 }
 
-/// Keeps the stretches of a repeating position that the velocity contradicts, or the jump that ends them.
+/// Keeps intervals of constant position with non-zero velocity, or that end in a jump.
 fn retain_still(runs: &mut Vec<(usize, usize)>, time_s: &[f64], joint: &JointChannels, moved: f64) {
     let Some(position) = joint.position.as_deref() else { return runs.clear() };
     let moved = moved.max(LEAST_CONTRADICTION);
@@ -180,7 +181,7 @@ fn retain_still(runs: &mut Vec<(usize, usize)>, time_s: &[f64], joint: &JointCha
         let mut steps: Vec<f64> =
             position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
         let place = steps.len() * 99 / 100;
-        quantile(&mut steps, place).unwrap_or(0.0)
+        order_statistic(&mut steps, place).unwrap_or(0.0)
     });
     runs.retain(|&(from, to)| {
         let contradicted = velocity.is_some_and(|velocity| {
@@ -194,11 +195,6 @@ fn retain_still(runs: &mut Vec<(usize, usize)>, time_s: &[f64], joint: &JointCha
         let jump = position.get(to + 1).map_or(0.0, |next| (next - position[to]).abs());
         contradicted || jump > moved.max(JUMP_STEPS * *usual)
     });
-}
-
-/// The value that would stand at `place` if they were sorted.
-fn quantile(values: &mut [f64], place: usize) -> Option<f64> {
-    (place < values.len()).then(|| *values.select_nth_unstable_by(place, f64::total_cmp).1)
 }
 
 fn extremes(values: &[f64]) -> (f64, f64) {
@@ -219,7 +215,7 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<Finding> {
             return None;
         }
         let share = samples_in(&runs) as f64 / values.len() as f64;
-        let spans = spans_of(time_s, &runs);
+        let spans = Span::of_runs(time_s, &runs);
         let (largest, smallest) = extremes(values);
         let limits: Vec<String> = [largest, smallest]
             .into_iter()
@@ -227,16 +223,16 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<Finding> {
             .map(|limit| limit.to_string())
             .collect();
         let message = format!(
-            "is at its limit of {} in {} of the samples: {}",
+            "at its limit of {} in {} of the samples: {}",
             limits.join(" and "),
             percent(share),
-            places(&spans)
+            Span::describe(&spans)
         );
-        let advice = "the true value there is beyond the limit if it is a measurement: cut these \
-                      stretches out, or move more gently";
+        let advice =
+            "saturated: the true value is larger. Cut these intervals, or move more gently";
         let finding =
             Finding::of_channel(FindingKind::Saturated, Action::Kept, &joint.name, quantity, share);
-        Some(finding.at(spans).saying(message).advising(advice))
+        Some(finding.at(spans).with_message(message).with_advice(advice))
     });
     found.collect()
 }
@@ -257,7 +253,7 @@ fn flat_tops(values: &[f64]) -> Vec<(usize, usize)> {
         .filter(|step| *step > 0.0)
         .collect();
     let place = steps.len() / 20;
-    let Some(smallest_step) = quantile(&mut steps, place) else { return Vec::new() };
+    let Some(smallest_step) = order_statistic(&mut steps, place) else { return Vec::new() };
     let step = quantisation_step(values).unwrap_or(smallest_step);
     let is_run_into = |&(from, to): &(usize, usize)| {
         let entry = from.checked_sub(1).map_or(0.0, |k| (values[k] - values[from]).abs());

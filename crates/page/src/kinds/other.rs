@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::page::{Grid, Section, View, number};
+use crate::view::{Grid, Section, View, number};
 
 /// Rows of a table at most; the whole is in the JSON that the page holds.
 const ROWS: usize = 400;
@@ -19,12 +19,13 @@ pub(crate) fn view(kind: &str, document: &Value) -> View {
                 sections.push(section(name, objects(name, list)));
             }
             Value::Object(map) if !map.is_empty() => {
-                let rows = map.iter().take(ROWS).map(|(k, v)| vec![k.clone(), said(v)]).collect();
+                let rows =
+                    map.iter().take(ROWS).map(|(k, v)| vec![k.clone(), written(v)]).collect();
                 sections
                     .push(section(name, Grid::new(name.clone(), &["name", "value"], 2).with(rows)));
             }
             _ if name == "warnings" || name == "schema" => {}
-            _ => plain.push(vec![name.replace('_', " "), said(value)]),
+            _ => plain.push(vec![name.replace('_', " "), written(value)]),
         }
     }
     let warnings = fields.get("warnings").and_then(Value::as_array).into_iter().flatten();
@@ -41,12 +42,7 @@ pub(crate) fn view(kind: &str, document: &Value) -> View {
 }
 
 fn section(name: &str, table: Grid) -> Section {
-    Section {
-        id: name.replace('_', "-"),
-        title: name.replace('_', " "),
-        tables: vec![table],
-        ..Section::default()
-    }
+    Section::new(name.replace('_', "-"), name.replace('_', " "), Vec::new(), vec![table])
 }
 
 fn objects(name: &str, list: &[Value]) -> Grid {
@@ -62,23 +58,23 @@ fn objects(name: &str, list: &[Value]) -> Grid {
         .iter()
         .take(ROWS)
         .map(|entry| {
-            header.iter().map(|key| entry.get(key).map_or_else(String::new, said)).collect()
+            header.iter().map(|key| entry.get(key).map_or_else(String::new, written)).collect()
         })
         .collect();
     let heads: Vec<&str> = header.iter().map(String::as_str).collect();
     Grid::new(name.replace('_', " "), &heads, heads.len()).with(rows)
 }
 
-fn said(value: &Value) -> String {
+fn written(value: &Value) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(n) if n.is_f64() => {
             n.as_f64().map_or_else(|| n.to_string(), |x| number(x, 6))
         }
-        Value::Array(list) => list.iter().map(said).collect::<Vec<_>>().join(", "),
+        Value::Array(list) => list.iter().map(written).collect::<Vec<_>>().join(", "),
         Value::Object(map) => {
-            map.iter().map(|(k, v)| format!("{k} {}", said(v))).collect::<Vec<_>>().join(", ")
+            map.iter().map(|(k, v)| format!("{k} {}", written(v))).collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
     }

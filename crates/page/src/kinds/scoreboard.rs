@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use armident_report::{capital, counted, effect_label, percent};
 use serde::Deserialize;
 
 use crate::drawing::Drawing;
 use crate::figures::{self, Reliability};
-use crate::page::{Grid, Section, Step, Tone, View, number, percent};
+use crate::view::{Grid, Section, Step, Tone, View, number};
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -107,7 +108,7 @@ impl Rate {
         Self { count: self.count + other.count, of: self.of + other.of }
     }
 
-    fn said(self) -> String {
+    fn written(self) -> String {
         if self.of == 0 { "-".to_owned() } else { format!("{} of {}", self.count, self.of) }
     }
 }
@@ -120,11 +121,12 @@ pub(crate) fn view(of: &Scoreboard, drawing: &Drawing) -> View {
     let wrong = precision.of - precision.count;
     let headline = match (named.of, alarms.of) {
         (0, 0) => "No case was scored".to_owned(),
-        (0, nulls) => format!("Something is found in {} of {nulls} nulls", alarms.count),
-        (pairs, 0) => format!("{} of {pairs} concealed effects are named", named.count),
+        (0, nulls) => alarms_of(alarms.count, nulls),
+        (pairs, 0) => format!("{} of {pairs} hidden effects found", named.count),
         (pairs, nulls) => format!(
-            "{} of {pairs} concealed effects are named, and something is found in {} of {nulls} nulls",
-            named.count, alarms.count
+            "{} of {pairs} hidden effects found; {}",
+            named.count,
+            alarms_of(alarms.count, nulls)
         ),
     };
     let good = alarms.count == 0 && named.count * 10 >= named.of * 8;
@@ -147,20 +149,24 @@ pub(crate) fn view(of: &Scoreboard, drawing: &Drawing) -> View {
     }
 }
 
+fn alarms_of(count: usize, nulls: usize) -> String {
+    let have = if count == 1 { "has" } else { "have" };
+    format!("{count} of {nulls} null cases {have} a false alarm")
+}
+
 fn sentences(of: &Scoreboard, named: Rate, wrong: usize) -> Vec<String> {
     let mut all = Vec::new();
     if named.of > 0 {
         all.push(format!(
-            "An effect counts as named when its kind and its joint or link are right. {} of {} are; {wrong} \
-             names stand where nothing of the kind is.",
+            "Found: effects of the right kind on the right joint or link, {} of {}. False positives: {wrong}.",
             named.count, named.of
         ));
     }
     for group in &of.groups {
         if let Some(spread) = group.after_over_reachable {
             all.push(format!(
-                "{} cases: the error of recordings kept back is {} times what can be reached with the true laws \
-                 (median over {} joints that an effect touches; 90 % quantile {}).",
+                "{} cases: the hold-out error is {} times the error of the true laws (median over {} affected joints; \
+                 90 % quantile {}).",
                 capital(&group.kind),
                 number(spread.median, 3),
                 spread.count,
@@ -170,14 +176,9 @@ fn sentences(of: &Scoreboard, named: Rate, wrong: usize) -> Vec<String> {
     }
     let unanswered: usize = of.groups.iter().map(|g| g.unanswered).sum();
     if unanswered > 0 {
-        all.push(format!("{unanswered} cases have no answer."));
+        all.push(format!("{} failed.", counted(unanswered, "case")));
     }
     all
-}
-
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The same case again, alone.
@@ -186,7 +187,7 @@ fn next(of: &Scoreboard, drawing: &Drawing) -> Vec<Step> {
         !case.missed.is_empty() || !case.false_names.is_empty() || case.false_alarm == Some(true)
     };
     let Some(number) = of.cases.iter().position(failed) else { return Vec::new() };
-    let step = Step::new(format!("Look at a case that went wrong, {}.", of.cases[number].case));
+    let step = Step::new(format!("Inspect a failed case: {}.", of.cases[number].case));
     // numbers of cases are those of the series only where all of it was made
     let whole = ["--only", "--score", "--study"];
     let made = &drawing.provenance.command;
@@ -221,7 +222,11 @@ fn overview(of: &Scoreboard) -> Vec<figures::Figure> {
     let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for (truth, named) in of.groups.iter().flat_map(|group| &group.confusion) {
         for (name, count) in named {
-            *confusion.entry(title(truth)).or_default().entry(title(name)).or_default() += count;
+            *confusion
+                .entry(effect_label(truth))
+                .or_default()
+                .entry(effect_label(name))
+                .or_default() += count;
         }
     }
     all.extend(figures::confusion(&confusion));
@@ -230,7 +235,7 @@ fn overview(of: &Scoreboard) -> Vec<figures::Figure> {
         let effects = if case.effects.is_empty() {
             vec!["nothing".to_owned()]
         } else {
-            case.effects.iter().map(|effect| title(effect)).collect()
+            case.effects.iter().map(|effect| effect_label(effect)).collect()
         };
         for effect in effects {
             let mut add = |what: &'static str, values: &BTreeMap<String, f64>| {
@@ -247,11 +252,6 @@ fn overview(of: &Scoreboard) -> Vec<figures::Figure> {
     }
     all.extend(figures::over_floors(&ratios));
     all
-}
-
-/// What an effect is called.
-fn title(slug: &str) -> String {
-    armident_effects::effect(slug).map_or_else(|| slug.to_owned(), |e| e.law().title.to_owned())
 }
 
 fn group(of: &Group) -> Section {
@@ -272,19 +272,22 @@ fn group(of: &Group) -> Section {
     };
     let rows = [
         ("cases", of.cases.to_string()),
-        ("cases with effects in which something is found", of.detected.said()),
-        ("nulls in which something is found", of.false_alarms.said()),
-        ("effects named, of those concealed (recall)", of.recall.said()),
-        ("names that are right (precision)", of.precision.said()),
+        ("detected: cases with effects and a finding", of.detected.written()),
+        ("false alarms: null cases with a finding", of.false_alarms.written()),
+        ("recall", of.recall.written()),
+        ("precision", of.precision.written()),
         ("F1", number(of.f1, 3)),
-        ("first finding right, cases of one effect", of.top1.said()),
-        ("joints found", of.located.said()),
-        ("relative error of parameters", spread(of.parameter_error)),
-        ("true numbers in their 95 % interval", of.within_interval.said()),
-        ("hold-out error over what can be reached", spread(of.after_over_reachable)),
-        ("hold-out error before over after", spread(of.improvement)),
-        ("prediction error over the noise", spread(of.exam_over_oracle)),
-        ("cases that promise more than they keep", of.over_claims.said()),
+        ("first finding correct, cases of one effect", of.top1.written()),
+        ("joints located", of.located.written()),
+        ("parameter error, relative", spread(of.parameter_error)),
+        ("95 % interval coverage", of.within_interval.written()),
+        ("hold-out error / reachable error", spread(of.after_over_reachable)),
+        ("hold-out error, given / diagnosed", spread(of.improvement)),
+        ("prediction error / noise", spread(of.exam_over_oracle)),
+        (
+            "over-optimistic cases (prediction error over 25 % above the hold-out's)",
+            of.over_claims.written(),
+        ),
     ];
     let rows = rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let effects = of
@@ -292,24 +295,20 @@ fn group(of: &Group) -> Section {
         .iter()
         .map(|row| {
             vec![
-                title(&row.effect),
-                row.named.said(),
+                effect_label(&row.effect),
+                row.named.written(),
                 row.false_names.to_string(),
                 row.parameter_error.map_or_else(|| "-".to_owned(), |s| percent(s.median)),
                 row.parameter_error.map_or_else(|| "-".to_owned(), |s| percent(s.largest)),
             ]
         })
         .collect();
-    let header = ["effect", "named", "falsely named", "parameter error, median", "worst"];
-    Section {
-        id: of.kind.clone(),
-        title: format!("{} cases", capital(&of.kind)),
-        tables: vec![
-            Grid::new("Scores", &["what", ""], 2).with(rows),
-            Grid::new("By effect", &header, 1).with(effects),
-        ],
-        ..Section::default()
-    }
+    let header = ["effect", "found", "false positives", "parameter error, median", "worst"];
+    let tables = vec![
+        Grid::new("Scores", &["score", "value"], 2).with(rows),
+        Grid::new("By effect", &header, 1).with(effects),
+    ];
+    Section::new(of.kind.clone(), format!("{} cases", capital(&of.kind)), Vec::new(), tables)
 }
 
 fn cases(of: &Scoreboard) -> Section {
@@ -318,10 +317,10 @@ fn cases(of: &Scoreboard) -> Section {
         .iter()
         .map(|case| {
             let verdict = match (&case.unanswered, case.false_alarm) {
-                (Some(why), _) => format!("no answer: {why}"),
+                (Some(why), _) => format!("failed: {why}"),
                 (None, Some(true)) => "false alarm".to_owned(),
-                (None, Some(false)) => "nothing found, rightly".to_owned(),
-                (None, None) => format!("{} of {} named", case.named.len(), case.pairs.len()),
+                (None, Some(false)) => "true negative".to_owned(),
+                (None, None) => format!("{} of {} found", case.named.len(), case.pairs.len()),
             };
             vec![
                 case.case.clone(),
@@ -334,11 +333,7 @@ fn cases(of: &Scoreboard) -> Section {
             ]
         })
         .collect();
-    let header = ["case", "robot", "kind", "concealed", "verdict", "missed", "falsely named"];
-    Section {
-        id: "cases".to_owned(),
-        title: "Case by case".to_owned(),
-        tables: vec![Grid::new("Cases", &header, header.len()).with(rows)],
-        ..Section::default()
-    }
+    let header = ["case", "robot", "kind", "hidden", "verdict", "missed", "false positives"];
+    let table = Grid::new("Cases", &header, header.len()).with(rows);
+    Section::new("cases", "Cases", Vec::new(), vec![table])
 }

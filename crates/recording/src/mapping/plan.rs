@@ -1,14 +1,14 @@
-//! Which column of a file becomes which channel.
+//! Assignment of columns to channels.
 
 use crate::error::{Fault, RecordingError, listed};
-use crate::recording::Quantity;
+use crate::quantity::Quantity;
 
 use super::rules::{ChannelRule, JOINT, PerJoint, QUANTITY, Rules, suggestion};
 
-/// Columns that hold time stamps in seconds where nothing else is said.
+/// Default columns of time stamps in seconds.
 const TIME_COLUMNS: [&str; 3] = ["t", "__time", "time"];
 
-/// A column that a rule takes.
+/// A column that matches a rule.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Claim {
     pub(super) column: usize,
@@ -23,7 +23,7 @@ impl Claim {
     }
 }
 
-/// What all columns of a file are.
+/// The columns of a file by the rules of a mapping.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Plan {
     pub(super) time: usize,
@@ -65,7 +65,7 @@ impl Files<'_> {
     ) -> Result<usize, RecordingError> {
         let mut found = (0..names.len()).filter(|k| names[*k] == wanted);
         let Some(first) = found.next() else {
-            let what = format!("{} has no such column", self.recording);
+            let what = format!("no such column in {}", self.recording);
             let advice = suggestion(wanted, names, "columns");
             return Err(self.fault(line, Some(wanted), what, advice));
         };
@@ -73,7 +73,7 @@ impl Files<'_> {
             None => Ok(first),
             Some(second) => {
                 let what = format!(
-                    "{} has this column twice, as columns number {} and {}",
+                    "duplicate column in {} (columns {} and {})",
                     self.recording,
                     first + 1,
                     second + 1
@@ -87,7 +87,7 @@ impl Files<'_> {
 
 impl Plan {
     /// # Errors
-    /// A column, or the joint of a number, is not in the file; a rule that takes no column; two
+    /// A column, or the joint of a number, is not in the file; a rule that matches no column; two
     /// columns for one channel.
     pub(super) fn new(
         rules: &Rules,
@@ -101,10 +101,10 @@ impl Plan {
             None => {
                 let known = TIME_COLUMNS.iter().find_map(|t| names.iter().position(|n| n == t));
                 known.ok_or_else(|| {
-                    let what = format!("{recording} has no column `t`, `__time` or `time`");
+                    let what = format!("no column `t`, `__time` or `time` in {recording}");
                     let list = listed(names);
                     let advice = format!(
-                        "add [time] with column = \"name of the time stamps\"; columns are {list}"
+                        "add [time] with column = \"name of the time stamps\"; columns: {list}"
                     );
                     files.fault(rules.time.line, None, what, advice)
                 })?
@@ -116,19 +116,19 @@ impl Plan {
         let (patterns, exact): (Vec<usize>, Vec<usize>) =
             (0..rules.channels.len()).partition(|k| rules.channels[*k].is_pattern());
         for rule in exact {
-            let said = &rules.channels[rule];
-            let column = files.column(names, &said.column, Some(said.line))?;
+            let channel = &rules.channels[rule];
+            let column = files.column(names, &channel.column, Some(channel.line))?;
             is_taken[column] = true;
             // rules without placeholders always have a quantity
-            if let Some(quantity) = said.quantity {
-                claims.push(Claim { column, rule, joint: said.joint.clone(), quantity });
+            if let Some(quantity) = channel.quantity {
+                claims.push(Claim { column, rule, joint: channel.joint.clone(), quantity });
             }
         }
         for rule in patterns {
-            let said = &rules.channels[rule];
+            let channel = &rules.channels[rule];
             let before = claims.len();
             for (column, name) in names.iter().enumerate().filter(|(k, _)| !is_taken[*k]) {
-                if let Some((joint, quantity)) = said.matches(name) {
+                if let Some((joint, quantity)) = channel.matches(name) {
                     claims.push(Claim { column, rule, joint, quantity });
                 }
             }
@@ -136,30 +136,30 @@ impl Plan {
                 is_taken[claim.column] = true;
             }
             if claims.len() == before {
-                let what = format!("no column of {recording} is like this");
-                let advice = suggestion(&said.column, names, "columns");
-                return Err(files.fault(Some(said.line), Some(&said.column), what, advice));
+                let what = format!("no column of {recording} matches");
+                let advice = suggestion(&channel.column, names, "columns");
+                return Err(files.fault(Some(channel.line), Some(&channel.column), what, advice));
             }
         }
         claims.sort_by_key(|claim| claim.column);
-        for (rule, said) in rules.channels.iter().enumerate() {
+        for (rule, channel) in rules.channels.iter().enumerate() {
             let of_rule = claims.iter().filter(|claim| claim.rule == rule);
             let joints: Vec<&str> = of_rule.map(|claim| claim.joint.as_str()).collect();
-            if let Some((key, joint)) = unused_joint(said, &joints) {
-                let what = format!("`{key}` names the joint `{joint}`, which has no such column");
+            if let Some((key, joint)) = unused_joint(channel, &joints) {
+                let what = format!("`{key}` names joint `{joint}`, which has no matching column");
                 let advice = suggestion(&joint, &joints, "its joints");
-                return Err(files.fault(Some(said.line), Some(&said.column), what, advice));
+                return Err(files.fault(Some(channel.line), Some(&channel.column), what, advice));
             }
         }
         for (k, claim) in claims.iter().enumerate() {
             if let Some(other) = claims[..k].iter().find(|c| c.is(&claim.joint, claim.quantity)) {
                 let what = format!(
-                    "{}/{} would be both `{}` and `{}`",
+                    "two columns for {}/{}: `{}` and `{}`",
                     claim.joint, claim.quantity, names[other.column], names[claim.column]
                 );
                 let line = rules.channels[claim.rule].line;
                 let advice =
-                    "name the column that is meant, or give the other one another quantity";
+                    "name the intended column, or assign another quantity to the other one";
                 return Err(files.fault(Some(line), None, what, advice.to_owned()));
             }
         }
@@ -168,7 +168,7 @@ impl Plan {
     }
 }
 
-/// A joint that has a number, but no column.
+/// A joint with a number, but without a column.
 fn unused_joint(rule: &ChannelRule, joints: &[&str]) -> Option<(&'static str, String)> {
     rule.numbers().find_map(|(key, values)| {
         let PerJoint::Each(each) = values else { return None };
@@ -178,7 +178,7 @@ fn unused_joint(rule: &ChannelRule, joints: &[&str]) -> Option<(&'static str, St
 }
 
 impl ChannelRule {
-    /// Joint and quantity of a column, if it is like this and the rule has its numbers.
+    /// Joint and quantity of a column that matches, if the rule has all numbers of the joint.
     fn matches(&self, name: &str) -> Option<(String, Quantity)> {
         let quantities: Vec<Quantity> = match self.quantity {
             Some(quantity) => vec![quantity],

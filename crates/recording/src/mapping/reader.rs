@@ -1,4 +1,4 @@
-//! Reads the text of a mapping file, and says where something is wrong in it.
+//! Parses mapping files; faults have their line.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Fault, RecordingError};
-use crate::recording::Quantity;
+use crate::quantity::Quantity;
 use crate::units::{self, TIME, Unit, units_of};
 
 use super::coupling::Coupling;
@@ -14,7 +14,7 @@ use super::rules::{
     ChannelRule, JOINT, PerJoint, QUANTITY, Rules, TimeRule, contradiction, listed_str, suggestion,
 };
 
-/// Reads values out of tables and says where something is wrong.
+/// Reads values from tables; faults have their line.
 pub(super) struct Reader<'a> {
     text: &'a str,
     source: &'a str,
@@ -29,9 +29,9 @@ impl<'a> Reader<'a> {
         let reader = Self { text, source };
         let file = DeTable::parse(text).map_err(|error| {
             let place = error.span().unwrap_or(0..0);
-            let said = error.message().lines().next().unwrap_or_default().to_owned();
-            let advice = "see the format of mapping files: [time], [[channel]], [[coupling]]";
-            reader.fault(&place, format!("this is not TOML: {said}"), advice)
+            let reason = error.message().lines().next().unwrap_or_default().to_owned();
+            let advice = "use the tables [time], [[channel]] and [[coupling]], see docs/mapping.md";
+            reader.fault(&place, format!("invalid TOML: {reason}"), advice)
         })?;
         let file = file.get_ref();
         reader.only(file, "the file", &["time", "channel", "coupling"])?;
@@ -47,7 +47,7 @@ impl<'a> Reader<'a> {
         }
         if rules.channels.is_empty() {
             let advice = "add [[channel]] with column = \"{joint}/{quantity}\", or one per column";
-            return Err(reader.fault(&(0..0), "there is no [[channel]]".to_owned(), advice));
+            return Err(reader.fault(&(0..0), "missing [[channel]]".to_owned(), advice));
         }
         Ok(rules)
     }
@@ -67,13 +67,13 @@ impl<'a> Reader<'a> {
             .on_line(self.line(place))
     }
 
-    /// A key that is not known is a misspelt one.
+    /// Refuses unknown keys, which are probably misspelt.
     fn only(&self, table: &Table<'_>, of: &str, known: &[&str]) -> Result<()> {
         let unknown = table.keys().find(|key| !known.contains(&key.get_ref().as_ref()));
         let Some(key) = unknown else { return Ok(()) };
         let name = key.get_ref().as_ref();
-        let what = format!("`{name}` is no key of {of}");
-        Err(self.fault(&key.span(), what, suggestion(name, known, "keys")))
+        let what = format!("unknown key `{name}` in {of}");
+        Err(self.fault(&key.span(), what, suggestion(name, known, "valid keys")))
     }
 
     /// The tables under `[[key]]`.
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
             DeValue::Array(tables) => Ok(tables.iter().collect()),
             _ => {
                 let what = format!("`{key}` must be a list of tables");
-                Err(self.fault(&value.span(), what, format!("write [[{key}]] in double brackets")))
+                Err(self.fault(&value.span(), what, format!("use double brackets: [[{key}]]")))
             }
         }
     }
@@ -91,7 +91,7 @@ impl<'a> Reader<'a> {
     fn table<'t>(&self, value: &'t Value<'_>, name: &str) -> Result<&'t Table<'t>> {
         value.get_ref().as_table().ok_or_else(|| {
             let what = format!("`{name}` must be a table");
-            self.fault(&value.span(), what, format!("write [{name}] and its keys below it"))
+            self.fault(&value.span(), what, format!("write [{name}] and its keys below"))
         })
     }
 
@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
         let Some(value) = table.get(key) else { return Ok(false) };
         value.get_ref().as_bool().ok_or_else(|| {
             let what = format!("`{key}` must be true or false");
-            self.fault(&value.span(), what, "without quotation marks")
+            self.fault(&value.span(), what, "remove the quotation marks")
         })
     }
 
@@ -144,12 +144,12 @@ impl<'a> Reader<'a> {
             .collect::<Result<Vec<_>>>()?;
         if each.is_empty() {
             let what = format!("`{key}` is a table without joints");
-            return Err(self.fault(&value.span(), what, "write { elbow = 1.5 }, or leave it out"));
+            return Err(self.fault(&value.span(), what, "write { elbow = 1.5 }, or remove it"));
         }
         Ok(Some(PerJoint::Each(each)))
     }
 
-    /// The same, refused where one of the numbers is not allowed.
+    /// The same with every number checked.
     fn checked(
         &self,
         table: &Table<'_>,
@@ -193,8 +193,8 @@ impl<'a> Reader<'a> {
     ) -> Result<Unit> {
         units::find(known, text).ok_or_else(|| {
             let names: Vec<&str> = known.iter().map(|unit| unit.name).collect();
-            let what = format!("`{text}` is no unit of {of}");
-            self.fault(place, what, format!("units of {of} are {}", listed_str(&names)))
+            let what = format!("unknown unit `{text}` of {of}");
+            self.fault(place, what, format!("units of {of}: {}", listed_str(&names)))
         })
     }
 
@@ -218,7 +218,7 @@ impl<'a> Reader<'a> {
         self.only(table, "[[channel]]", &KEYS)?;
         let Some((column, column_place)) = self.string(table, "column")? else {
             let advice = "add column = \"name in the file\"";
-            return Err(self.fault(&here, "the channel has no `column`".to_owned(), advice));
+            return Err(self.fault(&here, "channel without `column`".to_owned(), advice));
         };
         self.placeholders(&column, &column_place)?;
         let quantity = self.quantity(table, &column, &here)?;
@@ -231,21 +231,21 @@ impl<'a> Reader<'a> {
                 }
                 None => {
                     let what = "`unit` with {quantity} in the column".to_owned();
-                    let advice = "give every quantity its own [[channel]], or leave the unit out";
+                    let advice = "use one [[channel]] per quantity, or remove the unit";
                     return Err(self.fault(&place, what, advice));
                 }
             },
         };
         let positive = |key| {
-            let advice = "give its size; directions are the matter of `sign` and `gear_ratio`";
+            let advice = "use a positive number; set directions by `sign` or `gear_ratio`";
             self.checked(table, key, |value| value > 0.0, "above 0", advice)
         };
         let nonzero = |key| {
-            let advice = "leave the channel out if it is not to be used";
+            let advice = "remove the channel if it is not needed";
             self.checked(table, key, |value| value != 0.0, "other than 0", advice)
         };
         let is_sign = |value: f64| value.abs() == 1.0;
-        let sign_advice = "other factors are the matter of `gain`";
+        let sign_advice = "set other factors by `gain`";
         let rule = ChannelRule {
             line: self.line(&here),
             column,
@@ -272,7 +272,7 @@ impl<'a> Reader<'a> {
         if !rest.contains(['{', '}']) {
             return Ok(());
         }
-        let what = format!("`{column}` has braces with something else in them");
+        let what = format!("unknown placeholder in `{column}`");
         Err(self.fault(place, what, "use {joint} and {quantity}, each at most once"))
     }
 
@@ -287,12 +287,12 @@ impl<'a> Reader<'a> {
         match self.string(table, "quantity")? {
             Some((_, place)) if by_column => {
                 let what = "`quantity` and {quantity} in the column".to_owned();
-                Err(self.fault(&place, what, "leave one of them out"))
+                Err(self.fault(&place, what, "remove one of them"))
             }
             Some((name, place)) => match Quantity::from_suffix(&name) {
                 Some(quantity) => Ok(Some(quantity)),
                 None => {
-                    let what = format!("`{name}` is no quantity");
+                    let what = format!("unknown quantity `{name}`");
                     Err(self.fault(&place, what, suggestion(&name, &names, "quantities")))
                 }
             },
@@ -302,7 +302,7 @@ impl<'a> Reader<'a> {
                 match Quantity::from_suffix(last) {
                     Some(quantity) => Ok(Some(quantity)),
                     None => {
-                        let what = format!("the channel of `{column}` has no `quantity`");
+                        let what = format!("channel of `{column}` without `quantity`");
                         let advice = format!("add quantity = one of {}", listed_str(&names));
                         Err(self.fault(here, what, advice))
                     }
@@ -317,19 +317,19 @@ impl<'a> Reader<'a> {
                 let rest = joint.replacen(JOINT, "", 1);
                 let is_name = !joint.is_empty() && joint.trim() == joint;
                 if rest.contains(['{', '}', '\n', '\r']) || !is_name {
-                    let what = format!("`{joint}` cannot be the name of a joint");
+                    let what = format!("`{joint}` is not a valid joint name");
                     return Err(self.fault(&place, what, "use a name, with {joint} at most once"));
                 }
                 if joint.contains(JOINT) != column.contains(JOINT) {
-                    let what = "{joint} must stand in both `column` and `joint`".to_owned();
-                    let advice = "or leave `joint` out if the column's part is the joint's name";
+                    let what = "{joint} must be in both `column` and `joint`".to_owned();
+                    let advice = "add it, or remove `joint` if the matched part is the joint name";
                     return Err(self.fault(&place, what, advice));
                 }
                 Ok(joint)
             }
             None if column.contains(JOINT) => Ok(JOINT.to_owned()),
             None => {
-                let what = format!("the channel of `{column}` has no `joint`");
+                let what = format!("channel of `{column}` without `joint`");
                 let advice = "add joint = \"name in the URDF\", or {joint} in the column";
                 Err(self.fault(here, what, advice))
             }
@@ -352,7 +352,7 @@ impl<'a> Reader<'a> {
         };
         let numbers = |value: &Value<'_>| -> Result<Vec<f64>> {
             let Some(row) = value.get_ref().as_array() else {
-                let what = "the rows of `matrix` and `offset` must be lists of numbers".to_owned();
+                let what = "rows of `matrix` and `offset` must be lists of numbers".to_owned();
                 return Err(self.fault(
                     &value.span(),
                     what,
@@ -366,7 +366,7 @@ impl<'a> Reader<'a> {
         let matrix = match rows {
             Some(rows) => rows.iter().map(numbers).collect::<Result<Vec<_>>>()?,
             None => {
-                let what = "the coupling has no `matrix`".to_owned();
+                let what = "coupling without `matrix`".to_owned();
                 let advice = "add matrix = [[...], [...]], motor positions from joint positions, \
                               one row per motor";
                 return Err(self.fault(&here, what, advice));
@@ -377,7 +377,7 @@ impl<'a> Reader<'a> {
             None => vec![0.0; joints.len()],
         };
         let line = self.line(&here);
-        Coupling::new(line, joints, motors, matrix, offset)
+        Coupling::new(line, joints, motors, &matrix, offset)
             .map_err(|(what, advice)| self.fault(&here, what, advice))
     }
 }

@@ -1,7 +1,7 @@
-//! What a mapping file says.
+//! Content of a mapping file.
 
 use crate::error::listed;
-use crate::recording::Quantity;
+use crate::quantity::Quantity;
 use crate::units::{Base, Unit};
 
 use super::coupling::Coupling;
@@ -24,7 +24,7 @@ impl PerJoint {
     }
 }
 
-/// Where the time stamps are.
+/// `[time]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct TimeRule {
     pub(super) line: Option<u64>,
@@ -37,13 +37,13 @@ pub(super) struct TimeRule {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ChannelRule {
     pub(super) line: u64,
-    /// Name of the column, perhaps with `{joint}` and `{quantity}` in it.
+    /// Name of the column, with optional `{joint}` and `{quantity}`.
     pub(super) column: String,
-    /// Name of the joint, perhaps with `{joint}` in it.
+    /// Name of the joint, with optional `{joint}`.
     pub(super) joint: String,
-    /// None if the column's name tells it.
+    /// None if the name of the column determines it.
     pub(super) quantity: Option<Quantity>,
-    /// None is the first of the quantity.
+    /// None for the default of the quantity.
     pub(super) unit: Option<Unit>,
     pub(super) sign: Option<PerJoint>,
     pub(super) offset: Option<PerJoint>,
@@ -60,7 +60,7 @@ impl ChannelRule {
         self.column.contains(JOINT) || self.column.contains(QUANTITY)
     }
 
-    /// Numbers without which a joint is none of this channel.
+    /// Numbers that restrict the channel to the joints that have them.
     pub(super) fn required(&self) -> impl Iterator<Item = (&'static str, &PerJoint)> {
         [
             ("gain", &self.gain),
@@ -85,7 +85,7 @@ impl ChannelRule {
 pub(super) const JOINT: &str = "{joint}";
 pub(super) const QUANTITY: &str = "{quantity}";
 
-/// What a whole file says.
+/// All rules of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Rules {
     pub(super) time: TimeRule,
@@ -93,14 +93,14 @@ pub(super) struct Rules {
     pub(super) couplings: Vec<Coupling>,
 }
 
-/// Keys that make no sense together, and what to do.
+/// Contradictory keys: the fault and advice.
 pub(super) fn contradiction(rule: &ChannelRule) -> Option<(String, String)> {
     use Quantity::{Acceleration, Effort, MotorPosition, Position, Velocity};
-    let said = |what: String, advice: &str| Some((what, advice.to_owned()));
+    let fault = |what: String, advice: &str| Some((what, advice.to_owned()));
     let Some(quantity) = rule.quantity else {
         let (key, _) = rule.numbers().next()?;
         let what = format!("`{key}` with {{quantity}} in the column");
-        return said(what, "give every quantity its own [[channel]], or leave the number out");
+        return fault(what, "use one [[channel]] per quantity, or remove the number");
     };
     let base = rule.unit.map_or(Base::Si, |unit| unit.base);
     let is_position = matches!(quantity, Position | MotorPosition | Velocity | Acceleration);
@@ -117,44 +117,47 @@ pub(super) fn contradiction(rule: &ChannelRule) -> Option<(String, String)> {
         ),
     ];
     if let Some((key, _)) = meaningless.iter().find(|(_, is)| *is) {
-        let what = format!("`{key}` has no meaning for {quantity} in this unit");
+        let what = format!("`{key}` does not apply to {quantity} in this unit");
         let advice = match *key {
-            "gear_ratio" => "leave it out",
-            "counts_per_turn" => "it belongs to positions with unit = \"counts\"",
-            "torque_constant" => "it belongs to quantity = \"effort\" with unit = \"A\" or \"V\"",
-            _ => "it belongs to quantity = \"effort\" with unit = \"V\"",
+            "gear_ratio" => "remove it",
+            "counts_per_turn" => "it applies to positions with unit = \"counts\"",
+            "torque_constant" => "it applies to quantity = \"effort\" with unit = \"A\" or \"V\"",
+            _ => "it applies to quantity = \"effort\" with unit = \"V\"",
         };
-        return said(what, advice);
+        return fault(what, advice);
     }
     let both_gains = rule.gain.is_some()
         && (rule.counts_per_turn.is_some() || (drives && rule.torque_constant.is_some()));
     if both_gains || (base == Base::Ampere && rule.gain.is_some() && rule.gear_ratio.is_some()) {
-        let what = "`gain` beside the numbers it is made of".to_owned();
-        return said(what, "gain alone is N m per A (rad per count), gear ratio included");
+        let what = "`gain` together with its factors".to_owned();
+        return fault(
+            what,
+            "use only gain, in N m per A (rad per count) with the gear ratio included",
+        );
     }
     match base {
-        Base::Ampere if rule.gain.is_none() && rule.torque_constant.is_none() => said(
-            format!("an effort in {unit} needs the torque per current"),
+        Base::Ampere if rule.gain.is_none() && rule.torque_constant.is_none() => fault(
+            format!("effort in {unit} requires a torque per current"),
             "add gain (N m per A on the joint side), or torque_constant and gear_ratio; or use \
              quantity = \"current\"",
         ),
-        Base::Volt if rule.torque_constant.is_none() || rule.resistance_ohm.is_none() => said(
-            format!("an effort in {unit} needs the motor's constants"),
+        Base::Volt if rule.torque_constant.is_none() || rule.resistance_ohm.is_none() => fault(
+            format!("effort in {unit} requires motor constants"),
             "add torque_constant (N m/A), resistance_ohm and gear_ratio; or use quantity = \
              \"voltage\"",
         ),
-        Base::Counts if rule.gain.is_none() && rule.counts_per_turn.is_none() => said(
-            format!("{quantity} in counts needs the size of a count"),
+        Base::Counts if rule.gain.is_none() && rule.counts_per_turn.is_none() => fault(
+            format!("{quantity} in counts requires the size of a count"),
             "add counts_per_turn for an encoder, or gain (SI unit per count)",
         ),
         _ => None,
     }
 }
 
-/// Did you mean ..., and the list.
+/// The nearest name as a suggestion, and the list.
 pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], of: &str) -> String {
     let names: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
-    let list = format!("{of} are {}", listed_str(&names));
+    let list = format!("{of}: {}", listed_str(&names));
     match nearest(name, names.iter().copied()) {
         Some(best) => format!("did you mean `{best}`? {list}"),
         None => list,

@@ -1,0 +1,264 @@
+//! From recordings to a diagnosis: design, selection, findings and models, in this order.
+
+use crate::checks::effort_columns::InputChecks;
+use crate::checks::usable::usable_signals;
+use crate::design::known_effort::KnownModel;
+use crate::design::linear_problem::LinearProblem;
+use crate::design::training::Design;
+use crate::diagnosis::Diagnosis;
+use crate::error::DiagnoseError;
+use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
+use crate::findings::fitted_model::{choose_outputs, fitted_model, rigid_alone};
+use crate::findings::placebo::placebo;
+use crate::findings::residual_map::{atlas, character};
+use crate::regression::elimination::InflatedLink;
+use crate::regression::fit_set::Estimate;
+use crate::selection::bandwidth_test::{NARROW_HZ, is_off_in};
+use crate::selection::cross_validation::{Predictor, predictor};
+use crate::selection::iterate::select;
+use crate::selection::materiality::joints_of_inertial_errors;
+use crate::selection::solution::{Selection, Solution};
+use crate::selection::sublinear::with_sublinear_friction;
+use crate::uncertainty::minimal_constants::constants;
+use armident_model::ArmModel;
+use armident_motion::BAND_HZ;
+use armident_recording::Recording;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+/// What recordings show that a model leaves out, and what the selection makes of so many placebo terms.
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub(crate) fn against_model(
+    model: &ArmModel,
+    known: Option<&KnownModel>,
+    recordings: &[Recording],
+    placebo_terms: Option<usize>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let compared = known.map_or(model, KnownModel::body);
+    let names = names_of(compared);
+    let mut selected = selected(known, compared, &names, recordings)?;
+    let mut diagnosis = selected.diagnosis(compared, &names)?;
+    let Selected { design, selection, .. } = &mut selected;
+    diagnosis.placebo = placebo_terms.map(|terms| placebo(design, selection, terms));
+    if let Some(known) = known {
+        diagnosis.put_back(known);
+    }
+    Ok(diagnosis)
+}
+
+/// What recordings show against reference recordings of the same arm: what the reference shows beyond the given model is
+/// found first and is no finding. The models of the diagnosis hold it as well.
+///
+/// # Errors
+/// [`DiagnoseError`].
+pub(crate) fn against_reference(
+    model: &ArmModel,
+    reference: &[Recording],
+    recordings: &[Recording],
+) -> Result<Diagnosis, DiagnoseError> {
+    let (before, narrowed_to_hz) = model_of(model, reference)?;
+    let known = KnownModel::of(before);
+    let body = known.body();
+    let names = names_of(body);
+    let band_hz = narrowed_to_hz.unwrap_or(BAND_HZ);
+    // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
+    let all = [reference, recordings].concat();
+    let (design, beyond_reference) =
+        design_of(Some(&known), body, &names, &all, band_hz)?.against_reference(reference.len());
+    let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
+    let best = predictor(&selection.metric(), &selection.estimate);
+    let selected = Selected { design, selection, best, sublinear: None, narrowed_to_hz };
+    let mut diagnosis = selected.diagnosis(body, &names)?;
+    diagnosis.beyond_reference = beyond_reference;
+    diagnosis.put_back(&known);
+    Ok(diagnosis)
+}
+
+/// The fitted model alone, and the narrow band if it was fitted there.
+fn model_of(
+    model: &ArmModel,
+    train: &[Recording],
+) -> Result<(ArmModel, Option<f64>), DiagnoseError> {
+    let selected = selected(None, model, &names_of(model), train)?;
+    let Selected { design, selection, narrowed_to_hz, .. } = &selected;
+    let (problem, predicting) = selected.predicting();
+    let metric = problem.marginalised(predicting.scale, &selection.inflated);
+    let solution = Solution::new(design, &metric, &predicting.estimate, &selection.point);
+    let (mut fitted, _) = fitted_model(model, &solution);
+    choose_outputs(&mut fitted, design)?;
+    Ok((fitted, *narrowed_to_hz))
+}
+
+fn names_of(model: &ArmModel) -> Vec<String> {
+    model.chain.joints.iter().map(|j| j.name.clone()).collect()
+}
+
+/// A selection, what predicts best, and the recordings they are of.
+struct Selected<'a> {
+    design: Design<'a>,
+    selection: Selection,
+    best: Predictor,
+    /// with friction that bends over the speed, where joints show that
+    sublinear: Option<(LinearProblem, Predictor)>,
+    narrowed_to_hz: Option<f64>,
+}
+
+/// The selection in the band, or in the narrow one where what it found does not hold there.
+fn selected<'a>(
+    known: Option<&'a KnownModel>,
+    compared: &'a ArmModel,
+    names: &[String],
+    train: &[Recording],
+) -> Result<Selected<'a>, DiagnoseError> {
+    let design = design_of(known, compared, names, train, BAND_HZ)?;
+    let (selection, narrow) =
+        rayon::join(|| select(&design), || design_of(known, compared, names, train, NARROW_HZ));
+    let (design, selection) = selection.ok_or(DiagnoseError::Unsolvable)?;
+    let best = predictor(&selection.metric(), &selection.estimate);
+    // longer kernels want longer recordings: without them the band stays
+    if let Ok(narrow) = narrow
+        && is_off_in(&narrow, &selection, &best)
+        && let Some((design, selection)) = select(&narrow)
+    {
+        let best = predictor(&selection.metric(), &selection.estimate);
+        return Ok(Selected::with_sublinear_where_shown(design, selection, best, Some(NARROW_HZ)));
+    }
+    Ok(Selected::with_sublinear_where_shown(design, selection, best, None))
+}
+
+impl<'a> Selected<'a> {
+    fn with_sublinear_where_shown(
+        design: Design<'a>,
+        selection: Selection,
+        best: Predictor,
+        narrowed_to_hz: Option<f64>,
+    ) -> Self {
+        let sublinear = with_sublinear_friction(&design, &selection, &best);
+        Self { design, selection, best, sublinear, narrowed_to_hz }
+    }
+
+    /// What the model is made of.
+    fn predicting(&self) -> (&LinearProblem, &Predictor) {
+        match &self.sublinear {
+            Some((problem, predictor)) => (problem, predictor),
+            None => (&self.selection.problem, &self.best),
+        }
+    }
+
+    /// The diagnosis: findings, models and where the residual is.
+    fn diagnosis(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
+        let Self { design, selection, best, narrowed_to_hz, .. } = self;
+        let (problem, predicting) = self.predicting();
+        let metric = selection.metric();
+        let best_metric = selection.problem.marginalised(best.scale, &selection.inflated);
+        let best_solution = Solution::new(design, &best_metric, &best.estimate, &selection.point);
+        let model_metric = problem.marginalised(predicting.scale, &selection.inflated);
+        let model_solution =
+            Solution::new(design, &model_metric, &predicting.estimate, &selection.point);
+        let (mut fitted, links_off) = fitted_model(model, &model_solution);
+        choose_outputs(&mut fitted, design)?;
+        let constants = constants(model, &fitted, &model_metric, &predicting.estimate);
+        let reported_findings = reported_findings(design, selection, &best_solution);
+        // the model of another estimate, all that is not in question as in the model learned
+        let model_of = |estimate: &Estimate, inflated: &[InflatedLink]| {
+            let metric = problem.marginalised(predicting.scale, inflated);
+            let estimate = predicting.beside(&metric, &selection.estimate, estimate)?;
+            let solution = Solution::new(design, &metric, &estimate, &selection.point);
+            let (mut model, _) = fitted_model(model, &solution);
+            model.band.clone_from(&fitted.band);
+            Some(model)
+        };
+        let without = reported_findings
+            .par_iter()
+            .map(|reported| {
+                reported
+                    .without
+                    .as_ref()
+                    .and_then(|(estimate, inflated)| model_of(estimate, inflated))
+            })
+            .collect();
+        let rivals = reported_findings
+            .par_iter()
+            .map(|reported| {
+                reported
+                    .rivals
+                    .iter()
+                    .map(|(estimate, inflated)| model_of(estimate, inflated))
+                    .collect()
+            })
+            .collect();
+        let mut rigid = rigid_alone(model, design).unwrap_or_else(|| model.links_in_band());
+        choose_outputs(&mut rigid, design)?;
+        let mut believed = model.links_in_band();
+        believed.band.clone_from(&fitted.band);
+        let mut findings: Vec<Finding> =
+            reported_findings.into_iter().map(|reported| reported.finding).collect();
+        let has_no_name = |f: &Finding| f.effect == crate::UNMODELLED;
+        for finding in findings.iter_mut().filter(|f| has_no_name(f)) {
+            let index = |name: &str| names.iter().position(|n| n == name);
+            let Some(joint) = finding.joints.first().and_then(|name| index(name)) else { continue };
+            let terms = fitted.smooth_terms.iter().filter(|t| t.joint == names[joint]);
+            let at = best_solution.at();
+            let mut effort: Vec<Vec<f64>> =
+                at.iter().map(|at| vec![0.0; at.signals.len()]).collect();
+            for term in terms {
+                for (sum, at) in effort.iter_mut().zip(at) {
+                    for (sum, x) in sum.iter_mut().zip(term.effort(at, index)) {
+                        *sum += x;
+                    }
+                }
+            }
+            finding.evidence.character = Some(character(design, at, joint, &effort));
+        }
+        let atlas = atlas(design, &believed, &rigid, &fitted)?;
+        Ok(Diagnosis {
+            atlas,
+            constants,
+            findings,
+            model: fitted,
+            rigid,
+            believed,
+            without,
+            rivals,
+            effort_noise: names
+                .iter()
+                .cloned()
+                .zip(design.observations.sample_deviation.clone())
+                .collect(),
+            joints: names.to_vec(),
+            inertial_error: selection.scale,
+            links_off,
+            narrowed_to_hz: *narrowed_to_hz,
+            beyond_reference: BTreeMap::new(),
+            input_checks: InputChecks::default(),
+            placebo: None,
+            recordings: Vec::new(),
+            holdout: Vec::new(),
+            doubtful_changes: selection
+                .inconclusive
+                .iter()
+                .map(|inconclusive| DoubtfulChange::of(design, inconclusive))
+                .collect(),
+            inertias_matter_on: joints_of_inertial_errors(&metric, &selection.estimate)
+                .into_iter()
+                .map(|j| names[j].clone())
+                .collect(),
+        })
+    }
+}
+
+/// The recordings without what is known, and the arm they are compared with.
+fn design_of<'a>(
+    known: Option<&'a KnownModel>,
+    compared: &'a ArmModel,
+    names: &[String],
+    recordings: &[Recording],
+    band_hz: f64,
+) -> Result<Design<'a>, DiagnoseError> {
+    let mut signals = usable_signals(names, recordings, band_hz)?;
+    let design = |signals| Design::new(&compared.chain, signals).with_library(&compared.library);
+    let Some(known) = known else { return Ok(design(signals)) };
+    signals = signals.into_iter().map(|s| known.taken_out_of(s)).collect::<Result<_, _>>()?;
+    Ok(design(signals).beside(known.effects()))
+}

@@ -1,0 +1,15 @@
+//! Order statistics.
+
+/// The value at `index` of the sorted values, which are reordered; none if there are not so many.
+///
+/// `(n - 1) / 2` gives the lower median of n values, `n / 2` the upper one.
+///
+/// ```
+/// use armident_numeric::order_statistic;
+///
+/// assert_eq!(order_statistic(&mut [3.0, 1.0, 4.0, 2.0], 1), Some(2.0));
+/// assert_eq!(order_statistic(&mut [], 0), None);
+/// ```
+pub fn order_statistic(values: &mut [f64], index: usize) -> Option<f64> {
+    (index < values.len()).then(|| *values.select_nth_unstable_by(index, f64::total_cmp).1)
+}

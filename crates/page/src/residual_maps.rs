@@ -1,0 +1,155 @@
+//! Where in the motion residuals lie.
+
+use crate::drawing::Map;
+use crate::reduce::{rounded, rounded_some};
+use crate::sheet::Sheet;
+
+const POSITIONS: usize = 28;
+const SPEEDS: usize = 17;
+const LOADS: usize = 21;
+const TIMES: usize = 60;
+/// Samples that a cell needs.
+const LEAST_SAMPLES: usize = 4;
+/// Speeds below this share of the largest are rest.
+const REST: f64 = 0.02;
+
+/// Equal classes from the smallest to the largest value.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Classes {
+    from: f64,
+    width: f64,
+    pub(crate) count: usize,
+}
+
+impl Classes {
+    pub(crate) fn between(from: f64, to: f64, count: usize) -> Self {
+        let width = if to > from { (to - from) / count as f64 } else { 1.0 };
+        Self { from, width, count }
+    }
+
+    pub(crate) fn of<'a>(values: impl Iterator<Item = &'a f64>, count: usize) -> Self {
+        let (from, to) = values.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
+        Self::between(from, to, count)
+    }
+
+    pub(crate) fn class(&self, x: f64) -> usize {
+        (((x - self.from) / self.width).max(0.0) as usize).min(self.count - 1)
+    }
+
+    pub(crate) fn middles(&self) -> Vec<f64> {
+        rounded(
+            &(0..self.count)
+                .map(|k| self.from + (k as f64 + 0.5) * self.width)
+                .collect::<Vec<f64>>(),
+        )
+    }
+}
+
+/// Mean residual of each model in the cells that `cell` sorts samples into.
+fn means(
+    sheets: &[&Sheet],
+    joint: usize,
+    (x, y): (Vec<f64>, Vec<f64>),
+    cell: impl Fn(&Sheet, usize) -> (usize, usize),
+) -> Map {
+    let models = sheets.first().map_or(0, |s| s.residual.len());
+    let (columns, rows) = (x.len(), y.len());
+    let mut sums = vec![vec![0.0; columns * rows]; models];
+    let mut counts = vec![0_usize; columns * rows];
+    for sheet in sheets {
+        for k in sheet.kept.clone().take_while(|k| *k < sheet.measured[joint].len()) {
+            let (column, row) = cell(sheet, k);
+            let at = row * columns + column;
+            counts[at] += 1;
+            for (m, sum) in sums.iter_mut().enumerate() {
+                sum[at] += sheet.residual[m][joint][k];
+            }
+        }
+    }
+    let values = sums
+        .iter()
+        .map(|sum| {
+            let means: Vec<Option<f64>> = (sum.iter().zip(&counts))
+                .map(|(s, &n)| (n >= LEAST_SAMPLES).then(|| s / n as f64))
+                .collect();
+            rounded_some(&means).chunks(columns).map(<[Option<f64>]>::to_vec).collect()
+        })
+        .collect();
+    Map { x, y, values }
+}
+
+/// Mean residual by position (columns) and speed (rows).
+pub(crate) fn speed_position(sheets: &[&Sheet], joint: usize) -> Map {
+    let positions = Classes::of(sheets.iter().flat_map(|s| &s.motion.position[joint]), POSITIONS);
+    let fastest = fastest(sheets, joint);
+    let speeds = Classes::between(-fastest, fastest, SPEEDS);
+    means(sheets, joint, (positions.middles(), speeds.middles()), |s, k| {
+        (positions.class(s.motion.position[joint][k]), speeds.class(s.motion.velocity[joint][k]))
+    })
+}
+
+/// Mean residual by load (columns: effort of the last model) and direction of motion (rows: backward,
+/// rest, forward).
+pub(crate) fn load_direction(sheets: &[&Sheet], joint: usize) -> Map {
+    let load = |s: &Sheet, k: usize| s.predicted.last().map_or(0.0, |p| p[joint][k]);
+    let loads = Classes::of(
+        sheets.iter().filter_map(|s| s.predicted.last()).flat_map(|p| &p[joint]),
+        LOADS,
+    );
+    let rest = REST * fastest(sheets, joint);
+    means(sheets, joint, (loads.middles(), vec![-1.0, 0.0, 1.0]), |s, k| {
+        let v = s.motion.velocity[joint][k];
+        let row = if v < -rest { 0 } else { 1 + usize::from(v > rest) };
+        (loads.class(load(s, k)), row)
+    })
+}
+
+fn fastest(sheets: &[&Sheet], joint: usize) -> f64 {
+    let all = sheets.iter().flat_map(|s| &s.motion.velocity[joint]);
+    all.fold(0.0_f64, |m, v| m.max(v.abs())).max(f64::MIN_POSITIVE)
+}
+
+/// Root mean square residual by time over all recordings, one after the other; one row a model.
+pub(crate) fn time(sheets: &[&Sheet], joint: usize) -> Map {
+    let models = sheets.first().map_or(0, |s| s.residual.len());
+    let total: f64 = sheets.iter().map(|s| s.motion.len() as f64 / s.motion.rate_hz).sum();
+    let classes = Classes::between(0.0, total, TIMES);
+    let mut squares = vec![vec![0.0; TIMES]; models];
+    let mut counts = vec![0_usize; TIMES];
+    let mut before = 0.0;
+    for sheet in sheets {
+        for k in sheet.kept.clone().take_while(|k| *k < sheet.measured[joint].len()) {
+            let at = classes.class(before + k as f64 / sheet.motion.rate_hz);
+            counts[at] += 1;
+            for (m, squares) in squares.iter_mut().enumerate() {
+                squares[at] += sheet.residual[m][joint][k].powi(2);
+            }
+        }
+        before += sheet.motion.len() as f64 / sheet.motion.rate_hz;
+    }
+    let rows: Vec<Vec<Option<f64>>> = squares
+        .iter()
+        .map(|row| {
+            let rms: Vec<Option<f64>> = (row.iter().zip(&counts))
+                .map(|(s, &n)| (n > 0).then(|| (s / n as f64).sqrt()))
+                .collect();
+            rounded_some(&rms)
+        })
+        .collect();
+    let y = (0..models).map(|m| m as f64).collect();
+    Map { x: classes.middles(), y, values: vec![rows] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_hold_their_ends() {
+        let classes = Classes::between(-1.0, 1.0, 4);
+        assert_eq!([-1.0, -0.6, 0.1, 1.0, 9.0].map(|x| classes.class(x)), [0, 0, 2, 3, 3]);
+        assert_eq!(classes.middles(), [-0.75, -0.25, 0.25, 0.75]);
+        // one value only
+        assert_eq!(Classes::of([2.0, 2.0].iter(), 3).class(2.0), 0);
+    }
+}

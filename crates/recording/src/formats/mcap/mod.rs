@@ -1,0 +1,56 @@
+//! MCAP, the recordings of ROS 2: joint states of one topic (cargo feature `mcap`).
+//!
+//! Only `sensor_msgs/JointState` is read (ROS 2, and ROS 1 as `mcap convert` leaves it); other
+//! topics are listed in a note.
+
+#[cfg(feature = "mcap")]
+mod joint_state;
+#[cfg(feature = "mcap")]
+mod reader;
+#[cfg(feature = "mcap")]
+mod writer;
+
+use super::format::{FileStart, Format, Support};
+#[cfg(feature = "mcap")]
+use {
+    super::format::{ColumnRequest, Encoded, Input},
+    crate::error::RecordingError,
+    crate::raw::RawColumns,
+    crate::recording::Recording,
+};
+
+/// MCAP files of ROS 2 joint states.
+#[derive(Debug, Clone, Copy)]
+pub struct Mcap;
+
+impl Format for Mcap {
+    fn name(&self) -> &'static str {
+        "MCAP"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["mcap"]
+    }
+
+    fn support(&self) -> Support {
+        if cfg!(feature = "mcap") { Support::ReadWrite } else { Support::Feature("mcap") }
+    }
+
+    fn is_it(&self, start: &FileStart<'_>) -> bool {
+        start.bytes.starts_with(b"\x89MCAP")
+    }
+
+    #[cfg(feature = "mcap")]
+    fn read(
+        &self,
+        input: Input,
+        request: &ColumnRequest<'_>,
+    ) -> Result<RawColumns, RecordingError> {
+        reader::read_columns(input.into_reader(), request)
+    }
+
+    #[cfg(feature = "mcap")]
+    fn write(&self, recording: &Recording) -> Result<Encoded, RecordingError> {
+        writer::write(recording)
+    }
+}

@@ -1,0 +1,52 @@
+//! Apache Parquet: flat columns of numbers (cargo feature `parquet`).
+
+#[cfg(feature = "parquet")]
+mod codec;
+
+use super::format::{FileStart, Format, Support};
+#[cfg(feature = "parquet")]
+use {
+    super::format::{ColumnRequest, Encoded, Input},
+    crate::error::{Fault, RecordingError},
+    crate::raw::RawColumns,
+    crate::recording::Recording,
+};
+
+/// Parquet files with the columns of CSV.
+#[derive(Debug, Clone, Copy)]
+pub struct Parquet;
+
+impl Format for Parquet {
+    fn name(&self) -> &'static str {
+        "Parquet"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["parquet"]
+    }
+
+    fn support(&self) -> Support {
+        if cfg!(feature = "parquet") { Support::ReadWrite } else { Support::Feature("parquet") }
+    }
+
+    fn is_it(&self, start: &FileStart<'_>) -> bool {
+        start.bytes.starts_with(b"PAR1")
+    }
+
+    #[cfg(feature = "parquet")]
+    fn read(
+        &self,
+        input: Input,
+        request: &ColumnRequest<'_>,
+    ) -> Result<RawColumns, RecordingError> {
+        let file = input.into_file().map_err(|error| {
+            RecordingError::new(Fault::Io { doing: "read", error }, request.source())
+        })?;
+        codec::read_columns(file, request)
+    }
+
+    #[cfg(feature = "parquet")]
+    fn write(&self, recording: &Recording) -> Result<Encoded, RecordingError> {
+        codec::write(recording)
+    }
+}

@@ -1,0 +1,379 @@
+//! From named channels to a checked recording: repairs on reading, and faults.
+
+use crate::error::{Fault, RecordingError, plural};
+use crate::finding::{Action, Finding, FindingKind, Span, percent};
+use crate::interpolation::{BRIDGED_STEPS, Interpolation};
+use crate::limits::{
+    LONGEST_STEP_S, MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE, SHORTEST_STEP_S,
+};
+use crate::quantity::Quantity;
+use crate::raw::RawColumns;
+use crate::recording::{JointChannels, Recording};
+use crate::timing::Timing;
+use crate::unwrap::unwrap_turns;
+use crate::velocity_check;
+
+/// A channel as read.
+struct Channel {
+    joint: String,
+    quantity: Quantity,
+    /// The column it comes from; none if it comes from several.
+    column: Option<usize>,
+    values: Vec<f64>,
+}
+
+impl Channel {
+    fn name(&self) -> String {
+        format!("{}/{}", self.joint, self.quantity)
+    }
+}
+
+/// A recording before the checks: stamps may repeat, values may be NaN.
+pub(crate) struct Import {
+    raw: RawColumns,
+    time_column: usize,
+    time_s: Vec<f64>,
+    channels: Vec<Channel>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) ignored: Vec<String>,
+    pub(crate) findings: Vec<Finding>,
+    /// Whether a mapping gave the columns their meaning.
+    pub(crate) by_mapping: bool,
+    /// Whether the unit of the stamps was stated, so that it need not be guarded.
+    pub(crate) time_unit_is_stated: bool,
+    /// Whether rows may be put into the order of time.
+    pub(crate) sort: bool,
+}
+
+impl Import {
+    /// Time stamps in seconds and no channel yet. `raw` has lines, names and texts for messages.
+    pub(crate) fn new(raw: RawColumns, time_column: usize, time_s: Vec<f64>) -> Self {
+        Self {
+            raw,
+            time_column,
+            time_s,
+            channels: Vec::new(),
+            notes: Vec::new(),
+            ignored: Vec::new(),
+            findings: Vec::new(),
+            by_mapping: false,
+            time_unit_is_stated: false,
+            sort: false,
+        }
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        joint: &str,
+        quantity: Quantity,
+        column: Option<usize>,
+        values: Vec<f64>,
+    ) {
+        self.channels.push(Channel { joint: joint.to_owned(), quantity, column, values });
+    }
+
+    /// Repairs what is safe to repair and refuses the rest.
+    pub(crate) fn finish(mut self) -> Result<Recording, RecordingError> {
+        if let Some(error) =
+            self.not_finite(|value| !value.is_finite(), |value| value.is_infinite())
+        {
+            return Err(error);
+        }
+        self.sort_rows()?;
+        let rows = self.time_s.len();
+        if let Some(error) = self.too_many_missing() {
+            return Err(error);
+        }
+        let too_few = |found| Fault::TooFewSamples { found, required: MIN_SAMPLES };
+        if rows < MIN_SAMPLES {
+            return Err(self.fault(too_few(rows)));
+        }
+        self.drop_repeated()?;
+        if self.time_s.len() < MIN_SAMPLES {
+            return Err(self.fault(too_few(self.time_s.len())));
+        }
+        let timing = Timing::of(&self.time_s);
+        self.check_seconds(&timing)?;
+        self.interpolate_missing(&timing);
+        self.unwrap_angles();
+
+        let (source, by_mapping) = (self.raw.source, self.by_mapping);
+        let mut joints: Vec<JointChannels> = Vec::new();
+        for channel in self.channels {
+            let index =
+                joints.iter().position(|joint| joint.name == channel.joint).unwrap_or_else(|| {
+                    joints.push(JointChannels::new(&channel.joint));
+                    joints.len() - 1
+                });
+            *joints[index].channel_mut(channel.quantity) = Some(channel.values);
+        }
+        let mut recording = Recording::new(source, self.time_s, joints)?;
+        if let Some(finding) = velocity_check::refusal(&recording, &timing, by_mapping) {
+            let quantity = finding.quantity.unwrap_or(Quantity::Position);
+            let place = format!("{}/{quantity}", finding.joint.as_deref().unwrap_or_default());
+            let fault = Fault::Refused(Box::new(finding));
+            return Err(RecordingError::new(fault, &recording.source).in_column(&place));
+        }
+        recording.notes = self.notes;
+        recording.ignored_columns = self.ignored;
+        let repaired = self.findings.iter().filter(|finding| finding.action == Action::Repaired);
+        recording.notes.extend(repaired.map(|finding| finding.message.clone()));
+        recording.findings = self.findings;
+        Ok(recording)
+    }
+
+    fn fault(&self, fault: Fault) -> RecordingError {
+        RecordingError::new(fault, &self.raw.source)
+    }
+
+    /// A fault in a row of a column.
+    fn fault_at(
+        &self,
+        fault: Fault,
+        row: usize,
+        column: Option<usize>,
+        name: &str,
+    ) -> RecordingError {
+        let error = self.fault(fault);
+        let error = match self.raw.line(row) {
+            Some(line) => error.on_line(line),
+            None => error,
+        };
+        error.in_column(column.map_or(name, |column| &self.raw.columns[column].name))
+    }
+
+    fn time_fault(&self, fault: Fault, row: Option<usize>) -> RecordingError {
+        let name = &self.raw.columns[self.time_column].name;
+        match row {
+            Some(row) => self.fault_at(fault, row, Some(self.time_column), name),
+            None => self.fault(fault).in_column(name),
+        }
+    }
+
+    /// The first value that is refused, in stamps or channels, by row.
+    fn not_finite(
+        &self,
+        refused_stamp: impl Fn(f64) -> bool,
+        refused_value: impl Fn(f64) -> bool,
+    ) -> Option<RecordingError> {
+        let stamp = self.time_s.iter().position(|t| refused_stamp(*t));
+        let stamp =
+            stamp.map(|row| (row, Some(self.time_column), "t".to_owned(), self.time_s[row]));
+        let value = self.channels.iter().filter_map(|channel| {
+            let row = channel.values.iter().position(|value| refused_value(*value))?;
+            Some((row, channel.column, channel.name(), channel.values[row]))
+        });
+        let (row, column, name, value) = stamp.into_iter().chain(value).min_by_key(|at| at.0)?;
+        let text =
+            column.map_or_else(|| value.to_string(), |column| self.raw.text(row, column, value));
+        let (count, total) = self.count_not_finite();
+        Some(self.fault_at(Fault::NotFinite { text, count, total }, row, column, &name))
+    }
+
+    /// Values that are not finite, and all.
+    fn count_not_finite(&self) -> (usize, usize) {
+        let of = |values: &[f64]| values.iter().filter(|value| !value.is_finite()).count();
+        let columns = || {
+            let channels = self.channels.iter().map(|channel| &channel.values[..]);
+            channels.chain([&self.time_s[..]])
+        };
+        (columns().map(of).sum(), columns().map(<[f64]>::len).sum())
+    }
+
+    /// Sorts rows by time if requested, else refuses decreasing stamps.
+    fn sort_rows(&mut self) -> Result<(), RecordingError> {
+        let steps_back: Vec<usize> =
+            (1..self.time_s.len()).filter(|k| self.time_s[*k] < self.time_s[k - 1]).collect();
+        let Some(&first) = steps_back.first() else { return Ok(()) };
+        let (count, total) = (steps_back.len(), self.time_s.len());
+        if !self.sort {
+            let (previous_s, found_s) = (self.time_s[first - 1], self.time_s[first]);
+            let fault = Fault::TimeBackwards { previous_s, found_s, count, total };
+            return Err(self.time_fault(fault, Some(first)));
+        }
+        let mut order: Vec<usize> = (0..total).collect();
+        order.sort_by(|a, b| self.time_s[*a].total_cmp(&self.time_s[*b]));
+        let sorted = |values: &[f64]| order.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+        let runs: Vec<(usize, usize)> = steps_back.iter().map(|k| (*k, *k)).collect();
+        let spans = Span::of_runs(&self.time_s, &runs);
+        self.time_s = sorted(&self.time_s);
+        for channel in &mut self.channels {
+            channel.values = sorted(&channel.values);
+        }
+        if !self.raw.lines.is_empty() {
+            self.raw.lines = order.iter().map(|k| self.raw.lines[*k]).collect();
+        }
+        let message = format!(
+            "time stamps decrease {count} time{} in {total} samples, first to t = {} s; rows sorted",
+            plural(count),
+            spans[0].from_s
+        );
+        let share = count as f64 / total as f64;
+        let finding =
+            Finding::of_stamps(FindingKind::UnsortedRows, Action::Repaired, share).at(spans);
+        self.findings.push(finding.with_message(message));
+        Ok(())
+    }
+
+    /// NaN beyond the limits of interpolation.
+    fn too_many_missing(&self) -> Option<RecordingError> {
+        let total = self.time_s.len();
+        let refused = |channel: &&Channel| {
+            let runs = runs_of_nan(&channel.values);
+            let count: usize = runs.iter().map(|(from, to)| to - from + 1).sum();
+            let at_an_end = |(from, to): &(usize, usize)| *from == 0 || *to + 1 == total;
+            count as f64 > MISSING_SHARE * total as f64
+                || runs.iter().any(|run| run.1 - run.0 >= MISSING_RUN || at_an_end(run))
+        };
+        let channel = self.channels.iter().filter(refused).min_by_key(|channel| {
+            channel.values.iter().position(|value| value.is_nan()).unwrap_or(total)
+        })?;
+        let row = channel.values.iter().position(|value| value.is_nan())?;
+        let text = channel
+            .column
+            .map_or_else(|| "NaN".to_owned(), |column| self.raw.text(row, column, f64::NAN));
+        let (count, total) = self.count_not_finite();
+        let fault = Fault::NotFinite { text, count, total };
+        Some(self.fault_at(fault, row, channel.column, &channel.name()))
+    }
+
+    fn interpolate_missing(&mut self, timing: &Timing) {
+        for channel in &mut self.channels {
+            let runs = runs_of_nan(&channel.values);
+            if runs.is_empty() {
+                continue;
+            }
+            let present = |k: &usize| !channel.values[*k].is_nan();
+            let known: Vec<usize> = (0..channel.values.len()).filter(present).collect();
+            let known_s: Vec<f64> = known.iter().map(|k| self.time_s[*k]).collect();
+            let known_values: Vec<f64> = known.iter().map(|k| channel.values[*k]).collect();
+            let missing: Vec<usize> =
+                (0..channel.values.len()).filter(|k| channel.values[*k].is_nan()).collect();
+            let missing_s: Vec<f64> = missing.iter().map(|k| self.time_s[*k]).collect();
+            let longest_s = BRIDGED_STEPS * timing.median_step_s;
+            let filled = Interpolation::new(&known_s, &missing_s, longest_s).apply(&known_values);
+            for (k, value) in missing.iter().zip(filled) {
+                channel.values[*k] = value;
+            }
+            let share = missing.len() as f64 / channel.values.len() as f64;
+            let spans = Span::of_runs(&self.time_s, &runs);
+            let message = format!(
+                "{} of {} values are NaN ({}), {}; interpolated",
+                missing.len(),
+                channel.values.len(),
+                percent(share),
+                Span::describe(&spans)
+            );
+            self.findings.push(
+                Finding::of_channel(
+                    FindingKind::MissingValues,
+                    Action::Repaired,
+                    &channel.joint,
+                    channel.quantity,
+                    share,
+                )
+                .at(spans)
+                .with_message(message),
+            );
+        }
+    }
+
+    fn drop_repeated(&mut self) -> Result<(), RecordingError> {
+        let total = self.time_s.len();
+        let repeated: Vec<usize> =
+            (1..total).filter(|k| self.time_s[*k] == self.time_s[k - 1]).collect();
+        let Some(&first) = repeated.first() else { return Ok(()) };
+        let count = repeated.len();
+        if count as f64 > REPEATED_SHARE * total as f64 {
+            return Err(self.time_fault(Fault::RepeatedStamps { count, total }, Some(first)));
+        }
+        let runs: Vec<(usize, usize)> = repeated.iter().map(|k| (*k, *k)).collect();
+        let spans = Span::of_runs(&self.time_s, &runs);
+        let message = format!(
+            "{count} duplicate time stamp{} in {total} samples, first at t = {} s; dropped",
+            plural(count),
+            self.time_s[first]
+        );
+        let keep: Vec<bool> =
+            (0..total).map(|k| k == 0 || self.time_s[k] != self.time_s[k - 1]).collect();
+        let kept = |values: &[f64]| {
+            values.iter().zip(&keep).filter(|(_, keep)| **keep).map(|(value, _)| *value).collect()
+        };
+        for channel in &mut self.channels {
+            channel.values = kept(&channel.values);
+        }
+        self.time_s = kept(&self.time_s);
+        let share = count as f64 / total as f64;
+        let finding = Finding::of_stamps(FindingKind::RepeatedStamps, Action::Repaired, share);
+        self.findings.push(finding.at(spans).with_message(message));
+        Ok(())
+    }
+
+    fn check_seconds(&self, timing: &Timing) -> Result<(), RecordingError> {
+        let median_step_s = timing.median_step_s;
+        let Some((unit, factor)) = not_seconds(median_step_s) else { return Ok(()) };
+        if self.time_unit_is_stated {
+            return Ok(());
+        }
+        let median_step = format!("{median_step_s:.3e}").parse().unwrap_or(median_step_s);
+        let by_mapping = self.by_mapping;
+        Err(self.time_fault(Fault::NotSeconds { median_step, unit, factor, by_mapping }, None))
+    }
+
+    fn unwrap_angles(&mut self) {
+        for channel in &mut self.channels {
+            if !matches!(channel.quantity, Quantity::Position | Quantity::MotorPosition) {
+                continue;
+            }
+            let jumps = unwrap_turns(&mut channel.values);
+            if jumps.is_empty() {
+                continue;
+            }
+            let runs: Vec<(usize, usize)> = jumps.iter().map(|k| (*k, *k)).collect();
+            let spans = Span::of_runs(&self.time_s, &runs);
+            let message = format!(
+                "angle wraps {} time{} in {} samples, first at t = {:.3} s; unwrapped",
+                jumps.len(),
+                plural(jumps.len()),
+                channel.values.len(),
+                spans[0].from_s
+            );
+            let share = jumps.len() as f64 / channel.values.len() as f64;
+            self.findings.push(
+                Finding::of_channel(
+                    FindingKind::WrappedAngle,
+                    Action::Repaired,
+                    &channel.joint,
+                    channel.quantity,
+                    share,
+                )
+                .at(spans)
+                .with_message(message),
+            );
+        }
+    }
+}
+
+/// First and last sample of each run of NaN.
+fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for k in (0..values.len()).filter(|k| values[*k].is_nan()) {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == k => *last = k,
+            _ => runs.push((k, k)),
+        }
+    }
+    runs
+}
+
+/// Apparent unit of stamps with this median step, and the factor to seconds; none for seconds.
+fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
+    match median_step {
+        step if step >= 5e5 => Some(("nanoseconds", 1e-9)),
+        step if step >= 5e2 => Some(("microseconds", 1e-6)),
+        1.0 => Some(("sample numbers or milliseconds", 1e-3)),
+        step if step >= LONGEST_STEP_S => Some(("milliseconds", 1e-3)),
+        step if step <= SHORTEST_STEP_S => Some(("days", 86_400.0)),
+        _ => None,
+    }
+}

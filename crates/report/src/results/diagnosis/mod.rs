@@ -1,0 +1,13 @@
+//! Data of `armident diagnose`: what several sections read. Sections keep data of their own beside it.
+
+mod finding;
+mod input_checks;
+mod report;
+mod residual_map;
+mod verdict;
+
+pub use finding::{Alternative, Character, Estimate, Finding, FindingEvidence};
+pub use input_checks::{DriveGainOfMasses, InputChecks};
+pub use report::{DiagnoseInputs, DiagnoseReport, EffortErrors, Fits, MoreData};
+pub use residual_map::{JointResiduals, Regressor, RegressorBin, VariableShare};
+pub(crate) use verdict::{NOISE_UNRELIABLE, worse_on_holdout};

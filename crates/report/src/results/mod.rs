@@ -1,0 +1,29 @@
+//! Results of the commands as data: what their JSON holds.
+
+mod by_joint;
+pub(crate) mod check;
+mod consistency;
+pub(crate) mod constants;
+pub(crate) mod diagnosis;
+mod identify;
+mod params;
+mod plan;
+mod units;
+mod validate;
+
+pub use by_joint::ByJoint;
+pub use check::{ChannelRow, CheckReport, CheckRow, ConstantCheckRow, Topic, Verdict};
+pub use consistency::ConsistencyReport;
+pub use constants::{ConstantRow, NOT_IDENTIFIED};
+pub use diagnosis::{
+    Alternative, Character, DiagnoseInputs, DiagnoseReport, DriveGainOfMasses, EffortErrors,
+    Estimate, Finding, FindingEvidence, Fits, InputChecks, JointResiduals, MoreData, Regressor,
+    RegressorBin, VariableShare,
+};
+pub use identify::{
+    DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,
+    PayloadRow, StepRow,
+};
+pub use params::ParamsReport;
+pub use plan::plan_text;
+pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};

@@ -1,0 +1,57 @@
+//! What each result shows: lists of sections, in the order of the text and of the page. A new section is a file
+//! and a line here.
+
+mod check;
+mod diagnosis;
+mod identify;
+mod model;
+mod validate;
+
+pub use diagnosis::{
+    InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult, PlaceboTest,
+    ReferenceSpeed, ReplayPair,
+};
+
+use crate::results::{CheckReport, IdentifyReport, ValidateReport};
+use crate::section::{DiagnosisSection, Section, shows};
+
+/// Sections of `armident diagnose`.
+pub const DIAGNOSIS: &[&dyn DiagnosisSection] = &[
+    &diagnosis::Faults,
+    &diagnosis::DriveGains,
+    &diagnosis::Findings,
+    &diagnosis::ResidualMap,
+    &shows::<model::SmallTerms>(),
+    &model::LinkErrors,
+    &shows::<model::Projection>(),
+    &shows::<model::ComparisonBandwidth>(),
+    &shows::<model::RegularisedCoulomb>(),
+    &shows::<model::Presliding>(),
+    &shows::<model::SublinearViscous>(),
+    &shows::<model::Transmissions>(),
+    &shows::<diagnosis::ReferenceSpeed>(),
+    &shows::<diagnosis::InconclusiveChanges>(),
+    &diagnosis::EffortError,
+    &shows::<diagnosis::ReplayPair>(),
+    &shows::<diagnosis::MinimalSetEstimate>(),
+    &shows::<diagnosis::PlaceboTest>(),
+    &shows::<diagnosis::NextMotionResult>(),
+];
+
+/// Sections of `armident identify`.
+pub const IDENTIFY: &[&dyn Section<IdentifyReport>] = &[
+    &identify::Constants,
+    &identify::DriveGains,
+    &identify::Payloads,
+    &identify::JointEffects,
+    &identify::Significance,
+    &identify::Problem,
+    &identify::EffortError,
+];
+
+/// Sections of `armident validate`.
+pub const VALIDATE: &[&dyn Section<ValidateReport>] = &[&validate::EffortError, &validate::Replay];
+
+/// Sections of `armident check`.
+pub const CHECK: &[&dyn Section<CheckReport>] =
+    &[&check::Checks, &check::Columns, &check::Excitation];

@@ -1,0 +1,20 @@
+//! Sections on what the diagnosed model holds beside the findings.
+
+mod bandwidth;
+mod detail;
+mod link_errors;
+mod presliding;
+mod projection;
+mod regularised_coulomb;
+mod small_terms;
+mod sublinear_viscous;
+mod transmissions;
+
+pub(super) use bandwidth::ComparisonBandwidth;
+pub(super) use link_errors::LinkErrors;
+pub(super) use presliding::Presliding;
+pub(super) use projection::Projection;
+pub(super) use regularised_coulomb::RegularisedCoulomb;
+pub(super) use small_terms::SmallTerms;
+pub(super) use sublinear_viscous::SublinearViscous;
+pub(super) use transmissions::Transmissions;

@@ -1,0 +1,8 @@
+//! The text of each result: first lines, then its sections.
+
+mod check;
+mod diagnosis;
+mod identify;
+mod validate;
+
+pub use diagnosis::text_of_sections;
