@@ -8,7 +8,7 @@ use crate::design::training::Design;
 use crate::diagnosis::Diagnosis;
 use crate::error::DiagnoseError;
 use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
-use crate::findings::fitted_model::{choose_outputs, fitted_model, rigid_alone};
+use crate::findings::fitted_model::{choose_outputs, fitted_model, links_only_fit};
 use crate::findings::placebo::placebo;
 use crate::findings::residual_map::{atlas, character};
 use crate::regression::elimination::InflatedLink;
@@ -188,7 +188,7 @@ impl<'a> Selected<'a> {
                     .collect()
             })
             .collect();
-        let mut rigid = rigid_alone(model, design).unwrap_or_else(|| model.links_in_band());
+        let mut rigid = links_only_fit(model, design).unwrap_or_else(|| model.links_in_band());
         choose_outputs(&mut rigid, design)?;
         let mut believed = model.links_in_band();
         believed.band.clone_from(&fitted.band);

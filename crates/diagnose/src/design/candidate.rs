@@ -2,6 +2,7 @@
 
 use armident_effects::{Effect, Law, LinkSide, Role, Scope, UNMODELLED};
 use armident_model::SmoothBasis;
+
 /// Where a candidate acts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Location {
@@ -11,12 +12,12 @@ pub(crate) struct Location {
     pub(crate) window: Option<(usize, [f64; 2])>,
 }
 
-/// What a candidate stands for.
+/// Law or smooth term of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CandidateKind {
     /// A law of the library.
     Law(&'static dyn Effect),
-    /// A flexible description on these variables.
+    /// A smooth term of these variables.
     SmoothDirections(SmoothDirections),
 }
 
@@ -33,7 +34,7 @@ pub(crate) struct Candidate {
     pub(crate) places: Vec<Role>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
-    /// directions of these that the motions do not show, each as large as one is likely to be
+    /// directions of these that are not excited, each with its prior deviation
     pub(crate) hidden: Vec<Vec<f64>>,
     /// root mean square of its effort as recorded over that in the band, 1 or more: impacts in a gap are
     /// mostly above it
@@ -106,8 +107,7 @@ impl Candidate {
     }
 }
 
-/// A flexible description in the search: its basis, and the coefficients of the hats from those of the
-/// columns, `[column][hat]`.
+/// A smooth term in the search: its basis, and the coefficients of the hats from those of the columns, `[column][hat]`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SmoothDirections {
     pub(crate) basis: SmoothBasis,

@@ -1,4 +1,4 @@
-//! What links weigh behind a spring: how they load the joints, and how the one behind the spring then moves.
+//! Links behind a spring: their load on the joints, and the motion of the one behind the spring.
 //!
 //! ```text
 //! τ = Y(q, q̇, q̈) π,   q the motion of the link;   dτ/dπ = Y + ∂τ/∂(q, q̇, q̈) d(q, q̇, q̈)/dπ
@@ -28,7 +28,7 @@ pub(crate) struct CompliantLink {
     load: Load,
     /// `[position, velocity, acceleration][joint][sample]`: change of the efforts with them
     by_motion: [Vec<Vec<f64>>; 3],
-    /// `[joint][sample]`: of the difference to a rigid transmission what the columns of the links already count
+    /// `[joint][sample]`: part of the difference to a rigid transmission that the columns of the links include
     counted: Vec<Vec<f64>>,
 }
 
@@ -99,7 +99,7 @@ impl CompliantLink {
         Ok(sprung)
     }
 
-    /// Of the difference to a rigid transmission what the columns of the links already count, `[joint][sample]`.
+    /// Part of the difference to a rigid transmission that the columns of the links include, `[joint][sample]`.
     pub(crate) fn counted(&self) -> &[Vec<f64>] {
         &self.counted
     }

@@ -1,4 +1,4 @@
-//! Windows of time in which a constant force on the tip explains what is left over.
+//! Windows of time in which a constant force on the tip explains the residual.
 
 use armident_effects::{ExternalContact, Role};
 use nalgebra::{Matrix3, Vector3};

@@ -30,7 +30,7 @@ pub(crate) struct LinearProblem {
     /// products of its directions in the efforts, `W'W` at size 1: formed when first asked for
     pub(crate) of_directions: OnceLock<Vec<Vec<f64>>>,
     pub(crate) candidates: Vec<Candidate>,
-    /// `[joint]`: effects that were taken out of the recordings; what is found may be less of them
+    /// `[joint]`: effects that were subtracted from the recordings; a finding may be a decrease of these
     pub(crate) known: Vec<Vec<EffectOnJoint>>,
     /// laws of the candidates and of the known effects
     pub(crate) library: Library,

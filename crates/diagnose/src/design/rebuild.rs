@@ -8,7 +8,8 @@ use crate::design::smooth::push_smooth;
 use crate::design::training::Design;
 use crate::design::transmission::push_transmission;
 use armident_effects::{Effect, Scope};
-/// The candidate of a new problem that stands for the same.
+
+/// The same candidate in a new problem.
 pub(crate) fn recreate(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -26,7 +27,7 @@ pub(crate) fn recreate(
     }
 }
 
-/// The same of what acts at all times.
+/// The same candidate in a new problem, of one that acts at all times.
 pub(crate) fn recreate_lasting(
     design: &Design<'_>,
     at: &[Posed<'_>],

@@ -1,4 +1,4 @@
-//! From recordings and the believed arm to the linear problem, about an operating point.
+//! From recordings and the given arm to the linear problem, about an operating point.
 
 use crate::design::observations::{JointColumns, Observations, Weights};
 use std::collections::BTreeMap;
@@ -116,8 +116,8 @@ impl<'a> Design<'a> {
     /// The same compared with those of its recordings before `from`, which show the arm as it was, and hold its links
     /// and baseline friction.
     ///
-    /// Gives back as well, for each joint that moves faster now than then, how fast it was before: what its friction
-    /// is beyond, the reference does not say, so that these rows are excluded.
+    /// Gives back as well, for each joint that moves faster now than then, how fast it was before: the reference
+    /// does not determine its friction beyond that, so that these rows are excluded.
     pub(crate) fn against_reference(self, from: usize) -> (Self, BTreeMap<String, f64>) {
         let mut design = Self { observations: self.observations.against_reference(from), ..self };
         let mut exceeded = BTreeMap::new();
@@ -228,7 +228,7 @@ impl<'a> Design<'a> {
                 };
                 (0..sites).flat_map(at_location).filter(|(_, _, shape)| shapes(shape)).collect()
             };
-        // columns are dear to form and independent; candidates are numbered in order
+        // columns are expensive to form and independent; candidates are numbered in order
         let of_joints = of_scope(Scope::Joint, n);
         let columns: Vec<Vec<JointColumns>> = of_joints
             .par_iter()
@@ -246,8 +246,8 @@ impl<'a> Design<'a> {
     }
 
     /// The terms of a plain identification on every joint, the same before and after a change, and a
-    /// deviation of their coefficients that leaves them free: such that a column is as large as what is
-    /// to be explained on its joint.
+    /// deviation of their coefficients that leaves them free: such that a column is as large as the
+    /// effort to be explained on its joint.
     fn baseline_columns(
         &self,
         at: &[Posed<'_>],

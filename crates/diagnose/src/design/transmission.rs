@@ -1,4 +1,4 @@
-//! Springy and loose transmissions: the recorded motor drives a hidden link.
+//! Elastic transmissions and backlash: the recorded motor drives a link whose motion is not recorded.
 //!
 //! ```text
 //! m(t) q̈ + b(t) = τ,   τ = K (θ - q) + D (θ̇ - q̇), or that beyond a gap;   effort = rigid(link) + J θ̈

@@ -6,8 +6,8 @@ use crate::findings::finding::Finding;
 use armident_model::{ArmModel, SmoothTerm};
 
 impl Finding {
-    /// A diagnosed model without what the finding stands for, all else as it is; `before` is
-    /// the model that was diagnosed. Contacts are in no model: nothing goes.
+    /// A diagnosed model without the effect of the finding, all else as it is; `before` is the given model. Contacts are in no
+    /// model and remove nothing.
     #[must_use]
     pub fn ablated_from(&self, model: &ArmModel, before: &ArmModel) -> ArmModel {
         let (finding, mut model) = (self, model.clone());

@@ -1,4 +1,4 @@
-//! The model that an estimate stands for.
+//! The model of an estimate.
 
 use crate::selection::solution::Solution;
 use armident_model::{
@@ -24,8 +24,8 @@ const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), So
 /// Cut-offs tried for the rigid part \[Hz\].
 const RIGID_HZ: [f64; 7] = [40.0, 20.0, 14.0, 10.0, 7.0, 5.0, 3.5];
 
-/// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws; those of two joints
-/// are formed with it.
+/// Parameters of a law in true efforts: coefficients of one joint are divided by the gain of its channel; columns of two
+/// joints include it.
 pub(crate) fn law_parameters(
     candidate: &Candidate,
     coefficients: &[f64],
@@ -45,8 +45,8 @@ fn is_gain(candidate: &Candidate) -> bool {
     candidate.has(|law| law.operating == Some(OperatingTerm::Gain))
 }
 
-/// The model that an estimate stands for; and by how many standard errors its links are off the estimate's, where these
-/// are of no real bodies.
+/// The model of an estimate; and the distance of its links from the estimate's in standard errors, where these are not
+/// physically consistent.
 pub(crate) fn fitted_model(
     model: &ArmModel,
     solution: &Solution<'_, '_>,
@@ -80,7 +80,7 @@ pub(crate) fn fitted_model(
         let Some(law) = candidate.law() else { continue };
         if let (Some(_), Some(&joint)) = (law.law().link_side(), candidate.location.joints.first())
         {
-            // a compliance to first order says nothing of its damping: that of gears, by experience
+            // a compliance to first order has no damping: that of gears, by experience
             const DAMPING: f64 = 0.1;
             let inertia = mean_inertia(solution.at(), joint);
             let of_shape = FittedTransmission::of_law(law, &candidate.shape, inertia);
@@ -117,7 +117,7 @@ pub(crate) fn fitted_model(
     for (k, joint) in found.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
     }
-    // what the reference and the recordings after it together say of baseline terms
+    // baseline terms of the reference and the recordings after it together
     let links = problem.link_error_prior.links;
     for (k, x) in change[10 * links..].iter().enumerate() {
         let (joint, law) = (k / BASELINE.len(), BASELINE[k % BASELINE.len()]);
@@ -142,8 +142,8 @@ pub(crate) fn fitted_model(
     (found, distance_in_standard_errors)
 }
 
-/// The believed arm with its rigid body identified again and nothing else.
-pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<ArmModel> {
+/// The links-only fit.
+pub(crate) fn links_only_fit(model: &ArmModel, design: &Design<'_>) -> Option<ArmModel> {
     const SCALE: f64 = 1.0;
     let problem = design.problem_without_trials(&OperatingPoint::of(design.joints()));
     let metric = problem.marginalised(SCALE, &[]);
@@ -155,8 +155,8 @@ pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<ArmMo
     Some(found)
 }
 
-/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
-/// recordings; what is left of these is the noise of the model.
+/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training recordings; their
+/// residual is the noise of the model.
 pub(crate) fn choose_outputs(
     model: &mut ArmModel,
     design: &Design<'_>,
@@ -223,7 +223,7 @@ mod tests {
     use armident_motion::Signals;
 
     /// The UR5, and one with other links.
-    fn believed_and_real() -> (DrivingAxisChain, DrivingAxisChain) {
+    fn given_and_true() -> (DrivingAxisChain, DrivingAxisChain) {
         let believed = ur5();
         let mut real = believed.clone();
         for (k, joint) in real.joints.iter_mut().enumerate() {
@@ -234,7 +234,7 @@ mod tests {
         (believed, real)
     }
 
-    /// The model that is learned from a recording.
+    /// The model fitted to a recording.
     fn fitted_to(recorded: &Signals, chain: &DrivingAxisChain) -> ArmModel {
         let design = Design::new(chain, vec![recorded.clone()]);
         let (design, selection) = select(&design).unwrap();
@@ -242,12 +242,12 @@ mod tests {
         fitted_model(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
     }
 
-    /// What of an arm with wrong links a channel records too large is too large of their errors as well.
+    /// The gain of a channel scales the efforts of link errors too.
     #[test]
-    fn the_gain_of_a_channel_holds_for_errors_of_links_too() {
+    fn channel_gain_scales_link_errors_too() {
         const SCALED: usize = 2;
         const GAIN: f64 = 1.45;
-        let (chain, real) = believed_and_real();
+        let (chain, real) = given_and_true();
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
 
@@ -264,12 +264,12 @@ mod tests {
         }
     }
 
-    /// Friction follows the load that a gear carries, not the one that its model is believed to carry.
+    /// Load-dependent friction follows the load of the true links, not of the given ones.
     #[test]
-    fn friction_follows_the_load_of_the_real_links() {
+    fn friction_follows_load_of_true_links() {
         const LOADED: usize = 1;
         const OF_LOAD: f64 = 0.1;
-        let (chain, real) = believed_and_real();
+        let (chain, real) = given_and_true();
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         let point = OperatingPoint::of(real.joints.len());
         let moved = recorded.clone();

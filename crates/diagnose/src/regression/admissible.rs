@@ -1,10 +1,15 @@
-//! Whether coefficients may carry the name of their law.
+//! Admissibility: whether the coefficients of a fit have the signs and sizes that their laws allow.
+//!
+//! Method: unconstrained fit, then a check of every candidate by its law; a candidate on a joint with known effects may be a
+//! decrease of these.
+//! References: own.
 
 use crate::design::candidate::Candidate;
 use crate::design::linear_problem::LinearProblem;
 use crate::regression::marginalised::LeastSquaresFit;
 use armident_effects::{EffectOnJoint, Scope};
-/// Whether the coefficients of a candidate may carry its name.
+
+/// Whether the coefficients of a candidate are admissible for its law.
 pub(crate) fn admissible(
     problem: &LinearProblem,
     candidate: &Candidate,

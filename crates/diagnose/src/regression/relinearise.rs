@@ -1,4 +1,8 @@
-//! The operating point of the next iteration: what a fit adds to it, and the step of springs and links.
+//! The operating point of the next iteration, from the estimate of this one, and the step of springs and links.
+//!
+//! Method: Gauss-Newton iteration of the operating terms; Aitken extrapolation of springs and the links behind them.
+//! References: A. C. Aitken, On Bernoulli's numerical solution of algebraic equations, Proceedings of the Royal Society of
+//! Edinburgh 46, 1926.
 
 use crate::design::candidate::Candidate;
 use crate::design::compliant_link::{Posed, mean_inertia};
@@ -7,7 +11,8 @@ use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 use armident_effects::{LinkSide, OperatingTerm};
 use armident_model::{FittedTransmission, OperatingPoint, Spring};
-/// The springs that an estimate has found, beside which its links are fitted.
+
+/// The springs of an estimate, beside which its links are fitted.
 pub(crate) fn springs(
     metric: &Marginalised<'_>,
     found: &Estimate,
@@ -32,12 +37,12 @@ pub(crate) struct Step {
     pub(crate) to: Vec<Spring>,
 }
 
-/// Makes the step of springs and links from one operating point to the next as long as their last two say: what is
-/// fitted changes with what columns were formed beside, by a share of it that these two steps tell (Aitken 1926), and
-/// where it changes no longer lies beyond the fit where that share is positive, before it where it is negative: what a
-/// spring and its links are is nearly one, and columns say what a link does to a spring only near both.
+/// Extrapolates the step of springs and links from their last two: the fitted value changes with the operating point by a
+/// share of its change, which two steps determine (Aitken 1926). Its fixed point lies beyond the fit where the share is
+/// positive, before it where it is negative. A spring and its links are nearly collinear, and the columns of links are
+/// linear only near both.
 pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Option<&Step>) {
-    /// Times the step that was fitted, at most: of two steps alone a share near one is not known.
+    /// Largest factor of the fitted step: two steps do not determine a share near one.
     const LONGEST: f64 = 3.0;
     let Some(last) = last else { return };
     let stiffness = |springs: &[Spring], joint: usize| {
@@ -71,7 +76,7 @@ pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Optio
     }
 }
 
-/// The operating point with what a fit adds to it.
+/// The operating point moved by the coefficients of a fit.
 pub(crate) fn moves(
     problem: &LinearProblem,
     found: &Estimate,
@@ -102,8 +107,8 @@ pub(crate) fn moves(
     point
 }
 
-/// By what the links are changed, where one of them moves by itself behind its motor, or seems to to first order, or
-/// friction follows the load.
+/// Change of the links' standard parameters, where an estimate has a transmission or friction that follows the load; none
+/// where links have no influence on the columns.
 pub(crate) fn other_links(metric: &Marginalised<'_>, found: &Estimate) -> Option<Vec<f64>> {
     let candidates = || found.set.iter().map(|g| &metric.problem.candidates[*g]);
     let matters = |candidate: &Candidate| {
@@ -129,7 +134,7 @@ pub(crate) fn has_converged(to: &OperatingPoint, from: &OperatingPoint) -> bool 
         && to.gain.iter().zip(&from.gain).all(|(a, b)| (a - b).abs() < STILL.3)
 }
 
-/// Whether the constants of a transmission are those beside which its links were fitted; what is none always is.
+/// Whether the constants of a transmission are those beside which its links were fitted; true of other candidates.
 pub(crate) fn is_settled(
     candidate: &Candidate,
     before: &[Candidate],

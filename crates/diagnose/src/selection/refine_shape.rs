@@ -1,4 +1,8 @@
-//! Constants that were tried on a grid, polished; and candidates formed again in another problem.
+//! Refinement of shape constants that were tried on a grid.
+//!
+//! Method: pattern search along one constant after the other, with halved steps, all coefficients refitted.
+//! References: R. Hooke, T. A. Jeeves, "Direct search" solution of numerical and statistical problems, Journal of the ACM 8(2),
+//! 1961.
 
 use crate::design::rebuild::{continuous, known, recreate};
 use crate::design::transmission::push_transmission;
@@ -20,12 +24,11 @@ use armident_model::Load;
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
-/// Share of the first step of a constant with which one goes on that was polished before: steps that improve are repeated,
-/// so that it gets as far as it has to.
+/// Share of the first step for a constant that was refined before: steps that improve are repeated.
 const POLISHED: f64 = 0.125;
 
-/// Polishes the constants that were tried on a grid. Everyday terms of the same joints are fitted beside them, with any
-/// sign: what is too small to be named would otherwise be made up for by the constants.
+/// Refines the constants of an estimate. Baseline terms of the same joints are fitted beside them, with any sign: otherwise
+/// the constants would absorb friction below the materiality threshold.
 pub(crate) fn refine(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -38,7 +41,7 @@ pub(crate) fn refine(
 ) -> Estimate {
     let named = found.set.len();
     let unnamed = baseline_beside(problem, (scale, inflated), &found, &polished);
-    // a problem of the estimate's columns alone: trials are then cheap
+    // a problem of the estimate's columns alone makes trials cheap
     let (small, set) = problem.restricted(&[&found.set[..], &unnamed].concat());
     let mut elimination = small.elimination(scale, inflated);
     let best = fit_named(&small.marginalised_by(&mut elimination), set, named);
@@ -98,7 +101,7 @@ pub(crate) fn refine(
     fit_set(&problem.marginalised(scale, inflated), set).unwrap_or(found)
 }
 
-/// An estimate, and what to try in its place.
+/// An estimate whose candidates are replaced by trials.
 struct Trials<'a, 'e> {
     design: &'a Design<'e>,
     at: &'a [Posed<'e>],
@@ -106,14 +109,13 @@ struct Trials<'a, 'e> {
     small: LinearProblem,
     elimination: NuisanceElimination,
     best: Estimate,
-    /// so many candidates of the estimate have a name; the others stand beside them
+    /// number of candidates of the estimate; the others are baseline terms beside them
     named: usize,
     /// loads on links that moved last, by joint and recording
     near: HashMap<usize, Vec<Option<Load>>>,
 }
 
-/// Fits a set in its order, of which the first candidates have a name; none where it cannot be fitted or these are not
-/// admissible.
+/// Fits a set in its order; none where it cannot be fitted or its first `named` candidates are not admissible.
 fn fit_named(metric: &Marginalised<'_>, set: Vec<usize>, named: usize) -> Option<Estimate> {
     let columns = metric.columns_of(&set);
     let count = columns.len();
@@ -124,9 +126,9 @@ fn fit_named(metric: &Marginalised<'_>, set: Vec<usize>, named: usize) -> Option
     })
 }
 
-/// Everyday terms of the joints on which constants of laws of one joint are polished, where these are admissible. Not
+/// Baseline terms of the joints on which constants of laws of one joint are refined, where these are admissible. Not
 /// beside a coupling: friction of its two joints with any sign is a coupling of another ratio (on a TX40 it took the
-/// ratio of the wrist from 0.93 to 0.66, and half of what was gained).
+/// ratio of the wrist from 0.93 to 0.66, and half of the gain).
 fn baseline_beside(
     problem: &LinearProblem,
     (scale, inflated): (f64, &[InflatedLink]),
@@ -220,9 +222,9 @@ mod tests {
     use crate::test_arms::{STRIBECK, rubbing, stribeck, ur5};
     use armident_model::OperatingPoint;
 
-    /// Viscous friction that nobody names does not change the speed that friction falls in.
+    /// Viscous friction that is not in the set does not change the Stribeck velocity.
     #[test]
-    fn what_is_not_named_is_not_made_up_for() {
+    fn immaterial_friction_does_not_bias_shape() {
         let chain = ur5();
         let design = rubbing(&chain, 0.3);
         let point = OperatingPoint::of(design.joints());
