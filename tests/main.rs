@@ -71,5 +71,7 @@ mod flow;
 mod readme;
 /// the structure inside crates: rooms, circles, names, sources of methods
 mod rooms;
+/// names of laws stand in one crate
+mod slugs;
 /// the vocabulary of text and code
 mod words;

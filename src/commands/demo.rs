@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use armident_effects::EffectOnJoint;
+use armident_effects::{CoulombFriction, Effect, EffectOnJoint, Payload, TorqueRipple};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording, encode, read_csv_from};
@@ -21,10 +21,10 @@ const MOTIONS: [(&str, &str); 2] = [
     ("holdout.csv", include_str!("../../examples/ur5/holdout.csv")),
 ];
 /// Effects missing from the URDF: effect, joint, parameters.
-const HIDDEN: [(&str, &str, &[f64]); 3] = [
-    ("payload", "", &[0.8, 0.0, 0.0, 0.06]),
-    ("coulomb_friction", "elbow_joint", &[3.3]),
-    ("torque_ripple", "shoulder_pan_joint", &[1.5, 16.0, 0.4, 0.0, 0.0]),
+const HIDDEN: [(&dyn Effect, &str, &[f64]); 3] = [
+    (&Payload, "", &[0.8, 0.0, 0.0, 0.06]),
+    (&CoulombFriction, "elbow_joint", &[3.3]),
+    (&TorqueRipple, "shoulder_pan_joint", &[1.5, 16.0, 0.4, 0.0, 0.0]),
 ];
 /// Noise of the efforts from base to tip \[N m\].
 const EFFORT_NOISE: [f64; 6] = [0.1, 0.1, 0.06, 0.02, 0.02, 0.02];
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome, Failure> {
     let chain = DrivingAxisChain::from_chain(&chain);
     let effects: Vec<EffectOnJoint> = HIDDEN
         .iter()
-        .map(|(effect, joint, parameters)| EffectOnJoint::new(*effect, *joint, *parameters))
+        .map(|(effect, joint, parameters)| EffectOnJoint::new(effect.slug(), *joint, *parameters))
         .collect();
     let arm = SimulatedArm::on_chain(&chain, &effects)?;
     let noise: BTreeMap<String, f64> = chain

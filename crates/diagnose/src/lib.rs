@@ -68,5 +68,4 @@ pub use findings::residual_map::{Bin, Character, JointAtlas, Regime, SymmetryTes
 pub use request::{DiagnoseRequest, diagnose};
 pub use uncertainty::minimal_constants::{ConstantEstimate, ConstantEstimates};
 
-/// Name of a finding for structure that no law of the library explains.
-pub const UNMODELLED: &str = "unmodelled";
+pub use armident_effects::UNMODELLED;

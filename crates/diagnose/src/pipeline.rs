@@ -8,7 +8,7 @@ use crate::design::training::Design;
 use crate::diagnosis::Diagnosis;
 use crate::error::DiagnoseError;
 use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
-use crate::findings::fitted_model::{choose_outputs, fitted_model, rigid_alone};
+use crate::findings::fitted_model::{choose_outputs, fitted_model, links_only_fit};
 use crate::findings::placebo::placebo;
 use crate::findings::residual_map::{atlas, character};
 use crate::regression::elimination::InflatedLink;
@@ -20,7 +20,6 @@ use crate::selection::materiality::joints_of_inertial_errors;
 use crate::selection::solution::{Selection, Solution};
 use crate::selection::sublinear::with_sublinear_friction;
 use crate::uncertainty::minimal_constants::constants;
-use armident_kinematics::DrivingAxisChain;
 use armident_model::ArmModel;
 use armident_motion::BAND_HZ;
 use armident_recording::Recording;
@@ -38,7 +37,7 @@ pub(crate) fn against_model(
 ) -> Result<Diagnosis, DiagnoseError> {
     let compared = known.map_or(model, KnownModel::body);
     let names = names_of(compared);
-    let mut selected = selected(known, &compared.chain, &names, recordings)?;
+    let mut selected = selected(known, compared, &names, recordings)?;
     let mut diagnosis = selected.diagnosis(compared, &names)?;
     let Selected { design, selection, .. } = &mut selected;
     diagnosis.placebo = placebo_terms.map(|terms| placebo(design, selection, terms));
@@ -65,8 +64,8 @@ pub(crate) fn against_reference(
     let band_hz = narrowed_to_hz.unwrap_or(BAND_HZ);
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
     let all = [reference, recordings].concat();
-    let (design, beyond_reference) = design_of(Some(&known), &body.chain, &names, &all, band_hz)?
-        .against_reference(reference.len());
+    let (design, beyond_reference) =
+        design_of(Some(&known), body, &names, &all, band_hz)?.against_reference(reference.len());
     let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.estimate);
     let selected = Selected { design, selection, best, sublinear: None, narrowed_to_hz };
@@ -81,7 +80,7 @@ fn model_of(
     model: &ArmModel,
     train: &[Recording],
 ) -> Result<(ArmModel, Option<f64>), DiagnoseError> {
-    let selected = selected(None, &model.chain, &names_of(model), train)?;
+    let selected = selected(None, model, &names_of(model), train)?;
     let Selected { design, selection, narrowed_to_hz, .. } = &selected;
     let (problem, predicting) = selected.predicting();
     let metric = problem.marginalised(predicting.scale, &selection.inflated);
@@ -108,13 +107,13 @@ struct Selected<'a> {
 /// The selection in the band, or in the narrow one where what it found does not hold there.
 fn selected<'a>(
     known: Option<&'a KnownModel>,
-    chain: &'a DrivingAxisChain,
+    compared: &'a ArmModel,
     names: &[String],
     train: &[Recording],
 ) -> Result<Selected<'a>, DiagnoseError> {
-    let design = design_of(known, chain, names, train, BAND_HZ)?;
+    let design = design_of(known, compared, names, train, BAND_HZ)?;
     let (selection, narrow) =
-        rayon::join(|| select(&design), || design_of(known, chain, names, train, NARROW_HZ));
+        rayon::join(|| select(&design), || design_of(known, compared, names, train, NARROW_HZ));
     let (design, selection) = selection.ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.estimate);
     // longer kernels want longer recordings: without them the band stays
@@ -189,7 +188,7 @@ impl<'a> Selected<'a> {
                     .collect()
             })
             .collect();
-        let mut rigid = rigid_alone(model, design).unwrap_or_else(|| model.links_in_band());
+        let mut rigid = links_only_fit(model, design).unwrap_or_else(|| model.links_in_band());
         choose_outputs(&mut rigid, design)?;
         let mut believed = model.links_in_band();
         believed.band.clone_from(&fitted.band);
@@ -252,13 +251,14 @@ impl<'a> Selected<'a> {
 /// The recordings without what is known, and the arm they are compared with.
 fn design_of<'a>(
     known: Option<&'a KnownModel>,
-    chain: &'a DrivingAxisChain,
+    compared: &'a ArmModel,
     names: &[String],
     recordings: &[Recording],
     band_hz: f64,
 ) -> Result<Design<'a>, DiagnoseError> {
     let mut signals = usable_signals(names, recordings, band_hz)?;
-    let Some(known) = known else { return Ok(Design::new(chain, signals)) };
+    let design = |signals| Design::new(&compared.chain, signals).with_library(&compared.library);
+    let Some(known) = known else { return Ok(design(signals)) };
     signals = signals.into_iter().map(|s| known.taken_out_of(s)).collect::<Result<_, _>>()?;
-    Ok(Design::new(chain, signals).beside(known.effects()))
+    Ok(design(signals).beside(known.effects()))
 }

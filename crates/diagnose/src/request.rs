@@ -1,5 +1,6 @@
 //! The door: what a diagnosis is asked, and its steps.
 
+use armident_effects::{Effect, TorqueScale};
 use armident_ident::checks::Topic;
 use armident_model::ArmModel;
 use armident_recording::Recording;
@@ -109,7 +110,7 @@ impl InputChecks {
     /// another joint, sign or unit into that: where these are found, the fault stands. So do faults of what was
     /// recorded at all: a column that is 0 is soon explained.
     fn excuse(&mut self, diagnosis: &Diagnosis) {
-        let turned = |f: &Finding| f.link.is_some() || f.effect == "torque_scale";
+        let turned = |f: &Finding| f.link.is_some() || f.effect == TorqueScale.slug();
         if diagnosis.findings.iter().any(turned) || diagnosis.inertial_error > MOST_BELIEVED {
             return;
         }

@@ -28,44 +28,62 @@ pub const LEAST_SPEED_SHARE: f64 = 0.005;
 /// Bristles bend before they slip, so that friction builds up over a travel (Dahl, A solid friction model, 1968); a drive train
 /// that winds up, and an effort that lags, make it one of the speed where reversals are alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Turn {
-    /// Linearly below a speed \[rad/s or m/s\]; 0: at once.
-    Speed(f64),
-    /// Exponentially over a travel since the last reversal \[rad or m\].
-    Travel(f64),
+pub enum ReversalModel {
+    /// The sign of the velocity, linear below a speed.
+    RegularisedSign {
+        /// That speed \[rad/s or m/s\]; 0: the sign itself.
+        below: f64,
+    },
+    /// Friction that approaches its level exponentially over the travel since the last reversal.
+    Presliding {
+        /// Travel in which the distance to the level falls to 1/e \[rad or m\].
+        travel: f64,
+    },
 }
 
-impl Turn {
+impl ReversalModel {
     /// Travels to try, as shares of the standard deviation of the position.
     pub const TRAVEL_SHARES: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
+
+    /// The sign of the velocity, linear below this speed \[rad/s or m/s\].
+    pub const fn regularised(below: f64) -> Self {
+        Self::RegularisedSign { below }
+    }
+
+    /// Presliding over this travel \[rad or m\].
+    pub const fn presliding(travel: f64) -> Self {
+        Self::Presliding { travel }
+    }
 
     /// Dry friction of level 1 at every sample.
     pub fn directions(self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         match self {
-            Self::Speed(speed) => directions_with(velocity, speed.max(f64::MIN_POSITIVE)),
-            Self::Travel(travel) => deflections(position, travel),
+            Self::RegularisedSign { below } => {
+                directions_with(velocity, below.max(f64::MIN_POSITIVE))
+            }
+            Self::Presliding { travel } => deflections(position, travel),
         }
     }
 
-    /// Speed below which it is regularised \[rad/s or m/s\]; 0 for presliding.
-    pub fn speed(self) -> f64 {
+    /// Speed below which the sign is regularised \[rad/s or m/s\]; 0 for presliding.
+    pub fn regularised_below(self) -> f64 {
         match self {
-            Self::Speed(speed) => speed,
-            Self::Travel(_) => 0.0,
+            Self::RegularisedSign { below } => below,
+            Self::Presliding { .. } => 0.0,
         }
     }
 
     /// Travel of presliding \[rad or m\]; 0 for a regularised sign.
-    pub fn travel(self) -> f64 {
+    pub fn presliding_travel(self) -> f64 {
         match self {
-            Self::Speed(_) => 0.0,
-            Self::Travel(travel) => travel,
+            Self::RegularisedSign { .. } => 0.0,
+            Self::Presliding { travel } => travel,
         }
     }
 
     /// From a speed and a travel, of which one is 0.
-    pub fn of(speed: f64, travel: f64) -> Self {
-        if travel > 0.0 { Self::Travel(travel) } else { Self::Speed(speed) }
+    pub fn of(below: f64, travel: f64) -> Self {
+        if travel > 0.0 { Self::Presliding { travel } } else { Self::RegularisedSign { below } }
     }
 }
 

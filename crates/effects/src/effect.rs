@@ -1,11 +1,14 @@
 //! The trait of a law.
 
+use std::fmt;
+
 use armident_dynamics::RigidArm;
 
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::law::{Law, Onset, Role, Scope};
 use crate::mechanism::{ArmFrames, Mechanism};
 use crate::motion::{ArmColumns, ArmMotion, DryFriction, JointMotion, JointState, MotionScale};
+use crate::transmission::Transmission;
 
 /// Step in which an estimator refines a constant of a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +67,28 @@ pub trait Effect: Sync {
     /// Estimator: how a constant of the shape is refined; nothing where it is no continuous number.
     fn shape_step(&self, _constant: usize) -> Option<ShapeStep> {
         Some(ShapeStep::relative(0.16, 0.005))
+    }
+
+    /// Estimator: shapes near one that are tried before its constants are refined, where a refinement from that one
+    /// shape may end in a local minimum.
+    fn shapes_around(&self, _shape: &[f64]) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Estimator, [`Scan::Simulated`](crate::Scan::Simulated): the transmission of a shape, without the inertia of its
+    /// motor; `link_inertia` is what the joint moves \[kg m2 or kg\]. None for other laws and other shapes.
+    fn transmission(&self, _shape: &[f64], _link_inertia: f64) -> Option<Transmission> {
+        None
+    }
+
+    /// Parameters of a transmission, for a law whose [`mechanism`](Self::mechanism) is one; else empty.
+    fn parameters_of_transmission(&self, _transmission: &Transmission) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Parameters of a change of the mass \[kg\] and the first moment \[kg m\] of a link, in the frame of the link.
+    fn parameters_of_link(&self, change: [f64; 4]) -> Vec<f64> {
+        change.to_vec()
     }
 
     /// Estimator, [`Scope::Joint`]: columns whose combination with the coefficients is `f`.
@@ -176,5 +201,20 @@ pub trait Effect: Sync {
     /// Cases: a random effect of this law up to its size; nothing if it cannot be hidden on what was drawn.
     fn draw(&self, _random: &mut dyn Draw, _context: &DrawContext<'_>) -> Option<DrawnEffect> {
         None
+    }
+}
+
+/// Laws are the same if their slugs are.
+impl PartialEq for dyn Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.slug() == other.slug()
+    }
+}
+
+impl Eq for dyn Effect {}
+
+impl fmt::Debug for dyn Effect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.slug())
     }
 }

@@ -2,37 +2,94 @@
 
 use crate::effect::Effect;
 use crate::law::{Admissible, Scope};
-use crate::library::effect;
+use crate::library::Library;
 use crate::on_joint::EffectOnJoint;
 
-/// The one effect that two on the same joint are together: two of one law and of one shape, or a law and one that it
-/// contains. None where no law of the library is both.
-///
-/// Friction that falls is a law with a negative level beside the one that was there: joined, they must be admissible.
-/// Coulomb friction is joined with a presliding hysteresis by its level, the travel in which that builds up stays.
-pub fn joined(a: &EffectOnJoint, b: &EffectOnJoint) -> Option<EffectOnJoint> {
-    if a.joint != b.joint {
-        return None;
-    }
-    let of = |e: &EffectOnJoint| e.resolve().ok().filter(|law| law.law().scope == Scope::Joint);
-    let (law_a, law_b) = (of(a)?, of(b)?);
-    let parameters = if a.effect == b.effect {
-        let (shape, mut sum) = law_a.shape_and_coefficients(&a.parameters);
-        let (other_shape, others) = law_a.shape_and_coefficients(&b.parameters);
-        if shape != other_shape {
+impl Library {
+    /// The one effect that two on the same joint are together: two of one law and of one shape, or a law and one that it
+    /// contains. None where no law of the library is both.
+    ///
+    /// Friction that falls is a law with a negative level beside the one that was there: joined, they must be admissible.
+    /// Coulomb friction is joined with a presliding hysteresis by its level, the travel in which that builds up stays.
+    pub fn joined(&self, a: &EffectOnJoint, b: &EffectOnJoint) -> Option<EffectOnJoint> {
+        if a.joint != b.joint {
             return None;
         }
-        sum.iter_mut().zip(others).for_each(|(x, y)| *x += y);
-        law_a.parameters(&shape, &sum)
-    } else if law_a.law().contains_law(law_b.law()) {
-        with_contained(law_a, &a.parameters, &b.parameters)
-    } else if law_b.law().contains_law(law_a.law()) {
-        let parameters = with_contained(law_b, &b.parameters, &a.parameters);
-        return Some(EffectOnJoint { parameters, ..b.clone() });
-    } else {
-        return None;
-    };
-    Some(EffectOnJoint { parameters, ..a.clone() })
+        let of =
+            |e: &EffectOnJoint| self.resolve(e).ok().filter(|law| law.law().scope == Scope::Joint);
+        let (law_a, law_b) = (of(a)?, of(b)?);
+        let parameters = if a.effect == b.effect {
+            let (shape, mut sum) = law_a.shape_and_coefficients(&a.parameters);
+            let (other_shape, others) = law_a.shape_and_coefficients(&b.parameters);
+            if shape != other_shape {
+                return None;
+            }
+            sum.iter_mut().zip(others).for_each(|(x, y)| *x += y);
+            law_a.parameters(&shape, &sum)
+        } else if law_a.law().contains_law(law_b.law()) {
+            with_contained(law_a, &a.parameters, &b.parameters)
+        } else if law_b.law().contains_law(law_a.law()) {
+            let parameters = with_contained(law_b, &b.parameters, &a.parameters);
+            return Some(EffectOnJoint { parameters, ..b.clone() });
+        } else {
+            return None;
+        };
+        Some(EffectOnJoint { parameters, ..a.clone() })
+    }
+
+    /// Whether an effect may carry its name: by its own numbers or, where it is less of what is known, by those of both.
+    /// A known effect is known to a tenth, so that all of it can disappear. A law with a shape has no decrease: a
+    /// level that falls while another rises is another law, which must be admitted itself.
+    pub fn admitted_beside(&self, known: &[EffectOnJoint], change: &EffectOnJoint) -> bool {
+        const KNOWN_TO: f64 = 0.1;
+        let admits =
+            |e: &EffectOnJoint| self.get(&e.effect).is_some_and(|law| law.admits(&e.parameters));
+        let Ok(law) = self.resolve(change) else { return false };
+        let value_of = |name: &str| {
+            let named = law.law().parameters.iter().position(|p| p.name == name);
+            named.map(|k| change.parameters[k])
+        };
+        let has_shape = !law.shape_and_coefficients(&change.parameters).0.is_empty();
+        let is_less = || !has_shape && self.is_less(law.law().slug, value_of);
+        admits(change)
+            || is_less()
+                && known.iter().filter(|k| k.joint == change.joint).any(|known| {
+                    let Ok(law) = self.resolve(known) else { return false };
+                    let (shape, mut coefficients) = law.shape_and_coefficients(&known.parameters);
+                    coefficients.iter_mut().for_each(|c| *c *= 1.0 + KNOWN_TO);
+                    let most = EffectOnJoint {
+                        parameters: law.parameters(&shape, &coefficients),
+                        ..known.clone()
+                    };
+                    self.joined(&most, change).is_some_and(|both| admits(&both))
+                })
+    }
+
+    /// Whether numbers of a law, by their names, can only be a change, for the less: none that must not be negative is positive.
+    pub fn is_less(&self, slug: &str, value_of: impl Fn(&str) -> Option<f64>) -> bool {
+        let Some(law) = self.get(slug) else { return false };
+        let signed =
+            law.law().parameters.iter().filter(|p| p.admissible == Admissible::NonNegative);
+        let values: Vec<f64> = signed.filter_map(|p| value_of(p.name)).collect();
+        values.iter().all(|x| *x <= 0.0) && values.iter().any(|x| *x < 0.0)
+    }
+
+    /// Effects without those of a sign that only others on the same joint make possible: joined with them, as a simulated arm
+    /// must have them. What no other makes possible stays as it is.
+    pub fn joined_where_inadmissible(&self, mut effects: Vec<EffectOnJoint>) -> Vec<EffectOnJoint> {
+        let pair = |effects: &[EffectOnJoint]| {
+            let wrong = (0..effects.len()).filter(|k| !self.has_admissible_signs(&effects[*k]));
+            let with = |k: usize| (0..effects.len()).filter(move |l| *l != k).map(move |l| (k, l));
+            wrong
+                .flat_map(with)
+                .find_map(|(k, l)| Some((k, l, self.joined(&effects[l], &effects[k])?)))
+        };
+        while let Some((k, l, both)) = pair(&effects) {
+            effects[l] = both;
+            effects.remove(k);
+        }
+        effects
+    }
 }
 
 /// Parameters of a law with one that it contains, whose only column is the law's first.
@@ -42,54 +99,9 @@ fn with_contained(law: &dyn Effect, parameters: &[f64], contained: &[f64]) -> Ve
     law.parameters(&shape, &coefficients)
 }
 
-/// Whether an effect may carry its name: by its own numbers or, where it is less of what is known, by those of both.
-/// A known effect is known to a tenth, so that all of it can disappear. A law with a shape has no decrease: a
-/// level that falls while another rises is another law, which must be admitted itself.
-pub fn admitted_beside(known: &[EffectOnJoint], change: &EffectOnJoint) -> bool {
-    const KNOWN_TO: f64 = 0.1;
-    let admits = |e: &EffectOnJoint| effect(&e.effect).is_some_and(|law| law.admits(&e.parameters));
-    let Ok(law) = change.resolve() else { return false };
-    let value_of = |name: &str| {
-        let named = law.law().parameters.iter().position(|p| p.name == name);
-        named.map(|k| change.parameters[k])
-    };
-    let has_shape = !law.shape_and_coefficients(&change.parameters).0.is_empty();
-    let is_less = || !has_shape && is_less(law.law().slug, value_of);
-    admits(change)
-        || is_less()
-            && known.iter().filter(|k| k.joint == change.joint).any(|known| {
-                let Ok(law) = known.resolve() else { return false };
-                let (shape, mut coefficients) = law.shape_and_coefficients(&known.parameters);
-                coefficients.iter_mut().for_each(|c| *c *= 1.0 + KNOWN_TO);
-                let most = EffectOnJoint {
-                    parameters: law.parameters(&shape, &coefficients),
-                    ..known.clone()
-                };
-                joined(&most, change).is_some_and(|both| admits(&both))
-            })
-}
-
-/// Whether numbers of a law, by their names, can only be a change, for the less: none that must not be negative is positive.
+/// [`Library::is_less`] in the standard library.
 pub fn is_less(slug: &str, value_of: impl Fn(&str) -> Option<f64>) -> bool {
-    let Some(law) = effect(slug) else { return false };
-    let signed = law.law().parameters.iter().filter(|p| p.admissible == Admissible::NonNegative);
-    let values: Vec<f64> = signed.filter_map(|p| value_of(p.name)).collect();
-    values.iter().all(|x| *x <= 0.0) && values.iter().any(|x| *x < 0.0)
-}
-
-/// Effects without those of a sign that only others on the same joint make possible: joined with them, as a simulated arm
-/// must have them. What no other makes possible stays as it is.
-pub fn joined_where_inadmissible(mut effects: Vec<EffectOnJoint>) -> Vec<EffectOnJoint> {
-    let pair = |effects: &[EffectOnJoint]| {
-        let wrong = (0..effects.len()).filter(|k| !effects[*k].has_admissible_signs());
-        let with = |k: usize| (0..effects.len()).filter(move |l| *l != k).map(move |l| (k, l));
-        wrong.flat_map(with).find_map(|(k, l)| Some((k, l, joined(&effects[l], &effects[k])?)))
-    };
-    while let Some((k, l, both)) = pair(&effects) {
-        effects[l] = both;
-        effects.remove(k);
-    }
-    effects
+    Library::standard().is_less(slug, value_of)
 }
 
 #[cfg(test)]
@@ -99,6 +111,10 @@ mod tests {
 
     use super::*;
     use crate::{JointMotion, directions_with};
+
+    fn joined(a: &EffectOnJoint, b: &EffectOnJoint) -> Option<EffectOnJoint> {
+        Library::standard().joined(a, b)
+    }
 
     fn on(effect: &str, parameters: &[f64]) -> EffectOnJoint {
         EffectOnJoint::new(effect, "joint", parameters)
@@ -160,7 +176,9 @@ mod tests {
     #[test]
     fn known_friction_may_decrease() {
         let known = [on("viscous_friction", &[8.0]), on("stribeck_friction", &[5.0, 3.0, 0.1])];
-        let may = |slug: &str, parameters: &[f64]| admitted_beside(&known, &on(slug, parameters));
+        let may = |slug: &str, parameters: &[f64]| {
+            Library::standard().admitted_beside(&known, &on(slug, parameters))
+        };
         assert!(may("viscous_friction", &[-5.0]) && may("viscous_friction", &[-8.4]));
         assert!(!may("viscous_friction", &[-9.0]) && !may("quadratic_drag", &[-0.1]));
         assert!(may("coulomb_friction", &[-2.0]) && !may("coulomb_friction", &[-4.0]));
@@ -168,13 +186,14 @@ mod tests {
         assert!(may("asymmetric_coulomb_friction", &[1.0, 0.5]));
         assert!(!may("presliding_hysteresis", &[-1.0, -20.0, 0.0]));
         let elsewhere = EffectOnJoint::new("viscous_friction", "other", [-1.0]);
-        assert!(!admitted_beside(&known, &elsewhere));
+        assert!(!Library::standard().admitted_beside(&known, &elsewhere));
     }
 
     #[test]
     fn decreases_are_recognised() {
         let less = |slug: &str, values: &[(&str, f64)]| {
-            is_less(slug, |name| values.iter().find(|(n, _)| *n == name).map(|(_, x)| *x))
+            Library::standard()
+                .is_less(slug, |name| values.iter().find(|(n, _)| *n == name).map(|(_, x)| *x))
         };
         assert!(less("viscous_friction", &[("coefficient", -2.0)]));
         assert!(!less("viscous_friction", &[("coefficient", 2.0)]));
@@ -194,7 +213,7 @@ mod tests {
             on("asymmetric_coulomb_friction", &[-2.0, -1.0]),
             on("quadratic_drag", &[-0.5]),
         ];
-        let left = joined_where_inadmissible(effects);
+        let left = Library::standard().joined_where_inadmissible(effects);
         assert_eq!(left.len(), 3);
         assert_eq!(left[0], on("friction_drift", &[8.0, 5.0, 10.0]));
         assert_eq!(left[1], on("asymmetric_coulomb_friction", &[3.0, 4.0]));

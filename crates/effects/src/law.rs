@@ -124,7 +124,7 @@ pub enum Scope {
 
 /// What a finding of a law gives as its location.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Location {
+pub enum LocationKind {
     /// Its joint, or its two neighbours.
     Joints,
     /// The link, with the joint that moves it.
@@ -277,7 +277,7 @@ pub struct Law {
     /// What it acts on.
     pub scope: Scope,
     /// What a finding gives as its location.
-    pub location: Location,
+    pub location: LocationKind,
     /// Its roles on its joint.
     pub roles: &'static [Role],
     /// Parameters in the order of every parameter vector.
@@ -290,6 +290,10 @@ pub struct Law {
     pub operating: Option<OperatingTerm>,
     /// How an estimator finds its shape.
     pub scan: Scan,
+    /// Whether its columns follow the load that its joint carries, so that they depend on the links behind it.
+    pub follows_load: bool,
+    /// Whether it is dry friction whose level varies with the speed.
+    pub varies_with_speed: bool,
     /// The simpler laws on its joints that this one contains: it is reported only where it is better than these.
     pub contains: &'static [&'static str],
     /// Laws beyond [`contains`](Self::contains) that a right diagnosis may report beside it.
@@ -314,13 +318,15 @@ impl Law {
         title: "",
         formula: "",
         scope: Scope::Joint,
-        location: Location::Joints,
+        location: LocationKind::Joints,
         roles: &[],
         parameters: &[],
         naming: Naming::Named,
         baseline: None,
         operating: None,
         scan: Scan::Columns,
+        follows_load: false,
+        varies_with_speed: false,
         contains: &[],
         companions: &[],
         equivalents: &[],
@@ -358,6 +364,22 @@ impl Law {
     /// Laws that a right diagnosis may report beside this one: those it contains, then its companions.
     pub fn tolerated(&self) -> impl Iterator<Item = &'static str> + use<> {
         self.contains.iter().chain(self.companions).copied()
+    }
+
+    /// Its look-alike of this slug.
+    pub fn look_alike(&self, slug: &str) -> Option<&'static LookAlike> {
+        self.look_alikes.iter().find(|other| other.slug == slug)
+    }
+
+    /// The motion that separates it from another law, by the look-alikes of either.
+    pub fn separated_from(&self, other: &Self) -> Option<&'static str> {
+        let found = self.look_alike(other.slug).or_else(|| other.look_alike(self.slug));
+        found.map(|look_alike| look_alike.separated_by)
+    }
+
+    /// Whether it is the transmission of a joint with something of this kind between motor and link.
+    pub fn has_link_side(&self, side: LinkSide) -> bool {
+        self.link_side() == Some(side)
     }
 
     /// What lies between motor and link, for laws of a transmission that an estimator must simulate.

@@ -35,13 +35,13 @@ mod on_joint;
 mod transmission;
 
 pub use catalogue::{Against, Catalogue, Example};
-pub use direction::{LEAST_SPEED_SHARE, Turn, direction, directions, directions_with};
+pub use direction::{LEAST_SPEED_SHARE, ReversalModel, direction, directions, directions_with};
 pub use draw::{Draw, DrawContext, DrawnEffect, JointSize};
 pub use effect::{Effect, ShapeStep};
-pub use joined::{admitted_beside, is_less, joined, joined_where_inadmissible};
+pub use joined::is_less;
 pub use law::{
-    Admissible, Baseline, Equivalent, Export, Law, LinkSide, Location, LookAlike, Naming, Onset,
-    OperatingTerm, Parameter, Role, Scan, Scope, UNMODELLED, Where,
+    Admissible, Baseline, Equivalent, Export, Law, LinkSide, LocationKind, LookAlike, Naming,
+    Onset, OperatingTerm, Parameter, Role, Scan, Scope, UNMODELLED, Where,
 };
 pub use laws::*;
 // names of callers that are not renamed yet
@@ -72,8 +72,13 @@ mod tests {
             assert!(!law.parameters.is_empty() && !law.look_alikes.is_empty());
             assert!(known(law.contains) && known(law.companions), "{}", law.slug);
             assert!(law.equivalents.iter().all(|set| known(set.laws)), "{}", law.slug);
-            assert_eq!(law.location == Location::Link, law.scope == Scope::Link, "{}", law.slug);
-            let whole = [Location::TipLink, Location::AllJoints, Location::Arm];
+            assert_eq!(
+                law.location == LocationKind::Link,
+                law.scope == Scope::Link,
+                "{}",
+                law.slug
+            );
+            let whole = [LocationKind::TipLink, LocationKind::AllJoints, LocationKind::Arm];
             assert_eq!(whole.contains(&law.location), law.scope == Scope::Arm, "{}", law.slug);
             let is_named = law.naming == Naming::Named;
             assert_eq!(law.catalogue.is_some(), is_named, "{}", law.slug);

@@ -1,7 +1,7 @@
 //! The laws that are known, by their slugs.
 
+use std::borrow::Cow;
 use std::fmt;
-use std::sync::OnceLock;
 
 use crate::effect::Effect;
 use crate::law::{Baseline, Law, Naming, Scope};
@@ -14,7 +14,7 @@ use crate::on_joint::{EffectOnJoint, UnknownEffect};
 /// given the new library knows it.
 #[derive(Clone)]
 pub struct Library {
-    laws: Vec<&'static dyn Effect>,
+    laws: Cow<'static, [&'static dyn Effect]>,
 }
 
 impl fmt::Debug for Library {
@@ -26,19 +26,19 @@ impl fmt::Debug for Library {
 impl Library {
     /// The laws of this crate.
     pub fn standard() -> &'static Self {
-        static LIBRARY: OnceLock<Library> = OnceLock::new();
-        LIBRARY.get_or_init(|| Self { laws: STANDARD.to_vec() })
+        static LIBRARY: Library = Library { laws: Cow::Borrowed(STANDARD) };
+        &LIBRARY
     }
 
     /// The same library with one law more, in the place of one of the same slug if there is one.
     #[must_use]
     pub fn with(&self, law: &'static dyn Effect) -> Self {
-        let mut laws = self.laws.clone();
+        let mut laws = self.laws.to_vec();
         match laws.iter_mut().find(|other| other.slug() == law.slug()) {
             Some(other) => *other = law,
             None => laws.push(law),
         }
-        Self { laws }
+        Self { laws: Cow::Owned(laws) }
     }
 
     /// All laws.

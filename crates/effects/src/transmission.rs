@@ -22,7 +22,7 @@ impl Transmission {
     /// Effort on the link when the motor is ahead of it by `twist`, growing at `rate`. Flanks with
     /// play push and do not pull.
     pub fn effort(&self, twist: f64, rate: f64) -> f64 {
-        if self.gap == 0.0 {
+        if self.gap <= 0.0 {
             return self.stiffness * twist + self.damping * rate;
         }
         let beyond = twist.abs() - 0.5 * self.gap;
@@ -33,10 +33,15 @@ impl Transmission {
         side * (self.stiffness * beyond + self.damping * rate * side).max(0.0)
     }
 
-    /// Twist at which the resting transmission carries this effort.
+    /// Twist at which the resting transmission carries this effort; in the middle of its play where that is 0.
     pub fn twist_under(&self, effort: f64) -> f64 {
-        let play = if effort == 0.0 { 0.0 } else { 0.5 * self.gap * effort.signum() };
-        effort / self.stiffness + play
+        if effort == 0.0 { 0.0 } else { self.twist_on_flank(effort) }
+    }
+
+    /// Twist at which the resting transmission carries this effort, the link against the flank of its sign also where it
+    /// is 0.
+    pub fn twist_on_flank(&self, effort: f64) -> f64 {
+        effort / self.stiffness + 0.5 * self.gap * effort.signum()
     }
 
     /// Twist of the resting transmission when the effort it carries depends on the twist itself.
@@ -87,5 +92,7 @@ mod tests {
         assert!((loose.effort(twist, 0.0) - load(twist)).abs() < 1e-9);
         assert_eq!(loose.effort(0.009, 5.0), 0.0);
         assert_eq!(loose.effort(0.011, -5.0), 0.0);
+        assert_eq!((loose.twist_under(0.0), loose.twist_on_flank(0.0)), (0.0, 0.01));
+        assert_eq!(loose.twist_under(4.0), loose.twist_on_flank(4.0));
     }
 }

@@ -249,7 +249,7 @@ impl<'a> Prepared<'a> {
         };
         found.cutoff_hz = self.cutoff_hz;
         found.recorded_velocities = fitted.velocity_gain.is_some();
-        found.turns = problem.reversals.clone();
+        found.reversals = problem.reversals.clone();
         found.effort_noise = Some(effort_noise.clone());
         found.shown = dead_zones.iter().any(Option::is_some).then(|| dead_zones.clone());
         let sources: Vec<&str> = train.iter().map(|r| r.source.as_str()).collect();

@@ -5,7 +5,7 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_effects::{BASELINE, Turn};
+use armident_effects::{BASELINE, ReversalModel};
 use armident_ident::{
     BatchEstimate, BatchProblem, BatchSettings, Quantity, StructureSearch, Term, dead_zone_shares,
     used_samples,
@@ -403,7 +403,11 @@ fn distinguishes_presliding_from_coulomb_friction() {
     let mut random = Pcg64::seed_from_u64(7);
     let noise = Normal::new(0.0, 0.05).unwrap();
     for (j, effort) in effort.iter_mut().enumerate() {
-        let turn = if j == TRAVELS { Turn::Travel(TRAVEL_RAD) } else { Turn::Speed(0.0) };
+        let turn = if j == TRAVELS {
+            ReversalModel::presliding(TRAVEL_RAD)
+        } else {
+            ReversalModel::regularised(0.0)
+        };
         let direction = turn.directions(&sines.q[j], &sines.dq[j]);
         let friction = direction.iter().map(|d| LEVEL * d + noise.sample(&mut random));
         effort.iter_mut().zip(friction).for_each(|(e, f)| *e += f);
@@ -420,20 +424,21 @@ fn distinguishes_presliding_from_coulomb_friction() {
     let settings = BatchSettings::default();
     problem.choose_structure(&[&motion], &settings, StructureSearch::NOTHING).unwrap();
     let turns = problem.reversals.clone().unwrap();
-    let travels: Vec<usize> = (0..6).filter(|&joint| turns[joint].travel() > 0.0).collect();
+    let travels: Vec<usize> =
+        (0..6).filter(|&joint| turns[joint].presliding_travel() > 0.0).collect();
     assert_eq!(travels, [TRAVELS], "{turns:?}");
-    let travel = turns[TRAVELS].travel();
+    let travel = turns[TRAVELS].presliding_travel();
     assert!((0.5..2.0).contains(&(travel / TRAVEL_RAD)), "{travel}");
 
     let found = problem.estimate(&problem.accumulate(&[&motion])).unwrap();
     let model = ArmModel {
         effects: problem.effects(&found.values, &names),
-        turns: Some(turns),
+        reversals: Some(turns),
         ..bench.set.applied_to(bench.model.clone(), &problem.constants(&found.values))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
-    let read_turn = read.turns.as_ref().unwrap()[TRAVELS];
-    assert!((read_turn.travel() / travel - 1.0).abs() < 1e-12, "{read_turn:?}");
+    let read_turn = read.reversals.as_ref().unwrap()[TRAVELS];
+    assert!((read_turn.presliding_travel() / travel - 1.0).abs() < 1e-12, "{read_turn:?}");
     let error = |model: &ArmModel| {
         let predicted = &model.predict_motion(&motion).unwrap()[TRAVELS];
         let used = used_samples(&motion);
@@ -441,7 +446,7 @@ fn distinguishes_presliding_from_coulomb_friction() {
             used.clone().map(|t| (predicted[t] - effort[TRAVELS][t]).powi(2)).sum::<f64>();
         (squares / used.len() as f64).sqrt()
     };
-    let sharp = ArmModel { turns: None, ..read.clone() };
+    let sharp = ArmModel { reversals: None, ..read.clone() };
     assert!(error(&read) < 0.7 * error(&sharp), "{} {}", error(&read), error(&sharp));
 }
 

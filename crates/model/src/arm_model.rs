@@ -1,7 +1,7 @@
 //! An arm with everything that is known about it: what predictions, simulations and exports start from.
 
 use armident_dynamics::RigidArm;
-use armident_effects::{Effect, EffectOnJoint, SublinearViscousFriction, Turn};
+use armident_effects::{Effect, EffectOnJoint, Library, ReversalModel, SublinearViscousFriction};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_motion::{Motion, with_recorded_velocity};
 use armident_recording::Recording;
@@ -20,13 +20,15 @@ pub struct ArmModel {
     pub chain: DrivingAxisChain,
     /// Effects beyond the rigid body.
     pub effects: Vec<EffectOnJoint>,
+    /// The laws of these effects, and those that a diagnosis against the model looks for.
+    pub library: Library,
     /// Cut-off of the low-pass the model was estimated with \[Hz\]; predictions use it too.
     pub cutoff_hz: Option<f64>,
     /// Whether the model was fitted with recorded velocities in the place of differentiated positions;
     /// predictions use them too where a motion has them.
     pub recorded_velocities: bool,
-    /// How each joint's dry friction turns.
-    pub turns: Option<Vec<Turn>>,
+    /// Reversal model of each joint's dry friction.
+    pub reversals: Option<Vec<ReversalModel>>,
     /// Noise level of each joint's effort in the fit \[N m or N\], after the low-pass of `cutoff_hz` or, without one,
     /// as recorded; none for a URDF.
     pub effort_noise: Option<Vec<f64>>,
@@ -82,9 +84,10 @@ impl ArmModel {
         Self {
             chain,
             effects: Vec::new(),
+            library: Library::standard().clone(),
             cutoff_hz: None,
             recorded_velocities: false,
-            turns: None,
+            reversals: None,
             effort_noise: None,
             shown: None,
             prior_links: None,
@@ -99,6 +102,12 @@ impl ArmModel {
         }
     }
 
+    /// The same with the laws of another library.
+    #[must_use]
+    pub fn with_library(self, library: Library) -> Self {
+        Self { library, ..self }
+    }
+
     /// The links and the arm they are on, and nothing else that the model holds.
     #[must_use]
     pub fn links_only(&self) -> Self {
@@ -109,6 +118,7 @@ impl ArmModel {
             effort_noise: self.effort_noise.clone(),
             prior_links: self.prior_links.clone(),
             provenance: self.provenance.clone(),
+            library: self.library.clone(),
             ..Self::from_chain(self.chain.clone())
         }
     }
@@ -147,22 +157,22 @@ impl ArmModel {
 
     /// Speed of each joint below which its dry friction is regularised \[rad/s or m/s\]; 0 where it is not.
     pub fn regularised_below(&self) -> Vec<f64> {
-        self.of_reversals(|turn| turn.speed())
+        self.of_reversals(|reversal| reversal.regularised_below())
     }
 
     /// Travel of each joint after a reversal over which its dry friction builds up \[rad or m\]; 0 where it does not.
     pub fn presliding_travel(&self) -> Vec<f64> {
-        self.of_reversals(|turn| turn.travel())
+        self.of_reversals(|reversal| reversal.presliding_travel())
     }
 
-    fn of_reversals(&self, of: impl Fn(&Turn) -> f64) -> Vec<f64> {
-        match &self.turns {
-            Some(turns) => turns.iter().map(of).collect(),
+    fn of_reversals(&self, of: impl Fn(&ReversalModel) -> f64) -> Vec<f64> {
+        match &self.reversals {
+            Some(reversals) => reversals.iter().map(of).collect(),
             None => vec![0.0; self.chain.dof()],
         }
     }
 
-    /// Where the model puts what turns the configuration itself.
+    /// Where the model has what changes the configuration itself.
     pub fn operating_point(&self) -> OperatingPoint {
         OperatingPoint {
             tilt: self.base_tilt_rad,
@@ -171,7 +181,7 @@ impl ArmModel {
             // those of the chain already
             links: None,
             springs: Vec::new(),
-            turns: self.turns.clone().unwrap_or_else(|| vec![SHARP; self.chain.dof()]),
+            reversals: self.reversals.clone().unwrap_or_else(|| vec![SHARP; self.chain.dof()]),
             gain: self.channel_gain.clone(),
         }
     }
@@ -191,7 +201,7 @@ impl ArmModel {
     #[must_use]
     pub fn before(&self) -> Self {
         let mut model = self.links_only();
-        model.turns.clone_from(&self.turns);
+        model.reversals.clone_from(&self.reversals);
         model.effort_noise = None;
         if let Some(links) = model.prior_links.take() {
             for (joint, link) in model.chain.joints.iter_mut().zip(links) {

@@ -1,6 +1,6 @@
 //! Columns of effects over the motion of an arm.
 
-use armident_effects::{Effect, JointMotion, Turn};
+use armident_effects::{Effect, JointMotion, ReversalModel};
 use armident_kinematics::JointKind;
 use armident_motion::Motion;
 
@@ -14,19 +14,23 @@ pub fn effect_columns(
     kind: JointKind,
     joint: usize,
     motion: &Motion,
-    turn: Option<Turn>,
+    reversal: Option<ReversalModel>,
 ) -> Vec<Vec<f64>> {
     let velocity = &motion.velocity[joint];
-    let turn = match (turn, &motion.filter) {
+    let reversal = match (reversal, &motion.filter) {
         // without a low-pass velocities are exact: so is their sign
-        (Some(Turn::Speed(_)) | None, None) => Turn::Speed(0.0),
+        (Some(ReversalModel::RegularisedSign { .. }) | None, None) => {
+            ReversalModel::regularised(0.0)
+        }
         (Some(given), _) => given,
         (None, _) => {
             let squares: f64 = velocity.iter().map(|v| v * v).sum();
-            Turn::Speed(DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt())
+            ReversalModel::regularised(
+                DEFAULT_SPEED_RESOLUTION * (squares / velocity.len() as f64).sqrt(),
+            )
         }
     };
-    let direction = turn.directions(&motion.position[joint], velocity);
+    let direction = reversal.directions(&motion.position[joint], velocity);
     effect.columns(shape, &joint_motion(kind, joint, motion, &direction))
 }
 

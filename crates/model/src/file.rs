@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use armident_effects::{EffectOnJoint, Scope, Turn, UnknownEffect};
+use armident_effects::{EffectOnJoint, Library, ReversalModel, Scope, UnknownEffect};
 use armident_kinematics::{
     AxisPair, DrivingAxisChain, DrivingAxisFrame, DrivingAxisJoint, InertialParameters, JointKind,
     JointLimits,
@@ -206,8 +206,11 @@ impl From<&ArmModel> for ModelFile {
     fn from(model: &ArmModel) -> Self {
         let chain = &model.chain;
         let vector = |v: &Vector3<f64>| [v.x, v.y, v.z];
-        let of_turns = |of: fn(Turn) -> f64| -> Option<Vec<f64>> {
-            model.turns.as_ref().map(|turns| turns.iter().map(|turn| of(*turn)).collect())
+        let of_reversals = |of: fn(ReversalModel) -> f64| -> Option<Vec<f64>> {
+            model
+                .reversals
+                .as_ref()
+                .map(|reversals| reversals.iter().map(|reversal| of(*reversal)).collect())
         };
         Self {
             schema: MODEL_SCHEMA.to_owned(),
@@ -244,8 +247,9 @@ impl From<&ArmModel> for ModelFile {
             effects: model.effects.clone(),
             cutoff_hz: model.cutoff_hz,
             recorded_velocities: model.recorded_velocities,
-            speed_resolution: of_turns(Turn::speed),
-            turning_travel: of_turns(Turn::travel).filter(|all| all.iter().any(|x| *x > 0.0)),
+            speed_resolution: of_reversals(ReversalModel::regularised_below),
+            turning_travel: of_reversals(ReversalModel::presliding_travel)
+                .filter(|all| all.iter().any(|x| *x > 0.0)),
             transmissions: model.transmissions.clone(),
             smooth_terms: model.smooth_terms.clone(),
             base_tilt_rad: model.base_tilt_rad,
@@ -349,8 +353,12 @@ impl ModelFile {
             );
         }
         let travels = self.turning_travel.unwrap_or_else(|| vec![0.0; count]);
-        let turns = self.speed_resolution.map(|speeds| {
-            speeds.iter().zip(&travels).map(|(speed, travel)| Turn::of(*speed, *travel)).collect()
+        let reversals = self.speed_resolution.map(|speeds| {
+            speeds
+                .iter()
+                .zip(&travels)
+                .map(|(speed, travel)| ReversalModel::of(*speed, *travel))
+                .collect()
         });
         let axis_pairs = self
             .axis_pairs
@@ -411,9 +419,10 @@ impl ModelFile {
                 warnings: Vec::new(),
             },
             effects: self.effects,
+            library: Library::standard().clone(),
             cutoff_hz: self.cutoff_hz,
             recorded_velocities: self.recorded_velocities,
-            turns,
+            reversals,
             effort_noise: self.effort_noise,
             shown: self.shown,
             prior_links: self
@@ -629,14 +638,15 @@ mod tests {
         model.encoder_offset = vec![0.003, 0.0];
         model.effort_delay_s = 0.004;
         model.channel_gain = vec![1.1, 1.0];
-        model.turns = Some(vec![Turn::Speed(0.02), Turn::Travel(0.001)]);
+        model.reversals =
+            Some(vec![ReversalModel::regularised(0.02), ReversalModel::presliding(0.001)]);
         let read = ArmModel::parse(&model.to_json().unwrap(), "made").unwrap();
         assert_eq!(read.effects, model.effects);
         assert_eq!(read.base_tilt_rad, model.base_tilt_rad);
         assert_eq!(read.encoder_offset, model.encoder_offset);
         assert_eq!(read.effort_delay_s, model.effort_delay_s);
         assert_eq!(read.channel_gain, model.channel_gain);
-        assert_eq!((read.turns, read.band), (model.turns, model.band));
+        assert_eq!((read.reversals, read.band), (model.reversals, model.band));
     }
 
     #[test]

@@ -34,4 +34,4 @@ pub use predict::{PredictError, Prediction};
 pub use prepared::PreparedRecording;
 pub use reversal::{SHARP, regularised_sign};
 pub use smooth_term::{AxisQuantity, FactorForm, SmoothAxis, SmoothBasis, SmoothTerm, SpeedFactor};
-pub use transmission::{Spring, Transmission, TransmissionTerm, of_shape};
+pub use transmission::{FittedTransmission, Spring, TransmissionTerm};

@@ -12,7 +12,7 @@ use armident_dynamics::gravity_effort;
 use armident_motion::{Kind, Series, Signals, differentiate, kinematics_filter, low_pass};
 use armident_recording::RecordingError;
 
-use crate::Transmission;
+use crate::FittedTransmission;
 use crate::link_load::Load;
 use crate::posed_recording::PosedRecording;
 
@@ -26,7 +26,7 @@ const RING_PER_STEP: f64 = 0.03;
 /// position within a turn, so that they err by the square of this.
 pub const MOST_TURNS: usize = 6;
 const SETTLED: f64 = 3e-3;
-impl Transmission {
+impl FittedTransmission {
     /// Efforts of all joints with the link behind this transmission minus those with a rigid one.
     pub fn difference(
         &self,
@@ -265,7 +265,7 @@ mod tests {
     use crate::operating_point::OperatingPoint;
     use crate::posed_recording::changed;
     use crate::test_arms::{swinging, ur5};
-    use crate::transmission::{FLANK_DAMPING, FLANK_RATE, of_shape};
+    use armident_effects::Backlash;
 
     fn mean(values: &[f64]) -> f64 {
         values.iter().sum::<f64>() / values.len() as f64
@@ -299,7 +299,7 @@ mod tests {
         let found = OperatingPoint { links: Some(change), ..none.clone() };
         let at = |chain: &DrivingAxisChain, point: &OperatingPoint| {
             let at = PosedRecording::new(chain, &RigidArm::from_chain(chain), &signals, point);
-            let spring = Transmission { gap: 0.0, stiffness: 800.0, damping: 4.0 };
+            let spring = FittedTransmission { gap: 0.0, stiffness: 800.0, damping: 4.0 };
             (spring.difference(&at, 2).unwrap(), at.rigid)
         };
         let (believed, rigid) = at(&chain, &none);
@@ -326,7 +326,7 @@ mod tests {
         signals.starts_at_rest = true;
         let none = OperatingPoint::of(names.len());
         let at = PosedRecording::new(&chain, &RigidArm::from_chain(&chain), &signals, &none);
-        let spring = Transmission { gap: 0.0, stiffness: 120.0, damping: 0.4 };
+        let spring = FittedTransmission { gap: 0.0, stiffness: 120.0, damping: 0.4 };
         let twist = spring.twist_at_start(&at, 2);
         assert!(twist.abs() > 0.05, "{twist}");
         for effort in spring.difference(&at, 2).unwrap() {
@@ -349,7 +349,8 @@ mod tests {
         let [bias, slope, drag, position, velocity] =
             [const { Vec::new() }; 5].map(|_: Vec<f64>| zero.clone());
         let load = Load { inertia, bias, slope, drag, position, velocity };
-        let spring = Transmission { gap: 0.0, stiffness: rate * rate, damping: 2.0 * share * rate };
+        let spring =
+            FittedTransmission { gap: 0.0, stiffness: rate * rate, damping: 2.0 * share * rate };
         let [position, _, acceleration] = spring.link(&motor, &load, -0.1, RATE_HZ);
         let ringing = rate * (1.0 - share * share).sqrt();
         for (t, (q, a)) in position.iter().zip(&acceleration).enumerate() {
@@ -375,7 +376,7 @@ mod tests {
         let inertia = mean(&at.load(JOINT).inertia);
         let rate = std::f64::consts::TAU * 4.0;
         let (stiffness, damping) = (inertia * rate * rate, 0.04 * inertia * rate);
-        let spring = Transmission { gap: 0.0, stiffness, damping };
+        let spring = FittedTransmission { gap: 0.0, stiffness, damping };
         let [q, v, a] = spring.link_side_motion(&at, JOINT).unwrap();
         let motor = Motor::of(&signals, JOINT, 0.0).unwrap();
         let arm = at.of_other_links().0;
@@ -397,20 +398,20 @@ mod tests {
         let point = OperatingPoint::of(chain.joints.len());
         let at = PosedRecording::new(&chain, &RigidArm::from_chain(&chain), &signals, &point);
         let inertia = mean(&at.load(JOINT).inertia);
-        let in_band = |of: Transmission| {
+        let in_band = |of: FittedTransmission| {
             let efforts = of.difference(&at, JOINT).unwrap();
             signals.band.rows(&efforts[JOINT])
         };
-        let (rate, damping) = (0.8 * FLANK_RATE, 0.25 * FLANK_DAMPING);
-        let real = in_band(Transmission {
+        let (rate, damping) = (0.8 * Backlash::FLANK_RATE, 0.25 * Backlash::FLANK_DAMPING);
+        let real = in_band(FittedTransmission {
             gap: GAP,
             stiffness: inertia * rate * rate,
             damping: 2.0 * damping * inertia * rate,
         });
         for factor in [0.8, 0.9, 1.0, 1.1, 1.25] {
-            let assumed = of_shape("backlash", &[factor * GAP], inertia);
+            let assumed = FittedTransmission::of_law(&Backlash, &[factor * GAP], inertia).unwrap();
             let column = in_band(assumed);
-            let told = assumed.gap_told(dot(&column, &real) / dot(&column, &column));
+            let told = assumed.fitted_gap(dot(&column, &real) / dot(&column, &column));
             assert!((told / GAP - 1.0).abs() < 0.06, "{factor}: {told}");
         }
     }

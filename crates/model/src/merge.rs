@@ -33,10 +33,12 @@ impl ArmModel {
         all.smooth_terms = [self.smooth_terms.clone(), all.smooth_terms].concat();
         all.effort_delay_s += self.effort_delay_s;
         all.band.clone_from(&self.band);
-        let own = self.turns.iter().flatten();
-        if let Some(turns) = &mut all.turns {
-            for (turn, own) in turns.iter_mut().zip(own).filter(|(turn, _)| **turn == SHARP) {
-                *turn = *own;
+        let own = self.reversals.iter().flatten();
+        if let Some(reversals) = &mut all.reversals {
+            for (reversal, own) in
+                reversals.iter_mut().zip(own).filter(|(reversal, _)| **reversal == SHARP)
+            {
+                *reversal = *own;
             }
         }
         for (now, then) in all.encoder_offset.iter_mut().zip(&self.encoder_offset) {

@@ -1,11 +1,11 @@
-//! Where the effects that turn the configuration itself are assumed to be.
+//! Where the effects that change the configuration itself are assumed to be.
 
-use armident_effects::Turn;
+use armident_effects::ReversalModel;
 
 use crate::Spring;
 use crate::reversal::SHARP;
 
-/// Laws that turn the configuration itself: where they are assumed to be.
+/// Where laws that change the configuration itself are assumed to be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatingPoint {
     /// rotation vector of the base about x and y of the world \[rad\]
@@ -19,8 +19,8 @@ pub struct OperatingPoint {
     pub links: Option<Vec<f64>>,
     /// beside which the columns of links are formed
     pub springs: Vec<Spring>,
-    /// how dry friction turns
-    pub turns: Vec<Turn>,
+    /// reversal model of each joint's dry friction
+    pub reversals: Vec<ReversalModel>,
     /// of the effort channels: what the arm does beside the believed one is recorded with it as well
     pub gain: Vec<f64>,
 }
@@ -29,7 +29,7 @@ impl OperatingPoint {
     /// Level, on time, with rigid joints and the believed links.
     pub fn of(joints: usize) -> Self {
         let (offset, gain) = (vec![0.0; joints], vec![1.0; joints]);
-        let (springs, turns) = (Vec::new(), vec![SHARP; joints]);
-        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, turns, gain }
+        let (springs, reversals) = (Vec::new(), vec![SHARP; joints]);
+        Self { tilt: [0.0; 2], offset, delay_s: 0.0, links: None, springs, reversals, gain }
     }
 }

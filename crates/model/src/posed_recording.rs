@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use armident_dynamics::{ArmAngles, RigidArm};
-use armident_effects::{ArmMotion, Effect, JointMotion, Role, Turn, tilted};
+use armident_effects::{ArmMotion, Effect, JointMotion, ReversalModel, Role, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
 
@@ -26,7 +26,7 @@ pub struct PosedRecording<'a> {
     answered: Vec<Option<Vec<f64>>>,
     /// rigid effort and what is known of the rest, where there is some
     with_known: Vec<Option<Vec<f64>>>,
-    /// directions of joints whose friction does not turn at once
+    /// directions of joints whose friction does not follow the sign of the velocity
     turned: Vec<Option<Vec<f64>>>,
     /// lag of the efforts \[s\]
     pub delay_s: f64,
@@ -68,13 +68,13 @@ impl<'a> PosedRecording<'a> {
         });
         let delay_s = point.delay_s;
         let (answered, with_known) = (Vec::new(), Vec::new());
-        let turned = |(j, turn): (usize, &Turn)| {
-            (*turn != SHARP).then(|| {
+        let turned = |(j, reversal): (usize, &ReversalModel)| {
+            (*reversal != SHARP).then(|| {
                 let (sharp, velocity) = (&signals.direction[j], &signals.velocity[j]);
-                let Turn::Speed(speed) = turn else {
-                    return turn.directions(&position[j], velocity);
+                let ReversalModel::RegularisedSign { below } = reversal else {
+                    return reversal.directions(&position[j], velocity);
                 };
-                let mut direction = regularised_sign(sharp, velocity, *speed);
+                let mut direction = regularised_sign(sharp, velocity, *below);
                 // where a joint rests, its friction is what holds it: no function of a speed
                 for rest in signals.rests_of(j) {
                     direction[rest.clone()].copy_from_slice(&sharp[rest]);
@@ -82,7 +82,7 @@ impl<'a> PosedRecording<'a> {
                 direction
             })
         };
-        let turned = point.turns.iter().enumerate().map(turned).collect();
+        let turned = point.reversals.iter().enumerate().map(turned).collect();
         let mut at = Self {
             signals,
             arm,

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
-use armident_effects::{Scope, UnknownEffect, effect};
+use armident_effects::{Scope, UnknownEffect};
 use armident_motion::{
     Motion, MotionSettings, Signals, continued, filter_between, later, low_pass,
 };
@@ -90,7 +90,7 @@ impl ArmModel {
             &motion.acceleration,
         );
         for on_joint in &self.effects {
-            let effect = on_joint.resolve()?;
+            let effect = self.library.resolve(on_joint)?;
             let index = |name: &str| self.chain.joints.iter().position(|j| j.name == name);
             let Some(joint) = index(&on_joint.joint) else { continue };
             if let Some(other) = on_joint.other_joint.as_deref().and_then(index) {
@@ -106,10 +106,10 @@ impl ArmModel {
                 }
                 continue;
             }
-            let turn = self.turns.as_ref().map(|turns| turns[joint]);
+            let reversal = self.reversals.as_ref().map(|reversals| reversals[joint]);
             let (shape, coefficients) = effect.shape_and_coefficients(&on_joint.parameters);
             let kind = self.chain.joints[joint].kind;
-            let columns = effect_columns(effect, &shape, kind, joint, motion, turn);
+            let columns = effect_columns(effect, &shape, kind, joint, motion, reversal);
             for (column, parameter) in columns.iter().zip(&coefficients) {
                 for (e, x) in effort[joint].iter_mut().zip(column) {
                     *e += parameter * x;
@@ -164,7 +164,8 @@ impl ArmModel {
             .collect();
         let index = |name: &str| chain.joints.iter().position(|j| j.name == name);
         for on_joint in self.joint_effects() {
-            let (Some(law), Some(j)) = (effect(&on_joint.effect), index(&on_joint.joint)) else {
+            let (Some(law), Some(j)) = (self.library.get(&on_joint.effect), index(&on_joint.joint))
+            else {
                 continue;
             };
             if law.law().scope == Scope::Joint {
@@ -183,7 +184,8 @@ impl ArmModel {
             add(&mut effort[j], &inertia);
         }
         for coupling in self.pair_effects() {
-            let (Some(law), Some(j)) = (effect(&coupling.effect), index(&coupling.joint)) else {
+            let (Some(law), Some(j)) = (self.library.get(&coupling.effect), index(&coupling.joint))
+            else {
                 continue;
             };
             let (shape, coefficients) = law.shape_and_coefficients(&coupling.parameters);

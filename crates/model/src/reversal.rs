@@ -1,6 +1,6 @@
 //! How dry friction reverses.
 
-use armident_effects::{Turn, direction};
+use armident_effects::{ReversalModel, direction};
 
 /// The direction of motion, fading to zero below a speed.
 pub fn regularised_sign(sharp: &[f64], velocity: &[f64], speed: f64) -> Vec<f64> {
@@ -9,8 +9,8 @@ pub fn regularised_sign(sharp: &[f64], velocity: &[f64], speed: f64) -> Vec<f64>
     sharp.iter().zip(velocity).map(fades).collect()
 }
 
-/// Friction that turns at once.
-pub const SHARP: Turn = Turn::Speed(0.0);
+/// Friction that follows the sign of the velocity.
+pub const SHARP: ReversalModel = ReversalModel::regularised(0.0);
 
 #[cfg(test)]
 mod tests {

@@ -19,12 +19,12 @@ pub(super) fn notes(found: &Identification) -> Vec<String> {
     }
     let chain = &found.model.chain.joints;
     for (joint, reversal) in chain.iter().zip(found.problem.reversals.iter().flatten()) {
-        if reversal.travel() > 0.0 {
+        if reversal.presliding_travel() > 0.0 {
             let unit = if joint.kind.is_rotational() { "mrad" } else { "mm" };
             notes.push(format!(
                 "{}: presliding friction included (travel {:.2} {unit}, selected by cross-validation)",
                 joint.name,
-                1e3 * reversal.travel()
+                1e3 * reversal.presliding_travel()
             ));
         }
     }

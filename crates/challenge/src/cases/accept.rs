@@ -2,7 +2,7 @@
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_effects::{
-    ArmMotion, Effect, JointMotion, Location, MotionScale, Scope, Where, directions_with,
+    ArmMotion, Effect, JointMotion, LocationKind, MotionScale, Scope, Where, directions_with,
 };
 
 use crate::cases::exact_motion::{Exact, rms};
@@ -68,14 +68,14 @@ pub(crate) fn accepted(
 
 /// A law with its location on a joint.
 fn located(slug: &str, joint: usize, scene: &Scene<'_>) -> Named {
-    let location = scene.library.law(slug).map_or(Location::Joints, |law| law.location);
+    let location = scene.library.law(slug).map_or(LocationKind::Joints, |law| law.location);
     let joints = match location {
-        Location::Joints | Location::Link => vec![scene.robot.names[joint].clone()],
-        Location::AllJoints => scene.robot.names.clone(),
-        Location::TipLink | Location::Arm => Vec::new(),
+        LocationKind::Joints | LocationKind::Link => vec![scene.robot.names[joint].clone()],
+        LocationKind::AllJoints => scene.robot.names.clone(),
+        LocationKind::TipLink | LocationKind::Arm => Vec::new(),
     };
     let link = scene.robot.chain.joints[joint].child_link.clone();
-    let link = (location == Location::Link).then_some(link);
+    let link = (location == LocationKind::Link).then_some(link);
     Named { effect: slug.to_owned(), joints, link }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
-use armident_effects::{ArmFrames, BASELINE, Baseline, Effect, LinkInertiaError, Location};
+use armident_effects::{ArmFrames, BASELINE, Baseline, Effect, LinkInertiaError, LocationKind};
 use armident_kinematics::InertialParameters;
 use serde_json::json;
 
@@ -137,14 +137,16 @@ fn described(sized: &Sized, scene: &Scene<'_>, accept: Vec<Vec<Named>>) -> TrueE
     let names = &scene.robot.names;
     let chain = &scene.robot.chain;
     let joints: Vec<String> = match law.location {
-        Location::TipLink | Location::Arm => Vec::new(),
-        Location::AllJoints => names.clone(),
-        Location::Joints | Location::Link => hidden.joints().map(|j| names[j].clone()).collect(),
+        LocationKind::TipLink | LocationKind::Arm => Vec::new(),
+        LocationKind::AllJoints => names.clone(),
+        LocationKind::Joints | LocationKind::Link => {
+            hidden.joints().map(|j| names[j].clone()).collect()
+        }
     };
     let link = match law.location {
-        Location::Link => Some(chain.joints[hidden.joint()].child_link.clone()),
-        Location::TipLink => Some(chain.tip_link.clone()),
-        Location::Joints | Location::AllJoints | Location::Arm => None,
+        LocationKind::Link => Some(chain.joints[hidden.joint()].child_link.clone()),
+        LocationKind::TipLink => Some(chain.tip_link.clone()),
+        LocationKind::Joints | LocationKind::AllJoints | LocationKind::Arm => None,
     };
     let mut values = hidden.parameters(sized.size);
     if law.slug == LinkInertiaError.slug() && scene.kind != CaseKind::Change {

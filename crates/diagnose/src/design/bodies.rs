@@ -1,7 +1,7 @@
-//! Bodies that may be wrong: links of the arm, and loads on them.
+//! Candidates of link inertia: errors of links, and loads on them.
 
 use armident_dynamics::RigidArm;
-use armident_effects::effect;
+use armident_effects::{LinkInertiaError, Payload};
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, symmetric_eigen};
 use nalgebra::{Matrix3, Vector3};
@@ -10,10 +10,10 @@ use crate::design::candidate::Location;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::{Design, push_law};
 
-/// Root mean square effort of a direction, as a share of the noise, below which motions do not show it.
+/// Root mean square effort of a direction, as a share of the noise, below which it is not excited.
 const LEAST_SHOWN: f64 = 0.05;
 
-/// Standard parameters of a link one by one, each by what is much of it.
+/// Standard parameters of a link one by one, each with a large value.
 fn any_errors() -> Vec<[f64; 10]> {
     const SCALE: [f64; 10] = [1.0, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
     let along = |k: usize| std::array::from_fn(|p| if p == k { SCALE[p] } else { 0.0 });
@@ -36,7 +36,7 @@ fn loads_near(place_m: &Vector3<f64>) -> Vec<[f64; 10]> {
 }
 
 impl Design<'_> {
-    /// One wrong link each and a load on the last one, and of what changed also loads on the others.
+    /// An error of each link and a load on the last one; with a reference also loads on the others.
     pub(crate) fn push_links(&self, problem: &mut LinearProblem) {
         for link in 0..self.joints() {
             self.push_link(problem, link, &any_errors());
@@ -51,10 +51,9 @@ impl Design<'_> {
         }
     }
 
-    /// A load: mass and first moment of the last link; its own inertia is small beside them. Says whether these motions
-    /// weigh it.
+    /// A load: mass and first moment of the last link; its own inertia is small beside them. Returns whether its mass is
+    /// excited.
     fn push_payload(&self, problem: &mut LinearProblem) -> bool {
-        let Some(law) = effect("payload") else { return false };
         let last = self.joints() - 1;
         let rows = problem.observations.effective();
         let (columns, not_shown): (Vec<usize>, Vec<usize>) = (10 * last..10 * last + 4)
@@ -74,15 +73,14 @@ impl Design<'_> {
             columns.iter().map(|&k| self.push_changed(problem, k)).collect()
         };
         let location = Location { joints: vec![last], window: None };
-        let candidate = push_law(problem, law, location, &[], columns, 0);
+        let candidate = push_law(problem, &Payload, location, &[], columns, 0);
         problem.candidates[candidate].transform = Some(transform);
         problem.candidates[candidate].hidden = hidden;
         true
     }
 
-    /// A link that is off by some of these errors: by the combinations of them that these motions show.
+    /// A link with these errors: their combinations that are excited.
     fn push_link(&self, problem: &mut LinearProblem, link: usize, errors: &[[f64; 10]]) {
-        let Some(law) = effect("link_inertia_error") else { return };
         let rows = problem.observations.effective();
         let product = |i: usize, j: usize| -> f64 {
             let across = |p: usize| -> f64 {
@@ -124,7 +122,7 @@ impl Design<'_> {
             ids.push(problem.push_columns(vec![blocks]));
         }
         let location = Location { joints: vec![link], window: None };
-        let candidate = push_law(problem, law, location, &[], ids, 0);
+        let candidate = push_law(problem, &LinkInertiaError, location, &[], ids, 0);
         problem.candidates[candidate].transform = Some(transform);
         problem.candidates[candidate].hidden = hidden.into_iter().map(direction).collect();
     }

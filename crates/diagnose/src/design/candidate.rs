@@ -1,7 +1,8 @@
 //! A candidate: one law, body or smooth term at a location, and its columns.
 
-use armident_effects::{Role, Scope, effect};
+use armident_effects::{Effect, Law, LinkSide, Role, Scope, UNMODELLED};
 use armident_model::SmoothBasis;
+
 /// Where a candidate acts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Location {
@@ -11,13 +12,13 @@ pub(crate) struct Location {
     pub(crate) window: Option<(usize, [f64; 2])>,
 }
 
-/// What a candidate stands for.
+/// Law or smooth term of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CandidateKind {
     /// A law of the library.
-    Law(&'static str),
-    /// A flexible description on these variables.
-    SmoothDirections(crate::design::candidate::SmoothDirections),
+    Law(&'static dyn Effect),
+    /// A smooth term of these variables.
+    SmoothDirections(SmoothDirections),
 }
 
 /// A law at a location with a shape: the columns that it adds.
@@ -33,7 +34,7 @@ pub(crate) struct Candidate {
     pub(crate) places: Vec<Role>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
-    /// directions of these that the motions do not show, each as large as one is likely to be
+    /// directions of these that are not excited, each with its prior deviation
     pub(crate) hidden: Vec<Vec<f64>>,
     /// root mean square of its effort as recorded over that in the band, 1 or more: impacts in a gap are
     /// mostly above it
@@ -45,15 +46,37 @@ pub(crate) struct Candidate {
 impl Candidate {
     pub(crate) fn slug(&self) -> &'static str {
         match &self.kind {
-            CandidateKind::Law(slug) => slug,
-            CandidateKind::SmoothDirections(_) => crate::UNMODELLED,
+            CandidateKind::Law(law) => law.slug(),
+            CandidateKind::SmoothDirections(_) => UNMODELLED,
         }
     }
 
-    /// Whether a link moves by itself behind its motor: what is through a joint and has constants that were tried.
+    /// Its law; none of a smooth term.
+    pub(crate) fn law(&self) -> Option<&'static dyn Effect> {
+        match &self.kind {
+            CandidateKind::Law(law) => Some(*law),
+            CandidateKind::SmoothDirections(_) => None,
+        }
+    }
+
+    /// Whether it is of this law.
+    pub(crate) fn is(&self, law: &dyn Effect) -> bool {
+        self.slug() == law.slug()
+    }
+
+    /// Whether its law has a property; a smooth term has none.
+    pub(crate) fn has(&self, property: impl FnOnce(&'static Law) -> bool) -> bool {
+        self.law().is_some_and(|law| property(law.law()))
+    }
+
+    /// Whether it is a transmission with something of this kind between motor and link.
+    pub(crate) fn has_link_side(&self, side: LinkSide) -> bool {
+        self.has(|law| law.has_link_side(side))
+    }
+
+    /// Whether a link moves relative to its motor: a law of a transmission with a shape.
     pub(crate) fn moves_its_link(&self) -> bool {
-        !self.shape.is_empty()
-            && effect(self.slug()).is_some_and(|law| law.law().scope == Scope::ThroughJoint)
+        !self.shape.is_empty() && self.has(|law| law.scope == Scope::ThroughJoint)
     }
 
     /// Adds what coefficients of the candidate change of the links' standard parameters, `10` a link.
@@ -84,8 +107,7 @@ impl Candidate {
     }
 }
 
-/// A flexible description in the search: its basis, and the coefficients of the hats from those of the
-/// columns, `[column][hat]`.
+/// A smooth term in the search: its basis, and the coefficients of the hats from those of the columns, `[column][hat]`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SmoothDirections {
     pub(crate) basis: SmoothBasis,

@@ -1,6 +1,6 @@
-//! What recordings are compared with.
+//! The side that recordings are compared with.
 
-/// What recordings are compared with.
+/// The side that recordings are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Comparison {
     /// A model: all recordings are judged.

@@ -1,4 +1,4 @@
-//! What links weigh behind a spring: how they load the joints, and how the one behind the spring then moves.
+//! Links behind a spring: their load on the joints, and the motion of the one behind the spring.
 //!
 //! ```text
 //! τ = Y(q, q̇, q̈) π,   q the motion of the link;   dτ/dπ = Y + ∂τ/∂(q, q̇, q̈) d(q, q̇, q̈)/dπ
@@ -28,7 +28,7 @@ pub(crate) struct CompliantLink {
     load: Load,
     /// `[position, velocity, acceleration][joint][sample]`: change of the efforts with them
     by_motion: [Vec<Vec<f64>>; 3],
-    /// `[joint][sample]`: of the difference to a rigid transmission what the columns of the links already count
+    /// `[joint][sample]`: part of the difference to a rigid transmission that the columns of the links include
     counted: Vec<Vec<f64>>,
 }
 
@@ -99,7 +99,7 @@ impl CompliantLink {
         Ok(sprung)
     }
 
-    /// Of the difference to a rigid transmission what the columns of the links already count, `[joint][sample]`.
+    /// Part of the difference to a rigid transmission that the columns of the links include, `[joint][sample]`.
     pub(crate) fn counted(&self) -> &[Vec<f64>] {
         &self.counted
     }
@@ -246,7 +246,7 @@ mod tests {
     use crate::selection::iterate::select;
     use crate::test_arms::{swung, swung_for, ur5};
     use armident_dynamics::RigidArm;
-    use armident_model::Transmission;
+    use armident_model::FittedTransmission;
     use armident_model::changed;
 
     /// Where what is fitted follows what it was fitted beside by a share, two steps tell where it no longer moves; where by
@@ -256,7 +256,7 @@ mod tests {
         const SETTLED: f64 = 5.0;
         let at = |stiffness_ln: f64| {
             let transmission =
-                Transmission { gap: 0.0, stiffness: stiffness_ln.exp(), damping: 1.0 };
+                FittedTransmission { gap: 0.0, stiffness: stiffness_ln.exp(), damping: 1.0 };
             vec![Spring { joint: 0, transmission, share: 1.0 }]
         };
         let point = |springs: Vec<Spring>| OperatingPoint { springs, ..OperatingPoint::of(1) };
@@ -282,7 +282,7 @@ mod tests {
         let arm = RigidArm::from_chain(&chain);
         let signals = swung(&chain, 0.0, |_, _| 0.0);
         let dof = chain.joints.len();
-        let transmission = Transmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
+        let transmission = FittedTransmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
         let spring = Spring { joint: JOINT, transmission, share: 1.0 };
         let mut links = vec![0.0; TEN * dof];
         links[TEN * 2..TEN * 2 + 4].copy_from_slice(&[0.4, 0.1, 0.02, -0.03]);
@@ -344,7 +344,7 @@ mod tests {
         let inertia = mean_inertia(std::slice::from_ref(&at), JOINT);
         let rate = std::f64::consts::TAU * 2.3;
         let (stiffness, damping) = (inertia * rate * rate, 0.06 * inertia * rate);
-        let spring = Transmission { gap: 0.0, stiffness, damping };
+        let spring = FittedTransmission { gap: 0.0, stiffness, damping };
         for (effort, more) in recorded.effort.iter_mut().zip(spring.difference(&at, JOINT).unwrap())
         {
             effort.iter_mut().zip(more).for_each(|(e, m)| *e += m);

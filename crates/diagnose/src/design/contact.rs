@@ -1,4 +1,4 @@
-//! Windows of time in which a constant force on the tip explains what is left over.
+//! Windows of time in which a constant force on the tip explains the residual.
 
 use armident_effects::{ExternalContact, Role};
 use nalgebra::{Matrix3, Vector3};
@@ -116,7 +116,7 @@ impl ContactColumns {
             })
             .collect();
         problem.candidates.push(Candidate {
-            kind: CandidateKind::Law("external_contact"),
+            kind: CandidateKind::Law(&ExternalContact),
             location: Location { joints: Vec::new(), window: Some((recording, window)) },
             shape: window.to_vec(),
             columns,

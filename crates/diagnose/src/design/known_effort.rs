@@ -5,7 +5,8 @@ use armident_model::{ArmModel, BandPrediction};
 use armident_motion::Signals;
 use armident_recording::RecordingError;
 use nalgebra::Vector3;
-/// A model that holds more than a rigid body: what it knows is taken out of recordings, and they are compared with
+
+/// A model that holds more than a rigid body: its other efforts are subtracted from recordings, which are compared with
 /// its body alone.
 pub(crate) struct KnownModel {
     /// The whole of it.

@@ -4,7 +4,7 @@ use crate::design::candidate::Candidate;
 use crate::design::link_error_prior::LinkErrorPrior;
 use std::sync::OnceLock;
 
-use armident_effects::EffectOnJoint;
+use armident_effects::{EffectOnJoint, Library};
 use armident_numeric::{dot, products_of_columns};
 use rayon::prelude::*;
 
@@ -30,8 +30,10 @@ pub(crate) struct LinearProblem {
     /// products of its directions in the efforts, `W'W` at size 1: formed when first asked for
     pub(crate) of_directions: OnceLock<Vec<Vec<f64>>>,
     pub(crate) candidates: Vec<Candidate>,
-    /// `[joint]`: effects that were taken out of the recordings; what is found may be less of them
+    /// `[joint]`: effects that were subtracted from the recordings; a finding may be a decrease of these
     pub(crate) known: Vec<Vec<EffectOnJoint>>,
+    /// laws of the candidates and of the known effects
+    pub(crate) library: Library,
 }
 
 impl LinearProblem {
@@ -54,6 +56,7 @@ impl LinearProblem {
             link_error_prior,
             of_directions: OnceLock::new(),
             candidates: Vec::new(),
+            library: Library::standard().clone(),
         };
         problem.push_columns(rigid);
         problem
@@ -172,6 +175,7 @@ impl LinearProblem {
             of_directions: self.of_directions.clone(),
             candidates,
             known: self.known.clone(),
+            library: self.library.clone(),
         };
         let ids = (0..set.len()).collect();
         (problem, ids)
@@ -195,6 +199,7 @@ impl LinearProblem {
         problem.rigid = self.rigid;
         problem.candidates.clone_from(&self.candidates);
         problem.known.clone_from(&self.known);
+        problem.library.clone_from(&self.library);
         problem
     }
 }

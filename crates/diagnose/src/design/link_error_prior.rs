@@ -45,7 +45,7 @@ pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> LinkErr
     LinkErrorPrior { directions, links: links.len(), free: 0 }
 }
 
-/// A deviation that leaves the coefficient of a column free: such that the column is as large as what is to be explained
+/// A deviation that leaves the coefficient of a column free: such that the column is as large as the effort to be explained
 /// on its joints.
 pub(crate) fn as_large_as(effort: &JointColumns, column: &JointColumns) -> f64 {
     let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();

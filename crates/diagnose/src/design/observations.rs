@@ -1,4 +1,4 @@
-//! What all rows of the comparison have in common: weights, noise, and how columns become rows.
+//! Rows of the comparison: weights, noise, and how columns become rows.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub(crate) struct Weights {
     by_row: JointColumns,
     /// independent samples per row
     pub(crate) share: f64,
-    /// `[joint]`, 1 or more: by what the weights of what is judged are smaller for the model discrepancy
+    /// `[joint]`, 1 or more: factor by which model discrepancy lowers the weights of judged rows
     pub(crate) discrepancy: Vec<f64>,
     /// the same before a change
     pub(crate) discrepancy_before: Vec<f64>,
@@ -217,7 +217,7 @@ impl Observations {
         rows[..self.starts[self.laws_from]].fill(0.0);
     }
 
-    /// First row of what is judged.
+    /// First judged row.
     pub(crate) fn judged_from(&self) -> usize {
         self.starts[self.comparison.first_judged()]
     }

@@ -7,8 +7,9 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::smooth::push_smooth;
 use crate::design::training::Design;
 use crate::design::transmission::push_transmission;
-use armident_effects::{Scope, effect};
-/// The candidate of a new problem that stands for the same.
+use armident_effects::{Effect, Scope};
+
+/// The same candidate in a new problem.
 pub(crate) fn recreate(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -26,7 +27,7 @@ pub(crate) fn recreate(
     }
 }
 
-/// The same of what acts at all times.
+/// The same candidate in a new problem, of one that acts at all times.
 pub(crate) fn recreate_lasting(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -34,8 +35,8 @@ pub(crate) fn recreate_lasting(
     candidate: &Candidate,
 ) -> Option<usize> {
     known(problem.candidates.iter(), candidate).or_else(|| match &candidate.kind {
-        CandidateKind::Law(slug) => {
-            let id = formed(design, at, problem, slug, candidate)?;
+        CandidateKind::Law(law) => {
+            let id = formed(design, at, problem, *law, candidate)?;
             problem.candidates[id].searched = candidate.searched;
             Some(id)
         }
@@ -63,23 +64,22 @@ pub(crate) fn formed(
     design: &Design<'_>,
     at: &[Posed<'_>],
     problem: &mut LinearProblem,
-    slug: &'static str,
+    law: &'static dyn Effect,
     candidate: &Candidate,
 ) -> Option<usize> {
-    let law = effect(slug)?;
     let joint = *candidate.location.joints.first()?;
     match law.law().scope {
         Scope::Joint => design.push_joint_law(problem, at, law, joint, &candidate.shape),
         Scope::Neighbours => Some(design.push_pair_law(problem, at, law, joint, &candidate.shape)),
         Scope::ThroughJoint if !candidate.shape.is_empty() => {
-            push_transmission(design, at, problem, slug, joint, &candidate.shape, &mut Vec::new())
+            push_transmission(design, at, problem, law, joint, &candidate.shape, &mut Vec::new())
         }
         _ => None,
     }
 }
 
-/// How many of a candidate's shape constants are numbers that can be polished: those of a ripple after its order say which
-/// harmonics it has.
+/// How many of a candidate's shape constants are continuous, from the first on.
 pub(crate) fn continuous(candidate: &Candidate) -> usize {
-    if candidate.slug() == "torque_ripple" { 1 } else { candidate.shape.len() }
+    let Some(law) = candidate.law() else { return 0 };
+    (0..candidate.shape.len()).take_while(|constant| law.shape_step(*constant).is_some()).count()
 }

@@ -1,4 +1,4 @@
-//! Orders of ripple in what is left over.
+//! Orders of ripple in the residual.
 
 use armident_effects::{Effect, JointMotion, TorqueRipple};
 use armident_kinematics::JointKind;
@@ -59,7 +59,7 @@ impl RippleColumns {
         Self { joints }
     }
 
-    /// The orders that explain most of what is left on a joint.
+    /// The orders that explain most of the residual of a joint.
     fn peaks(&self, joint: usize, residual: &[f64]) -> Vec<f64> {
         let total = dot(residual, residual);
         let mut gains: Vec<(f64, f64)> = self.joints[joint]
@@ -93,7 +93,7 @@ impl RippleColumns {
                 for harmonics in [1.0, 2.0] {
                     let shape = [order, harmonics];
                     let known = problem.candidates.iter().any(|g| {
-                        g.slug() == "torque_ripple" && g.location.joints == [j] && g.shape == shape
+                        g.is(&TorqueRipple) && g.location.joints == [j] && g.shape == shape
                     });
                     if known {
                         continue;
@@ -110,7 +110,7 @@ impl RippleColumns {
     }
 }
 
-/// What a sine and a cosine take from the sum of squares of a residual. Both at once: over a short travel
+/// Reduction of the sum of squares of a residual by a sine and a cosine. Both at once: over a short travel
 /// they are far from orthogonal.
 pub(crate) fn wave_gain(sine: &[f64], cosine: &[f64], residual: &[f64]) -> f64 {
     let (ss, sc, cc) = (dot(sine, sine), dot(sine, cosine), dot(cosine, cosine));

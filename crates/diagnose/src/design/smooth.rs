@@ -18,7 +18,7 @@ const FACTOR_KNOTS: usize = 16;
 const PLANE_KNOTS: usize = 8;
 /// Speeds at which a saturating factor turns, over the root mean square speed.
 const TURNS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
-/// Share of the range by which the knots reach beyond what training visited.
+/// Share of the range by which the knots reach beyond the training recordings.
 const MARGIN: f64 = 0.1;
 /// Second differences of the coefficients, over the effort that is to be described: deviation of the
 /// prior; and how many times weaker the coefficients themselves are held.
@@ -89,7 +89,7 @@ fn penalty(basis: &SmoothBasis) -> Mat<f64> {
     penalty
 }
 
-/// Adds the two best flexible descriptions of what a joint leaves over; gives their ids.
+/// Adds the two best smooth terms for the residual of a joint; returns their ids.
 pub(crate) fn offer(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -158,7 +158,7 @@ pub(crate) fn push_smooth(
     problem.candidates.len() - 1
 }
 
-/// What the plain terms of the joint explain anyway: they are fitted beside every description.
+/// Baseline terms of the joint, which are fitted beside every smooth term.
 fn beside(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Vec<f64>> {
     let form = |of: &dyn Fn(&Posed<'_>) -> Vec<f64>| {
         let pieces: Vec<Vec<f64>> = at.iter().map(of).collect();
@@ -335,7 +335,7 @@ fn known_directions(
     Some(kept.iter().map(|&k| (0..size).map(|i| transform[(i, k)]).collect()).collect())
 }
 
-/// What the best description leaves of a residual: its sum of squares over that of the residual, each
+/// Residual beside the best smooth term: its sum of squares over that of the residual, each
 /// column paid for with an independent sample. Not more than 1.
 pub(crate) fn least_left(
     design: &Design<'_>,
@@ -358,7 +358,7 @@ pub(crate) fn least_left(
         .reduce(|| 1.0, f64::min)
 }
 
-/// From the products of all columns: what all of them leave of the one at `place`.
+/// From the products of all columns: the residual of the one at `place` on all others.
 fn sum_of_squares_left(products: &Mat<f64>, place: usize) -> Option<f64> {
     const HOLD: f64 = 1e-7;
     let columns: Vec<usize> = (0..products.nrows()).filter(|k| *k != place).collect();

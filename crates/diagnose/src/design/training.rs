@@ -1,13 +1,11 @@
-//! From recordings and the believed arm to the linear problem, about an operating point.
+//! From recordings and the given arm to the linear problem, about an operating point.
 
 use crate::design::observations::{JointColumns, Observations, Weights};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix};
-use armident_effects::{
-    BASELINE, Effect, EffectOnJoint, Library, MotionScale, Role, Scope, effect,
-};
+use armident_effects::{BASELINE, Effect, EffectOnJoint, Library, MotionScale, Role, Scope};
 use armident_kinematics::DrivingAxisChain;
 use rayon::prelude::*;
 
@@ -33,6 +31,8 @@ pub(crate) struct Design<'a> {
     pub(crate) scale: Vec<MotionScale>,
     /// effects that were taken out of the recordings
     pub(crate) known: &'a [EffectOnJoint],
+    /// laws that are looked for
+    pub(crate) library: &'a Library,
 }
 
 impl<'a> Design<'a> {
@@ -61,7 +61,13 @@ impl<'a> Design<'a> {
             })
             .collect();
         let names = chain.joints.iter().map(|j| j.name.clone()).collect();
-        Self { chain, names, signals: signals.into(), observations, scale, known: &[] }
+        let (signals, library) = (signals.into(), Library::standard());
+        Self { chain, names, signals, observations, scale, known: &[], library }
+    }
+
+    /// The same with the laws of another library.
+    pub(crate) fn with_library(self, library: &'a Library) -> Self {
+        Self { library, ..self }
     }
 
     /// The same of recordings from which these effects were taken.
@@ -78,6 +84,7 @@ impl<'a> Design<'a> {
             observations: self.observations.with_laws_throughout(),
             scale: self.scale.clone(),
             known: self.known,
+            library: self.library,
         }
     }
 
@@ -109,8 +116,8 @@ impl<'a> Design<'a> {
     /// The same compared with those of its recordings before `from`, which show the arm as it was, and hold its links
     /// and baseline friction.
     ///
-    /// Gives back as well, for each joint that moves faster now than then, how fast it was before: what its friction
-    /// is beyond, the reference does not say, so that these rows are excluded.
+    /// Gives back as well, for each joint that moves faster now than then, how fast it was before: the reference
+    /// does not determine its friction beyond that, so that these rows are excluded.
     pub(crate) fn against_reference(self, from: usize) -> (Self, BTreeMap<String, f64>) {
         let mut design = Self { observations: self.observations.against_reference(from), ..self };
         let mut exceeded = BTreeMap::new();
@@ -206,20 +213,22 @@ impl<'a> Design<'a> {
         }
         let mut problem =
             LinearProblem::new(self.observations.clone(), effort, rigid, link_error_prior);
+        problem.library.clone_from(self.library);
         for (known, name) in problem.known.iter_mut().zip(&self.names) {
             known.extend(self.known.iter().filter(|effect| effect.joint == *name).cloned());
         }
-        let of_scope = |scope: Scope, sites: usize| -> Vec<(&dyn Effect, usize, Vec<f64>)> {
-            let named = || Library::standard().named();
-            let laws = move || named().filter(move |law| law.law().scope == scope);
-            let at_location = |j: usize| {
-                laws().flat_map(move |law| {
-                    law.shapes(&self.scale[j]).into_iter().map(move |shape| (law, j, shape))
-                })
+        let of_scope =
+            |scope: Scope, sites: usize| -> Vec<(&'static dyn Effect, usize, Vec<f64>)> {
+                let named = || self.library.named();
+                let laws = move || named().filter(move |law| law.law().scope == scope);
+                let at_location = |j: usize| {
+                    laws().flat_map(move |law| {
+                        law.shapes(&self.scale[j]).into_iter().map(move |shape| (law, j, shape))
+                    })
+                };
+                (0..sites).flat_map(at_location).filter(|(_, _, shape)| shapes(shape)).collect()
             };
-            (0..sites).flat_map(at_location).filter(|(_, _, shape)| shapes(shape)).collect()
-        };
-        // columns are dear to form and independent; candidates are numbered in order
+        // columns are expensive to form and independent; candidates are numbered in order
         let of_joints = of_scope(Scope::Joint, n);
         let columns: Vec<Vec<JointColumns>> = of_joints
             .par_iter()
@@ -237,8 +246,8 @@ impl<'a> Design<'a> {
     }
 
     /// The terms of a plain identification on every joint, the same before and after a change, and a
-    /// deviation of their coefficients that leaves them free: such that a column is as large as what is
-    /// to be explained on its joint.
+    /// deviation of their coefficients that leaves them free: such that a column is as large as the
+    /// effort to be explained on its joint.
     fn baseline_columns(
         &self,
         at: &[Posed<'_>],
@@ -315,7 +324,7 @@ impl<'a> Design<'a> {
         &self,
         problem: &mut LinearProblem,
         at: &[Posed<'_>],
-        law: &dyn Effect,
+        law: &'static dyn Effect,
         joint: usize,
         shape: &[f64],
     ) -> Option<usize> {
@@ -326,7 +335,7 @@ impl<'a> Design<'a> {
     fn joint_law_columns(
         &self,
         at: &[Posed<'_>],
-        law: &dyn Effect,
+        law: &'static dyn Effect,
         joint: usize,
         shape: &[f64],
     ) -> Vec<JointColumns> {
@@ -344,7 +353,7 @@ impl<'a> Design<'a> {
     fn push_joint_columns(
         &self,
         problem: &mut LinearProblem,
-        law: &dyn Effect,
+        law: &'static dyn Effect,
         joint: usize,
         shape: &[f64],
         columns: Vec<JointColumns>,
@@ -361,7 +370,7 @@ impl<'a> Design<'a> {
         &self,
         problem: &mut LinearProblem,
         at: &[Posed<'_>],
-        law: &dyn Effect,
+        law: &'static dyn Effect,
         first: usize,
         shape: &[f64],
     ) -> usize {
@@ -403,7 +412,7 @@ impl<'a> Design<'a> {
         at: &[Posed<'_>],
         efforts: &[Vec<Vec<f64>>],
     ) {
-        for law in Library::standard().named() {
+        for law in self.library.named() {
             let joints = match law.law().scope {
                 Scope::ThroughJoint => self.joints(),
                 Scope::Arm if law.law().roles != [Role::Contact] => 1,
@@ -437,7 +446,7 @@ impl<'a> Design<'a> {
                     location.joints = vec![j];
                 }
                 // a transmission brings the inertia of its motor with it
-                let relative = law.law().contains.first().and_then(|slug| effect(slug));
+                let relative = law.law().contains.first().and_then(|slug| self.library.get(slug));
                 let searched = usize::from(relative.is_some());
                 if let Some(relative) = relative {
                     let columns: Vec<Vec<f64>> = at
@@ -455,14 +464,14 @@ impl<'a> Design<'a> {
 /// Adds a law's candidate, and gives its id.
 pub(crate) fn push_law(
     problem: &mut LinearProblem,
-    law: &dyn Effect,
+    law: &'static dyn Effect,
     location: Location,
     shape: &[f64],
     columns: Vec<usize>,
     searched: usize,
 ) -> usize {
     problem.candidates.push(Candidate {
-        kind: CandidateKind::Law(law.law().slug),
+        kind: CandidateKind::Law(law),
         location,
         shape: shape.to_vec(),
         columns,

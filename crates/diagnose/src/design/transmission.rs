@@ -1,4 +1,4 @@
-//! Springy and loose transmissions: the recorded motor drives a hidden link.
+//! Elastic transmissions and backlash: the recorded motor drives a link whose motion is not recorded.
 //!
 //! ```text
 //! m(t) q̈ + b(t) = τ,   τ = K (θ - q) + D (θ̇ - q̇), or that beyond a gap;   effort = rigid(link) + J θ̈
@@ -9,8 +9,8 @@
 //! the motion of the link.
 
 use crate::design::compliant_link::{Posed, mean_inertia};
-use armident_effects::{Effect, Role, RotorInertia};
-use armident_model::{Load, MOST_TURNS, of_shape};
+use armident_effects::{Effect, LinkSide, Role, RotorInertia};
+use armident_model::{FittedTransmission, Load, MOST_TURNS};
 use armident_numeric::dot;
 use armident_recording::RecordingError;
 use rayon::prelude::*;
@@ -33,15 +33,15 @@ pub(crate) fn push_transmission(
     design: &Design<'_>,
     at: &[Posed<'_>],
     problem: &mut LinearProblem,
-    slug: &'static str,
+    law: &'static dyn Effect,
     joint: usize,
     shape: &[f64],
     near: &mut Vec<Option<Load>>,
 ) -> Option<usize> {
-    let formed = formed(design, at, slug, joint, shape, MOST_TURNS, near)?;
+    let formed = formed(design, at, law, joint, shape, MOST_TURNS, near)?;
     let Formed { blocks, above_band } = formed;
     let column = problem.push_columns(vec![blocks]);
-    Some(push_candidate(design, at, problem, (slug, joint, shape), column, above_band))
+    Some(push_candidate(design, at, problem, (law, joint, shape), column, above_band))
 }
 
 /// The efforts of a transmission, beside a rigid one, in the band.
@@ -53,13 +53,13 @@ struct Formed {
 fn formed(
     design: &Design<'_>,
     at: &[Posed<'_>],
-    slug: &str,
+    law: &dyn Effect,
     joint: usize,
     shape: &[f64],
     most_turns: usize,
     near: &mut Vec<Option<Load>>,
 ) -> Option<Formed> {
-    let transmission = of_shape(slug, shape, mean_inertia(at, joint));
+    let transmission = FittedTransmission::of_law(law, shape, mean_inertia(at, joint))?;
     near.resize(at.len(), None);
     let pieces: Vec<Vec<Vec<f64>>> = at
         .par_iter()
@@ -95,7 +95,7 @@ fn push_candidate(
     design: &Design<'_>,
     at: &[Posed<'_>],
     problem: &mut LinearProblem,
-    (slug, joint, shape): (&'static str, usize, &[f64]),
+    (law, joint, shape): (&'static dyn Effect, usize, &[f64]),
     column: usize,
     above_band: f64,
 ) -> usize {
@@ -109,7 +109,7 @@ fn push_candidate(
         None => problem.push_columns(vec![inertia]),
     };
     problem.candidates.push(Candidate {
-        kind: CandidateKind::Law(slug),
+        kind: CandidateKind::Law(law),
         location: Location { joints: vec![joint], window: None },
         shape: shape.to_vec(),
         columns: vec![column, inertia],
@@ -118,7 +118,7 @@ fn push_candidate(
         transform: None,
         hidden: Vec::new(),
         above_band,
-        is_of_size_one: slug == "joint_elasticity"
+        is_of_size_one: law.law().has_link_side(LinkSide::Spring)
             && at.iter().any(|at| at.has_right_spring(joint)),
     });
     problem.candidates.len() - 1
@@ -145,22 +145,12 @@ pub(crate) fn offer(
     joint: usize,
 ) -> Vec<usize> {
     let inertia = mean_inertia(at, joint);
-    let mut sizes: Vec<(&'static str, Vec<f64>)> = Vec::new();
-    for hz in RESONANCES_HZ {
-        for damping in DAMPINGS {
-            let rate = std::f64::consts::TAU * hz;
-            let shape = vec![inertia * rate * rate, 2.0 * damping * inertia * rate];
-            sizes.push(("joint_elasticity", shape));
-        }
-    }
-    let (mut gap, last, factor) = GAPS;
-    while gap < last {
-        sizes.push(("backlash", vec![gap]));
-        gap *= factor;
-    }
-    // one turn tells which size is worth a closer look
-    let of_size = |(slug, shape): &(&'static str, Vec<f64>)| {
-        formed(design, at, slug, joint, shape, 1, &mut Vec::new())
+    let laws = design.library.named().filter_map(|law| Some((law, law.law().link_side()?)));
+    let sizes: Vec<(&'static dyn Effect, Vec<f64>)> =
+        laws.flat_map(|(law, side)| sizes_of(side, inertia).map(move |s| (law, s))).collect();
+    // one iteration shows which size is worth a closer look
+    let of_size = |(law, shape): &(&'static dyn Effect, Vec<f64>)| {
+        formed(design, at, *law, joint, shape, 1, &mut Vec::new())
     };
     let all: Vec<Option<Formed>> = sizes.par_iter().map(of_size).collect();
     let mut found = Vec::new();
@@ -173,8 +163,31 @@ pub(crate) fn offer(
     let first = problem.push_columns(columns);
     let places = found.into_iter().zip(first..);
     places
-        .map(|(((slug, shape), above_band), column)| {
-            push_candidate(design, at, problem, (slug, joint, &shape), column, above_band)
+        .map(|(((law, shape), above_band), column)| {
+            push_candidate(design, at, problem, (law, joint, &shape), column, above_band)
         })
         .collect()
+}
+
+/// Shapes of a transmission that are tried on a joint that moves this inertia.
+fn sizes_of(side: LinkSide, inertia: f64) -> impl Iterator<Item = Vec<f64>> {
+    let mut sizes = Vec::new();
+    match side {
+        LinkSide::Spring => {
+            for hz in RESONANCES_HZ {
+                for damping in DAMPINGS {
+                    let rate = std::f64::consts::TAU * hz;
+                    sizes.push(vec![inertia * rate * rate, 2.0 * damping * inertia * rate]);
+                }
+            }
+        }
+        LinkSide::Play => {
+            let (mut gap, last, factor) = GAPS;
+            while gap < last {
+                sizes.push(vec![gap]);
+                gap *= factor;
+            }
+        }
+    }
+    sizes.into_iter()
 }

@@ -1,13 +1,13 @@
 //! Ablation: the model without one of its findings; the difference is what the finding explains.
 
-use armident_effects::EffectOnJoint;
+use armident_effects::{EffectOnJoint, OperatingTerm, UNMODELLED};
 
 use crate::findings::finding::Finding;
 use armident_model::{ArmModel, SmoothTerm};
 
 impl Finding {
-    /// A diagnosed model without what the finding stands for, all else as it is; `before` is
-    /// the model that was diagnosed. Contacts are in no model: nothing goes.
+    /// A diagnosed model without the effect of the finding, all else as it is; `before` is the given model. Contacts are in no
+    /// model and remove nothing.
     #[must_use]
     pub fn ablated_from(&self, model: &ArmModel, before: &ArmModel) -> ArmModel {
         let (finding, mut model) = (self, model.clone());
@@ -25,25 +25,27 @@ impl Finding {
                 _ => drop(effects.remove(k)),
             }
         }
-        match (slug, index) {
-            ("joint_elasticity" | "backlash", _) => {
-                if let Some(k) = model.transmissions.iter().rposition(|t| is_on(&t.joint)) {
-                    model.transmissions.remove(k);
-                }
+        let law = model.library.law(slug);
+        if law.is_some_and(|law| law.link_side().is_some())
+            && let Some(k) = model.transmissions.iter().rposition(|t| is_on(&t.joint))
+        {
+            model.transmissions.remove(k);
+        }
+        match (law.and_then(|law| law.operating), index) {
+            (Some(OperatingTerm::Gain), Some(j)) => model.channel_gain[j] = before.channel_gain[j],
+            (Some(OperatingTerm::EncoderZero), Some(j)) => {
+                model.encoder_offset[j] = before.encoder_offset[j]
             }
-            ("torque_scale", Some(j)) => model.channel_gain[j] = before.channel_gain[j],
-            ("encoder_offset", Some(j)) => model.encoder_offset[j] = before.encoder_offset[j],
-            ("gravity_direction", _) => model.base_tilt_rad = before.base_tilt_rad,
-            ("time_delay", _) => model.effort_delay_s = before.effort_delay_s,
-            (crate::UNMODELLED, _) => {
-                let same = |f: &SmoothTerm| {
-                    is_on(&f.joint) && f.basis.variables() == finding.evidence.variables
-                };
-                if let Some(k) = model.smooth_terms.iter().rposition(same) {
-                    model.smooth_terms.remove(k);
-                }
-            }
+            (Some(OperatingTerm::Tilt), _) => model.base_tilt_rad = before.base_tilt_rad,
+            (Some(OperatingTerm::Delay), _) => model.effort_delay_s = before.effort_delay_s,
             _ => {}
+        }
+        let same =
+            |f: &SmoothTerm| is_on(&f.joint) && f.basis.variables() == finding.evidence.variables;
+        if slug == UNMODELLED
+            && let Some(k) = model.smooth_terms.iter().rposition(same)
+        {
+            model.smooth_terms.remove(k);
         }
         if let Some(link) = &finding.link {
             let joints = model.chain.joints.iter_mut().zip(&before.chain.joints);

@@ -1,8 +1,8 @@
-//! What is said of an estimate: effects with places, parameters and standard errors.
+//! Findings of an estimate: effects with locations, parameters and standard errors.
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Role, effect};
+use armident_effects::{Effect, LinkInertiaError, OperatingTerm, Payload, Role, UNMODELLED};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ use crate::selection::materiality::{
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::selection::solution::{Selection, Solution};
 use crate::uncertainty::jackknife::Jackknife;
-use armident_model::of_shape;
+use armident_model::FittedTransmission;
 
 /// A number with its standard error.
 #[derive(Debug, Clone, Serialize)]
@@ -34,7 +34,7 @@ pub struct Value {
     pub unit: &'static str,
 }
 
-/// What else the recordings cannot tell from a finding.
+/// Another effect that the recordings do not distinguish from a finding.
 #[derive(Debug, Clone, Serialize)]
 pub struct Alternative {
     /// Slug.
@@ -43,32 +43,30 @@ pub struct Alternative {
     pub joints: Vec<String>,
     /// Link.
     pub link: Option<String>,
-    /// Root mean square effort that it leaves over more than the finding does, in standard deviations
-    /// of one recorded sample.
+    /// Root mean square residual that it adds to that of the finding, in noise levels.
     pub left_more: f64,
-    /// The motion that would tell the two apart, in words, if the library knows one.
+    /// The motion that would separate the two, in words, if the library has one.
     pub separated_by: Option<&'static str>,
 }
 
-/// What a finding stands on.
+/// Evidence of a finding.
 #[derive(Debug, Clone, Serialize)]
 pub struct FindingEvidence {
-    /// Root mean square effort that comes back without the finding, in standard deviations of one
-    /// recorded sample, on the joint where it matters most.
+    /// Root mean square effort that the finding alone explains, in noise levels, on the joint where that is largest.
     pub materiality: f64,
-    /// What must come back there for a name.
+    /// Materiality threshold there.
     pub least_materiality: f64,
     /// That joint.
     pub joint: String,
-    /// Columns that an unnamed structure depends on.
+    /// Regressors of an unmodelled structure.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variables: Vec<String>,
-    /// What kind of structure has no name.
+    /// Character of an unmodelled structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub character: Option<Character>,
 }
 
-/// One effect that the model leaves out.
+/// One effect at one location that the given model lacks.
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
     /// Slug of the library, or `unmodelled`.
@@ -83,14 +81,14 @@ pub struct Finding {
     pub recording: Option<String>,
     /// Parameters of the law.
     pub parameters: BTreeMap<&'static str, Value>,
-    /// 0.5 where it just matters, 0.95 where it matters twice as much as it must.
+    /// 0.5 at the materiality threshold, 0.95 at twice the threshold.
     pub confidence: f64,
     /// Whether the model with it predicts recordings kept out better than the model without it; none
     /// without such recordings, or where they cannot say (a contact happened once).
     pub confirmed: Option<bool>,
     /// Why.
     pub evidence: FindingEvidence,
-    /// What it may be instead.
+    /// Effects that it may be instead.
     pub alternatives: Vec<Alternative>,
 }
 
@@ -101,14 +99,14 @@ fn confidence(size: &Materiality) -> f64 {
 /// A finding and the estimates beside it.
 pub(crate) struct ReportedFinding {
     pub(crate) finding: Finding,
-    /// without it, and the links with a wrong body; none where there is no such estimate
+    /// without it, and the inflated links; none where there is no such estimate
     pub(crate) without: Option<(Estimate, Vec<InflatedLink>)>,
-    /// with each alternative in its place, and the links with a wrong body
+    /// with each alternative instead of it, and the inflated links
     pub(crate) rivals: Vec<(Estimate, Vec<InflatedLink>)>,
 }
 
-/// What is claimed, the most material first. `numbers` has all that is claimed and the small terms
-/// of the model beside it: a friction without the one that nobody names would be too large by it.
+/// The findings, the most material first. `numbers` has the findings and the small terms of the model: parameters without
+/// these would be biased.
 pub(crate) fn reported_findings(
     design: &Design<'_>,
     selection: &Selection,
@@ -135,8 +133,8 @@ pub(crate) fn reported_findings(
             let numbers = parameters(numbers, g, &jackknife);
             let mut finding = finding_of_candidate(&solution, g, &size, numbers);
             let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
-            let told = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
-            finding.alternatives = rivals.iter().map(told).collect();
+            let alternative_of = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
+            finding.alternatives = rivals.iter().map(alternative_of).collect();
             finding.alternatives.extend(load_unweighed(&solution, g));
             ReportedFinding {
                 finding,
@@ -157,10 +155,10 @@ pub(crate) fn reported_findings(
         let change = &errors[10 * link..10 * (link + 1)];
         let covariance =
             metric.inertial_covariance(&(10 * link..10 * link + 4).collect::<Vec<_>>());
-        let mut finding = wrong_body(design, link, change, &covariance, &size);
+        let mut finding = inflated_link(design, link, change, &covariance, &size);
         let rivals = rivals_of_body(&metric, &selection.estimate, link);
-        let told = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
-        finding.alternatives = rivals.iter().map(told).collect();
+        let alternative_of = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
+        finding.alternatives = rivals.iter().map(alternative_of).collect();
         found.push(ReportedFinding {
             finding,
             without: fit_set(&others, selection.estimate.set.clone())
@@ -175,39 +173,39 @@ pub(crate) fn reported_findings(
 fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
     let design = solution.design;
     let candidates = &solution.metric.problem.candidates;
-    let told = |by: InPlace| match by {
+    let place_of = |by: InPlace| match by {
         InPlace::Candidate(g) => {
             let candidate = &candidates[g];
-            (candidate.slug(), candidate.location.joints.clone(), link_of(design, candidate))
+            (candidate.law(), candidate.location.joints.clone(), link_of(design, candidate))
         }
         InPlace::Body(link) => {
             let name = design.chain.joints[link].child_link.clone();
-            ("link_inertia_error", vec![link], Some(name))
+            (Some(&LinkInertiaError as &dyn Effect), vec![link], Some(name))
         }
     };
-    let (own, own_joints, own_link) = told(of);
-    let (effect, joints, link) = told(rival.by);
-    // what the library says of a load and a wrong body is of one link
+    let (own, own_joints, own_link) = place_of(of);
+    let (other, joints, link) = place_of(rival.by);
+    // the library's motion for a load and a link error is one for the same link
     let between_links = own_link.is_some() && link.is_some() && own_joints != joints;
     Alternative {
-        effect: effect.to_owned(),
+        effect: other.map_or(UNMODELLED, Effect::slug).to_owned(),
         joints: joints.iter().map(|j| design.names[*j].clone()).collect(),
         link,
         left_more: rival.left,
-        separated_by: (!between_links).then(|| separated_by(own, effect)).flatten(),
+        separated_by: (!between_links).then(|| separated_by(own, other)).flatten(),
     }
 }
 
-/// A load is also what a change of the last link may be where no effort holds its mass (one joint, or joints
-/// that stand upright): a load that cannot be weighed is not named.
+/// A change of the last link may also be a load where no effort depends on the mass (one joint, or vertical axes): a load
+/// whose mass is not identifiable is not reported.
 fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alternative> {
     let Solution { design, metric, .. } = *solution;
     let candidates = &metric.problem.candidates;
     let last = design.joints() - 1;
-    let of_last = candidates[candidate].slug() == "link_inertia_error"
+    let of_last = candidates[candidate].is(&LinkInertiaError)
         && candidates[candidate].location.joints == [last];
-    (of_last && candidates.iter().all(|g| g.slug() != "payload")).then(|| Alternative {
-        effect: "payload".to_owned(),
+    (of_last && candidates.iter().all(|g| !g.is(&Payload))).then(|| Alternative {
+        effect: Payload.slug().to_owned(),
         joints: vec![design.names[last].clone()],
         link: link_of(design, &candidates[candidate]),
         left_more: 0.0,
@@ -215,18 +213,18 @@ fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alter
     })
 }
 
-/// A change that may be none: recordings that show it as clearly where nothing changed come about by chance.
+/// A change that is not significant.
 #[derive(Debug, Clone, Serialize)]
 pub struct DoubtfulChange {
     /// Slug of the effect.
     pub effect: String,
     /// Its joints, base to tip; empty for the whole arm.
     pub joints: Vec<String>,
-    /// Its link, of a load or a wrong body.
+    /// Its link, of a load or a link inertia error.
     pub link: Option<String>,
-    /// Probability of numbers as far from nothing where nothing changed.
+    /// p-value of the hypothesis that nothing changed.
     pub chance: f64,
-    /// Whether it is in inconclusive because it may have been there before: the reference does not show it.
+    /// Whether it is inconclusive because the reference does not exclude it.
     pub maybe_before: bool,
 }
 
@@ -261,7 +259,7 @@ fn finding_of_candidate(
     let candidate = &metric.problem.candidates[id];
     let names = |joints: &[usize]| joints.iter().map(|j| design.names[*j].clone()).collect();
     let confidence = confidence(size);
-    let described = described_anyway(metric.problem, estimate, candidate);
+    let described = has_smooth_friction(metric.problem, estimate, candidate);
     Finding {
         effect: candidate.slug().to_owned(),
         joints: names(&candidate.location.joints),
@@ -269,7 +267,7 @@ fn finding_of_candidate(
         window: candidate.location.window.map(|w| w.1),
         recording: candidate.location.window.map(|w| stem(&design.signals[w.0].source)),
         parameters,
-        confidence: if described { confidence.min(IN_A_DESCRIPTION) } else { confidence },
+        confidence: if described { confidence.min(BESIDE_SMOOTH_TERM) } else { confidence },
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,
@@ -293,11 +291,15 @@ fn in_link_frame(design: &Design<'_>, link: usize, change: &[f64]) -> [f64; 4] {
     [change[0], moved.x, moved.y, moved.z]
 }
 
-/// Confidence of a friction law beside a description of the same joint's speed: which of the two the
-/// friction belongs to cannot be told.
-const IN_A_DESCRIPTION: f64 = 0.45;
+/// Confidence of a friction law beside a smooth term of the same joint's speed, between which friction is not
+/// distinguishable.
+const BESIDE_SMOOTH_TERM: f64 = 0.45;
 
-fn described_anyway(problem: &LinearProblem, estimate: &Estimate, candidate: &Candidate) -> bool {
+fn has_smooth_friction(
+    problem: &LinearProblem,
+    estimate: &Estimate,
+    candidate: &Candidate,
+) -> bool {
     let friction = [Role::Viscous, Role::Drag];
     if matches!(candidate.kind, CandidateKind::SmoothDirections(_))
         || !candidate.places.iter().any(|p| friction.contains(p))
@@ -310,8 +312,8 @@ fn described_anyway(problem: &LinearProblem, estimate: &Estimate, candidate: &Ca
     })
 }
 
-/// A link whose inertial errors stand out from those of all others.
-fn wrong_body(
+/// The finding of an inflated link.
+fn inflated_link(
     design: &Design<'_>,
     link: usize,
     change: &[f64],
@@ -340,7 +342,7 @@ fn wrong_body(
         })
         .collect();
     Finding {
-        effect: "link_inertia_error".to_owned(),
+        effect: LinkInertiaError.slug().to_owned(),
         joints: vec![joint.name.clone()],
         link: Some(joint.child_link.clone()),
         window: None,
@@ -366,14 +368,13 @@ fn stem(source: &str) -> String {
         .map_or_else(|| source.to_owned(), |s| s.to_string_lossy().into_owned())
 }
 
-/// Share of how large a number of a body is likely to be that may be in combinations the motions do not show: with
-/// more, they do not say how large it is.
+/// Share of a link parameter's prior deviation that may be in combinations that are not excited; with more the parameter is
+/// not reported.
 const UNSEEN: f64 = 0.1;
 
-/// Which of the numbers of a body are in the combinations of its parameters that motions do not show, and which axes of a
-/// force on the tip load no joint.
+/// Link parameters in combinations that are not excited, and axes of a tip force that load no joint.
 fn unseen(design: &Design<'_>, problem: &LinearProblem, candidate: &Candidate) -> [bool; 4] {
-    if candidate.slug() == "external_contact" {
+    if candidate.has(|law| law.has_role(Role::Contact)) {
         let loads_none =
             |axis: usize| problem.columns[candidate.columns[axis]].iter().all(Vec::is_empty);
         return std::array::from_fn(|p| p > 0 && loads_none(p - 1));
@@ -396,53 +397,42 @@ fn parameters(
 ) -> BTreeMap<&'static str, Value> {
     let Solution { design, metric, estimate, point, ref gain, .. } = *solution;
     let candidate = &metric.problem.candidates[id];
-    let Some(law) = effect(candidate.slug()) else { return BTreeMap::new() };
+    let Some(law) = candidate.law() else { return BTreeMap::new() };
     let kind = design.chain.joints[candidate.location.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = estimate.fit.of_candidate(candidate);
     let covariance = jackknife.joint_covariance(metric, estimate, id);
-    let motor_inertia = |coefficients: &[f64]| coefficients[1] / gain[candidate.location.joints[0]];
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
-        match candidate.slug() {
-            "gravity_direction" => {
+        let first = candidate.location.joints.first().copied();
+        match (law.law().operating, first) {
+            (Some(OperatingTerm::Tilt), _) => {
                 let delta = [coefficients[0], coefficients[1]];
                 let base = point.tilt;
-                law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]])
+                return law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]]);
             }
-            "time_delay" => vec![point.delay_s + coefficients[0]],
-            "encoder_offset" => {
-                vec![point.offset[candidate.location.joints[0]] + coefficients[0]]
+            (Some(OperatingTerm::Delay), _) => return vec![point.delay_s + coefficients[0]],
+            (Some(OperatingTerm::EncoderZero), Some(j)) => {
+                return vec![point.offset[j] + coefficients[0]];
             }
-            "joint_elasticity" if shape.is_empty() => {
-                vec![1.0 / coefficients[0], 0.0, motor_inertia(coefficients)]
-            }
-            "joint_elasticity" => vec![shape[0], shape[1], motor_inertia(coefficients)],
-            "backlash" => {
-                let inertia = mean_inertia(solution.at(), candidate.location.joints[0]);
-                let of = of_shape("backlash", shape, inertia);
-                vec![
-                    of.gap_told(coefficients[0]),
-                    of.stiffness,
-                    of.damping,
-                    motor_inertia(coefficients),
-                ]
-            }
-            "link_inertia_error" | "payload" => {
-                let transform = candidate.transform.as_deref().unwrap_or_default();
-                let change: Vec<f64> = (0..10)
-                    .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
-                    .collect();
-                let [mass, x, y, z] = in_link_frame(design, candidate.location.joints[0], &change);
-                if candidate.slug() == "payload" {
-                    vec![mass, x / mass, y / mass, z / mass]
-                } else {
-                    vec![mass, x, y, z]
-                }
-            }
-            _ => {
-                let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
-                law_parameters(&moved, coefficients, gain)
-            }
+            _ => {}
         }
+        if let (Some(_), Some(j)) = (law.law().link_side(), first) {
+            let inertia = mean_inertia(solution.at(), j);
+            let to_first_order =
+                || FittedTransmission { gap: 0.0, stiffness: 1.0 / coefficients[0], damping: 0.0 };
+            let mut of =
+                FittedTransmission::of_law(law, shape, inertia).unwrap_or_else(to_first_order);
+            of.gap = of.fitted_gap(coefficients[0]);
+            return law
+                .parameters_of_transmission(&of.with_motor_inertia(coefficients[1] / gain[j]));
+        }
+        if let (Some(transform), Some(link)) = (&candidate.transform, first) {
+            let change: Vec<f64> = (0..10)
+                .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
+                .collect();
+            return law.parameters_of_link(in_link_frame(design, link, &change));
+        }
+        let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
+        law_parameters(&moved, coefficients, gain)
     };
     let values = of(&candidate.shape, &coefficients);
     // propagation of the covariance of coefficients and searched constants through the formulas

@@ -1,13 +1,13 @@
-//! The model that an estimate stands for.
+//! The model of an estimate.
 
 use crate::selection::solution::Solution;
 use armident_model::{
-    ArmModel, BandPrediction, OperatingPoint, SHARP, SmoothTerm, Transmission, TransmissionTerm,
-    changed, of_shape,
+    ArmModel, BandPrediction, FittedTransmission, OperatingPoint, SHARP, SmoothTerm,
+    TransmissionTerm, changed,
 };
 
 use crate::design::compliant_link::mean_inertia;
-use armident_effects::{BASELINE, EffectOnJoint, Role, Scope, Turn, effect};
+use armident_effects::{BASELINE, EffectOnJoint, Law, OperatingTerm, ReversalModel, Scope};
 use armident_recording::RecordingError;
 use rayon::prelude::*;
 
@@ -24,25 +24,29 @@ const OUTPUT_HZ: [Option<f64>; 6] = [None, Some(18.0), Some(11.0), Some(8.0), So
 /// Cut-offs tried for the rigid part \[Hz\].
 const RIGID_HZ: [f64; 7] = [40.0, 20.0, 14.0, 10.0, 7.0, 5.0, 3.5];
 
-/// Parameters of a law in true terms: the gain of a joint's channel is taken out of its other laws; those of two joints
-/// are formed with it.
+/// Parameters of a law in true efforts: coefficients of one joint are divided by the gain of its channel; columns of two
+/// joints include it.
 pub(crate) fn law_parameters(
     candidate: &Candidate,
     coefficients: &[f64],
     gain: &[f64],
 ) -> Vec<f64> {
-    let Some(law) = effect(candidate.slug()) else { return Vec::new() };
-    let scale = match (candidate.slug(), candidate.location.joints.as_slice()) {
-        ("torque_scale", _) => 1.0,
-        (_, [joint]) => gain[*joint],
+    let Some(law) = candidate.law() else { return Vec::new() };
+    let scale = match candidate.location.joints.as_slice() {
+        [joint] if !is_gain(candidate) => gain[*joint],
         _ => 1.0,
     };
     let coefficients: Vec<f64> = coefficients.iter().map(|c| c / scale).collect();
     law.parameters(&candidate.shape, &coefficients)
 }
 
-/// The model that an estimate stands for; and by how many standard errors its links are off the estimate's, where these
-/// are of no real bodies.
+/// Whether it is the gain of an effort channel.
+fn is_gain(candidate: &Candidate) -> bool {
+    candidate.has(|law| law.operating == Some(OperatingTerm::Gain))
+}
+
+/// The model of an estimate; and the distance of its links from the estimate's in standard errors, where these are not
+/// physically consistent.
 pub(crate) fn fitted_model(
     model: &ArmModel,
     solution: &Solution<'_, '_>,
@@ -73,19 +77,21 @@ pub(crate) fn fitted_model(
             });
             continue;
         }
-        if let ("joint_elasticity" | "backlash", Some(&joint)) =
-            (candidate.slug(), candidate.location.joints.first())
+        let Some(law) = candidate.law() else { continue };
+        if let (Some(_), Some(&joint)) = (law.law().link_side(), candidate.location.joints.first())
         {
-            // a compliance to first order says nothing of its damping: that of gears, by experience
+            // a compliance to first order has no damping: that of gears, by experience
             const DAMPING: f64 = 0.1;
             let inertia = mean_inertia(solution.at(), joint);
-            let (transmission, share) = if candidate.shape.is_empty() {
-                let stiffness = 1.0 / coefficients[0];
-                let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
-                (Transmission { gap: 0.0, stiffness, damping }, 1.0)
-            } else {
-                (of_shape(candidate.slug(), &candidate.shape, inertia), coefficients[0])
-            };
+            let of_shape = FittedTransmission::of_law(law, &candidate.shape, inertia);
+            let (transmission, share) = of_shape.map_or_else(
+                || {
+                    let stiffness = 1.0 / coefficients[0];
+                    let damping = 2.0 * DAMPING * (stiffness * inertia).sqrt();
+                    (FittedTransmission { gap: 0.0, stiffness, damping }, 1.0)
+                },
+                |transmission| (transmission, coefficients[0]),
+            );
             found.transmissions.push(TransmissionTerm {
                 joint: design.names[joint].clone(),
                 transmission,
@@ -94,16 +100,11 @@ pub(crate) fn fitted_model(
             });
             continue;
         }
-        let Some(law) = effect(candidate.slug()) else { continue };
         let on_joint = |parameters: Vec<f64>| {
-            EffectOnJoint::new(
-                candidate.slug(),
-                &design.names[candidate.location.joints[0]],
-                parameters,
-            )
+            EffectOnJoint::new(law.slug(), &design.names[candidate.location.joints[0]], parameters)
         };
         match law.law().scope {
-            Scope::Joint if candidate.slug() != "torque_scale" => {
+            Scope::Joint if !is_gain(candidate) => {
                 found.effects.push(on_joint(law_parameters(candidate, &coefficients, gain)));
             }
             Scope::Neighbours => found.effects.push(EffectOnJoint {
@@ -116,7 +117,7 @@ pub(crate) fn fitted_model(
     for (k, joint) in found.chain.joints.iter_mut().enumerate() {
         joint.link = changed(&joint.link, &change[10 * k..10 * (k + 1)]);
     }
-    // what the reference and the recordings after it together say of baseline terms
+    // baseline terms of the reference and the recordings after it together
     let links = problem.link_error_prior.links;
     for (k, x) in change[10 * links..].iter().enumerate() {
         let (joint, law) = (k / BASELINE.len(), BASELINE[k % BASELINE.len()]);
@@ -127,21 +128,22 @@ pub(crate) fn fitted_model(
     found.effort_delay_s = point.delay_s;
     let has_dry_friction = |name: &String| {
         found.effects.iter().any(|on| {
-            let law = effect(&on.effect).map(|law| law.law());
-            on.joint == *name && law.is_some_and(|law| law.roles.contains(&Role::Dry))
+            let law = design.library.law(&on.effect);
+            on.joint == *name && law.is_some_and(Law::is_dry_friction)
         })
     };
-    let turns = design.names.iter().zip(point.turns);
-    let turns: Vec<Turn> =
-        turns.map(|(name, turn)| if has_dry_friction(name) { turn } else { SHARP }).collect();
-    found.turns = Some(turns);
+    let reversals = design.names.iter().zip(point.reversals);
+    let reversals: Vec<ReversalModel> = reversals
+        .map(|(name, reversal)| if has_dry_friction(name) { reversal } else { SHARP })
+        .collect();
+    found.reversals = Some(reversals);
     found.channel_gain.clone_from(gain);
     found.prior_links = Some(design.chain.joints.iter().map(|j| j.link).collect());
     (found, distance_in_standard_errors)
 }
 
-/// The believed arm with its rigid body identified again and nothing else.
-pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<ArmModel> {
+/// The links-only fit.
+pub(crate) fn links_only_fit(model: &ArmModel, design: &Design<'_>) -> Option<ArmModel> {
     const SCALE: f64 = 1.0;
     let problem = design.problem_without_trials(&OperatingPoint::of(design.joints()));
     let metric = problem.marginalised(SCALE, &[]);
@@ -153,8 +155,8 @@ pub(crate) fn rigid_alone(model: &ArmModel, design: &Design<'_>) -> Option<ArmMo
     Some(found)
 }
 
-/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training
-/// recordings; what is left of these is the noise of the model.
+/// Chooses the low-pass of the rigid part, and then that of each joint's prediction, by the training recordings; their
+/// residual is the noise of the model.
 pub(crate) fn choose_outputs(
     model: &mut ArmModel,
     design: &Design<'_>,
@@ -212,6 +214,7 @@ pub(crate) fn choose_outputs(
 mod tests {
     use crate::design::compliant_link::Posed;
     use armident_dynamics::RigidArm;
+    use armident_effects::{Effect, LoadDependentFriction};
     use armident_kinematics::DrivingAxisChain;
 
     use super::*;
@@ -220,7 +223,7 @@ mod tests {
     use armident_motion::Signals;
 
     /// The UR5, and one with other links.
-    fn believed_and_real() -> (DrivingAxisChain, DrivingAxisChain) {
+    fn given_and_true() -> (DrivingAxisChain, DrivingAxisChain) {
         let believed = ur5();
         let mut real = believed.clone();
         for (k, joint) in real.joints.iter_mut().enumerate() {
@@ -231,7 +234,7 @@ mod tests {
         (believed, real)
     }
 
-    /// The model that is learned from a recording.
+    /// The model fitted to a recording.
     fn fitted_to(recorded: &Signals, chain: &DrivingAxisChain) -> ArmModel {
         let design = Design::new(chain, vec![recorded.clone()]);
         let (design, selection) = select(&design).unwrap();
@@ -239,12 +242,12 @@ mod tests {
         fitted_model(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
     }
 
-    /// What of an arm with wrong links a channel records too large is too large of their errors as well.
+    /// The gain of a channel scales the efforts of link errors too.
     #[test]
-    fn the_gain_of_a_channel_holds_for_errors_of_links_too() {
+    fn channel_gain_scales_link_errors_too() {
         const SCALED: usize = 2;
         const GAIN: f64 = 1.45;
-        let (chain, real) = believed_and_real();
+        let (chain, real) = given_and_true();
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
 
@@ -261,17 +264,17 @@ mod tests {
         }
     }
 
-    /// Friction follows the load that a gear carries, not the one that its model is believed to carry.
+    /// Load-dependent friction follows the load of the true links, not of the given ones.
     #[test]
-    fn friction_follows_the_load_of_the_real_links() {
+    fn friction_follows_load_of_true_links() {
         const LOADED: usize = 1;
         const OF_LOAD: f64 = 0.1;
-        let (chain, real) = believed_and_real();
+        let (chain, real) = given_and_true();
         let mut recorded = swung(&real, 0.1, |_, _| 0.0);
         let point = OperatingPoint::of(real.joints.len());
         let moved = recorded.clone();
         let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
-        let law = effect("load_dependent_friction").unwrap();
+        let law = &LoadDependentFriction;
         let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
         recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);
 

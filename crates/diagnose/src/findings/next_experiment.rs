@@ -1,9 +1,8 @@
-//! The motion that would tell rivals apart.
+//! The motion that separates findings from their alternatives best.
 //!
 //! T-optimal design (Atkinson & Fedorov 1975): among motions inside the limits, the one on which the
-//! models that the recordings could not tell apart differ most. All were fitted to the recordings, so
-//! that their numbers are kept from adapting; what a fit of both to the new motion takes up again is not
-//! counted here.
+//! indistinguishable models differ most. Their parameters are those of the recordings; a refit of both to the new
+//! motion would reduce the difference, which is not counted here.
 
 use std::f64::consts::TAU;
 
@@ -34,7 +33,7 @@ const PHASES: usize = 4;
 /// Steps of the golden angle spread phases evenly, whatever their number.
 const GOLDEN: f64 = 0.618_033_988_75;
 
-/// A motion that would tell findings from their alternatives.
+/// A motion that separates findings from their alternatives.
 #[derive(Debug, Clone)]
 pub struct NextMotion {
     /// Positions, velocities and accelerations of all joints.
@@ -43,17 +42,17 @@ pub struct NextMotion {
     pub description: String,
     /// Pairs of rivals whose efforts differ on it by more than the noise of one recorded sample (root mean
     /// square, on some joint).
-    pub told_apart: usize,
+    pub separated: usize,
     /// Pairs of rivals.
     pub pairs: usize,
     /// Median difference of a pair, in standard deviations of one recorded sample.
     pub separation: f64,
 }
 
-/// Difference beyond which more is of no use, in standard deviations.
+/// Largest useful difference, in standard deviations.
 const PLENTY: f64 = 4.0;
 
-/// Two models that recordings could not tell apart.
+/// Two models that the recordings do not distinguish.
 pub(crate) struct Rivals<'a> {
     pub(crate) one: &'a ArmModel,
     pub(crate) other: &'a ArmModel,
@@ -75,11 +74,11 @@ struct Candidate {
     description: String,
 }
 
-/// The motion with the largest differences over all rivals, each counted up to what is plenty; none where
-/// no motion inside the limits tells a pair apart.
+/// The motion with the largest differences over all rivals, each counted up to the largest useful one; none where no motion
+/// inside the limits separates a pair.
 ///
 /// # Errors
-/// None that recordings of one's own making could cause.
+/// None that planned recordings could cause.
 pub(crate) fn next_motion(
     chain: &DrivingAxisChain,
     noise: &[f64],
@@ -111,13 +110,13 @@ pub(crate) fn next_motion(
             continue;
         }
         let worth: f64 = differences.iter().map(|d| d.min(PLENTY)).sum();
-        let told_apart = differences.iter().filter(|d| **d > 1.0).count();
-        if told_apart > 0 && best.as_ref().is_none_or(|(most, _)| worth > *most) {
+        let separated = differences.iter().filter(|d| **d > 1.0).count();
+        if separated > 0 && best.as_ref().is_none_or(|(most, _)| worth > *most) {
             differences.sort_by(f64::total_cmp);
             let separation = differences[differences.len() / 2];
             let description = candidate.description;
             let pairs = rivals.len();
-            best = Some((worth, NextMotion { motion, description, told_apart, pairs, separation }));
+            best = Some((worth, NextMotion { motion, description, separated, pairs, separation }));
         }
     }
     Ok(best.map(|(_, next)| next))

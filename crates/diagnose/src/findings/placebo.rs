@@ -1,9 +1,9 @@
-//! Wrong terms, to see how often the selection believes one.
+//! Placebo test: how often the selection accepts terms known to be wrong.
 //!
 //! A placebo is a law of the library on a joint, its columns shifted in time within each recording: as many
-//! numbers, the same spectrum, and nothing to do with the efforts.
+//! parameters, the same spectrum, and no relation to the efforts.
 
-use armident_effects::{Library, Role, Scope};
+use armident_effects::{Baseline, Role, Scope};
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
@@ -16,25 +16,27 @@ use crate::selection::solution::Selection;
 /// Steps of the golden ratio spread the shifts, whatever their number.
 const GOLDEN: f64 = 0.618_033_988_75;
 
-/// What the selection makes of wrong terms.
+/// Result of the placebo test.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Placebo {
     /// Terms tried.
     pub terms: usize,
-    /// Those that lower the error of blocks that were not fitted by more than its standard error.
+    /// Those that lower the cross-validated error by more than its standard error.
     pub improve: usize,
-    /// Those that would have been named: useful, material, and a shorter description.
+    /// Those that would have been reported: useful, material, and of a lower score.
     pub named: usize,
-    /// Materiality of the largest, in what is asked of a name: far below 1 where that lies above all that
-    /// comes about by threshold.
+    /// Largest ratio of materiality to its threshold.
     pub largest: f64,
 }
 
 pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usize) -> Placebo {
     let at = design.at(&selection.point);
-    let laws: Vec<_> = Library::standard()
+    let laws: Vec<_> = design
+        .library
         .named()
-        .filter(|law| law.law().scope == Scope::Joint && law.law().slug != "torque_offset")
+        .filter(|law| {
+            law.law().scope == Scope::Joint && law.law().baseline != Some(Baseline::Offset)
+        })
         .collect();
     let threshold = surrogate_threshold_beside(&selection.metric(), &selection.estimate);
     let mut found = Placebo::default();
@@ -68,7 +70,7 @@ pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usi
             continue;
         }
         selection.problem.candidates.push(Candidate {
-            kind: CandidateKind::Law(law.law().slug),
+            kind: CandidateKind::Law(law),
             location: Location { joints: vec![joint], window: None },
             shape: shape.clone(),
             columns,
@@ -83,7 +85,7 @@ pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usi
         found.terms += 1;
         let metric = selection.metric();
         let set = [selection.estimate.set.as_slice(), &[candidate]].concat();
-        // a term of the wrong sign is refused, as in the selection
+        // an inadmissible term is rejected, as in the selection
         let Some(with) = fit_set(&metric, set) else { continue };
         let useful = usefulness(&metric, &with, candidate).is_some_and(|u| u > 1.0);
         let (size, _) = materiality(&metric, &with, candidate, &selection.point, &threshold);

@@ -1,8 +1,7 @@
-//! Where the mismatch is: joint, regime, symmetry.
+//! Residual map: joint, regime, symmetry.
 //!
-//! Model-free: what a model leaves over of the training efforts is put beside the state of the joint, in
-//! bins and against single functions. Which symmetry the rest has rules most look-alikes out before
-//! anything is fitted.
+//! Model-free: the training residual of a model against the state of the joint, in bins and against single functions. The
+//! symmetry of the residual excludes most look-alikes before anything is fitted.
 
 use armident_dynamics::RigidArm;
 use armident_ident::whiteness;
@@ -28,91 +27,90 @@ pub struct Bin {
     pub to: f64,
     /// Observations.
     pub rows: usize,
-    /// Mean of what the believed model leaves over \[N m or N\].
+    /// Mean residual of the given model \[N m or N\].
     pub mean_before: f64,
     /// Its root mean square.
     pub rms_before: f64,
-    /// Mean of what the diagnosed model leaves over.
+    /// Mean residual of the diagnosed model.
     pub mean_after: f64,
     /// Its root mean square.
     pub rms_after: f64,
 }
 
-/// What one variable says about the rest of one joint.
+/// Residual of one joint against one variable.
 #[derive(Debug, Clone, Serialize)]
 pub struct Regime {
     /// `speed`, `direction`, `load`, `position`, `acceleration`, `time_since_reversal`,
     /// `travel_since_reversal`, `time`.
     pub variable: &'static str,
-    /// Share of the variance before that the means of the bins explain, beyond what chance gives.
+    /// Share of the given model's residual variance that the means of the bins explain, adjusted for their number.
     pub share_before: f64,
-    /// The same after.
+    /// The same share for the diagnosed model.
     pub share_after: f64,
     /// Bins of about as many rows each; of `time`, of equal length over all recordings.
     pub bins: Vec<Bin>,
 }
 
-/// One function of the motion against what is left over.
+/// Residual against one function of the motion.
 #[derive(Debug, Clone, Serialize)]
 pub struct SymmetryTest {
     /// The function.
     pub function: &'static str,
-    /// Share of the variance before that it explains by itself.
+    /// Share of the given model's residual variance explained by this regressor alone.
     pub share_before: f64,
-    /// The same after.
+    /// The same share for the diagnosed model.
     pub share_after: f64,
-    /// What a large share points to.
+    /// Effects that a large share suggests.
     pub points_to: &'static str,
 }
 
-/// What is left over on one joint.
+/// Residual of one joint.
 #[derive(Debug, Clone, Serialize)]
 pub struct JointAtlas {
     /// Joint.
     pub joint: String,
-    /// Root mean square that the believed model leaves over in the band of the comparison \[N m or N\].
+    /// In-band RMS residual of the given model \[N m or N\].
     pub before: f64,
-    /// After the rigid body alone was identified again.
+    /// That of the links-only fit.
     pub rigid: f64,
-    /// After the diagnosed model.
+    /// That of the diagnosed model.
     pub after: f64,
     /// Noise in the band.
     pub noise: f64,
-    /// p-value of the Ljung-Box test that what the diagnosed model leaves over is white.
+    /// p-value of the Ljung-Box test that the residual of the diagnosed model is white.
     pub whiteness_p: f64,
-    /// Most telling first.
+    /// Largest share first.
     pub symmetries: Vec<SymmetryTest>,
-    /// Most telling first.
+    /// Largest share first.
     pub regimes: Vec<Regime>,
 }
 
-/// Multiple of the noise in the band below which a joint's efforts are explained: several times what the
-/// estimate of the noise is uncertain by.
+/// Multiple of the in-band noise below which a joint's efforts are explained: several times the uncertainty of the estimated
+/// noise.
 const EXPLAINED: f64 = 3.0;
 
 impl JointAtlas {
-    /// What the diagnosed model leaves over, in units of the noise.
+    /// Residual of the diagnosed model, in units of the noise.
     pub fn left_over_noise(&self) -> f64 {
         self.after / self.noise.max(f64::MIN_POSITIVE)
     }
 
-    /// Whether the diagnosed model leaves over little more than noise.
+    /// Whether the residual of the diagnosed model is little more than noise.
     pub fn explained(&self) -> bool {
         self.left_over_noise() < EXPLAINED
     }
 }
 
-/// What kind of structure has no name.
+/// Character of an unmodelled structure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Character {
-    /// `dissipative` (it takes work whichever way the joint goes), `conservative` (it gives back what it
-    /// took), `neither`.
+    /// `dissipative` (it takes work in both directions), `conservative` (it returns the work it took), `neither`.
     pub kind: &'static str,
     /// Work it takes over all work it exchanges, -1 to 1.
     pub work_share: f64,
-    /// Share of it that goes with the time or the travel since the last reversal: state.
+    /// Share of it explained by the time or the travel since the last reversal: state.
     pub memory_share: f64,
-    /// Share of it that goes with the time: drift.
+    /// Share of it explained by the time: drift.
     pub drift_share: f64,
     /// Cycles per turn (per metre) of the wave in the position that explains most of it, and the share
     /// that it explains.
@@ -188,7 +186,7 @@ pub(crate) fn atlas(
     rigid: &ArmModel,
     after: &ArmModel,
 ) -> Result<Vec<JointAtlas>, RecordingError> {
-    // where a change is sought, of the recordings after it
+    // with a reference, of the recordings after it
     let signals = &design.signals[design.observations.comparison.first_judged()..];
     let left = |model: &ArmModel| -> Result<Vec<Vec<Vec<f64>>>, RecordingError> {
         signals
@@ -223,7 +221,7 @@ pub(crate) fn atlas(
             .map(|(s, left)| s.band.independent_rows(&left[j]))
             .collect();
         let states = States::of(&at, j);
-        // what independent rows would explain by chance
+        // share that independent rows would explain by chance
         let share = design.observations.weights.share;
         let mut regimes: Vec<Regime> = states
             .columns
@@ -272,7 +270,7 @@ impl States {
         ]
         .map(|name| (name, Vec::with_capacity(n)))
         .to_vec();
-        // in the words of the library's laws, and what each rules in
+        // in the words of the library's laws, with the effects that each suggests
         let mut functions: Vec<(&'static str, &'static str, Vec<f64>)> = [
             ("sign(v)", "Coulomb friction"),
             ("v", "viscous friction, or a delay"),

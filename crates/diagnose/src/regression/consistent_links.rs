@@ -1,7 +1,13 @@
-//! Links that a real arm could have, where those of an estimate are none.
+//! Projection of the links of an estimate to physically consistent ones.
 //!
-//! An estimate is linear in the links and knows nothing of positive masses and inertias: what weighs little in the
-//! efforts may come out with the wrong sign. Such a model cannot be simulated, and it predicts worse.
+//! An estimate is linear in the links and has no constraint on masses and inertias: a link with little influence on the
+//! efforts may get a negative mass. Such a model cannot be simulated, and it predicts worse.
+//!
+//! Method: nearest physically consistent links in the metric of the estimate's information, a semidefinite programme; then all
+//! other candidates are fitted again with these links.
+//! References: S. Traversaro, S. Brossette, A. Escande, F. Nori, Identification of fully physical consistent inertial
+//! parameters using optimization on manifolds, IROS 2016; P. M. Wensing, S. Kim, J.-J. E. Slotine, Linear matrix inequalities
+//! for physically consistent inertial parameter identification, IEEE Robotics and Automation Letters 3(1), 2018.
 
 use armident_dynamics::RigidArm;
 use armident_ident::{ConsistencyProblem, MinimalSet};
@@ -14,19 +20,19 @@ use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 use armident_model::changed;
 
-/// Relative error of a link that is named as wrong where all others are believed: nothing is known of it...
+/// Prior scale of a link that is a candidate of its own: nothing is known of it...
 const NAMED: f64 = 3.2;
-/// ... and of these others: what a description is rounded to.
+/// ... and of all others: rounding of a URDF.
 const ROUNDED: f64 = 1e-3;
 const TEN: usize = InertialParameters::COUNT;
 
-/// What an estimate says of the links and of the laws beside them.
+/// Links of an estimate, and the coefficients of the laws beside them.
 pub(crate) struct ConsistentEstimate {
     /// change of the standard parameters, ten a link, and of what else is the arm's own
     pub(crate) change: Vec<f64>,
     /// of every candidate of the estimate
     pub(crate) coefficients: Vec<Vec<f64>>,
-    /// by how many standard errors the links are off the estimate's, where these are not real
+    /// distance of the links from the estimate's in standard errors, where these are not consistent
     pub(crate) distance_in_standard_errors: Option<f64>,
 }
 
@@ -44,15 +50,14 @@ impl ConsistentEstimate {
         Self { change, coefficients, distance_in_standard_errors: None }
     }
 
-    /// Whether all links of the arm, changed so, are those of real bodies.
-    fn is_real(&self, arm: &RigidArm) -> bool {
+    /// Whether all links of the arm are physically consistent with this change.
+    fn is_consistent(&self, arm: &RigidArm) -> bool {
         let changes = self.change.chunks(TEN);
         arm.links.iter().zip(changes).all(|(link, change)| changed(link, change).is_physical())
     }
 }
 
-/// An estimate with real links: its own, or those nearest to it in its own information, and the laws fitted again beside
-/// them.
+/// An estimate with physically consistent links: its own, or the projection of these with the laws refitted.
 pub(crate) fn consistent_estimate(
     chain: &DrivingAxisChain,
     metric: &Marginalised<'_>,
@@ -61,7 +66,7 @@ pub(crate) fn consistent_estimate(
     let arm = RigidArm::from_chain(chain);
     let settled = ConsistentEstimate::of(metric, estimate);
     // where a change is sought, the reference holds the links
-    if metric.problem.observations.comparison.seeks_change() || settled.is_real(&arm) {
+    if metric.problem.observations.comparison.seeks_change() || settled.is_consistent(&arm) {
         return settled;
     }
     nearest(&arm, metric, estimate).unwrap_or(settled)
@@ -131,10 +136,7 @@ fn beside(
     let (small, _) = metric.problem.restricted(&estimate.set);
     let candidates = || small.candidates.iter().zip(&estimate.set);
     // the operating point and the gains of channels stay what the estimate made of them
-    let stays = |candidate: &Candidate| {
-        ["gravity_direction", "encoder_offset", "time_delay", "torque_scale"]
-            .contains(&candidate.slug())
-    };
+    let stays = |candidate: &Candidate| candidate.has(|law| law.operating.is_some());
     let mut taken: Vec<(usize, f64)> = change.iter().map(|x| -x).enumerate().collect();
     let mut fitted = Vec::new();
     for (k, (candidate, g)) in candidates().enumerate() {
@@ -171,8 +173,8 @@ mod tests {
     use crate::test_arms::{design, ur5};
     use armident_model::OperatingPoint;
 
-    /// What is settled of an arm whose link 5 has this many times its mass and first moment, when that link is named.
-    fn settled_with(factor: f64) -> (RigidArm, ConsistentEstimate) {
+    /// The consistent estimate of an arm whose link 5 has this many times its mass and first moment.
+    fn consistent_with_mass_factor(factor: f64) -> (RigidArm, ConsistentEstimate) {
         const LINK: usize = 4;
         let chain = ur5();
         let mut other = chain.clone();
@@ -195,12 +197,12 @@ mod tests {
     }
 
     #[test]
-    fn a_link_without_mass_is_replaced_and_a_heavy_one_is_not() {
-        let (arm, heavy) = settled_with(1.5);
-        assert!(heavy.is_real(&arm) && heavy.distance_in_standard_errors.is_none());
-        let (arm, light) = settled_with(-2.0);
-        assert!(light.is_real(&arm));
-        // noise of 0.05 N m does not hide that a mass of 0.6 kg is none
+    fn negative_mass_is_projected_and_heavy_link_kept() {
+        let (arm, heavy) = consistent_with_mass_factor(1.5);
+        assert!(heavy.is_consistent(&arm) && heavy.distance_in_standard_errors.is_none());
+        let (arm, light) = consistent_with_mass_factor(-2.0);
+        assert!(light.is_consistent(&arm));
+        // with noise of 0.05 N m the missing 0.6 kg are significant
         assert!(light.distance_in_standard_errors.unwrap() > 10.0);
     }
 }

@@ -1,8 +1,12 @@
 //! Covariances of fitted coefficients and of the link errors beside them.
+//!
+//! Method: posterior covariance of a linear Gaussian model, kept as rows whose outer products add up to it.
+//! References: C. M. Bishop, Pattern recognition and machine learning, 2006, section 3.3.
 
 use crate::regression::elimination::Prior;
 use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 use armident_numeric::dot;
+
 impl Marginalised<'_> {
     /// Posterior covariance of some standard parameters' errors, the fit of the laws as it is.
     pub(crate) fn inertial_covariance(&self, parameters: &[usize]) -> Vec<Vec<f64>> {

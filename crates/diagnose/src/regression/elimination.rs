@@ -1,22 +1,30 @@
-//! Inertial errors of all links integrated out of columns (nuisance parameters with a Gaussian prior).
+//! Elimination of the link errors (nuisance parameters with a Gaussian prior) from products of columns.
+//!
+//! ```text
+//! y = A x + W z + e,   z ~ N(0, s² I),   e ~ N(0, I):   A' (1 + s² W W')⁻¹ A = A'A - A'W (s⁻² + W'W)⁻¹ W'A
+//! ```
+//!
+//! Method: marginalisation of the link errors by the matrix inversion lemma.
+//! References: M. A. Woodbury, Inverting modified matrices, Memorandum report 42, Princeton University, 1950.
 
 use crate::design::linear_problem::LinearProblem;
 use armident_numeric::{Cholesky, dot};
 use std::sync::Arc;
-/// A link whose body is wrong beyond what all links are off by.
+
+/// A link with a larger prior scale than all others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct InflatedLink {
     pub(crate) link: usize,
-    /// how many times larger its errors may be than those of all others
+    /// its prior scale over that of all others
     pub(crate) times: f64,
 }
 
-/// Relative size of the errors of a link where all others are off by `scale`.
+/// Prior scale of a link, `scale` where it is not inflated.
 pub(crate) fn size_of_link(link: usize, scale: f64, inflated: &[InflatedLink]) -> f64 {
     inflated.iter().find(|body| body.link == link).map_or(scale, |body| body.times * scale)
 }
 
-/// What integrates inertial errors of one size out of columns: the same for all that are added later.
+/// Elimination of link errors of one prior scale, with the columns reduced so far.
 pub(crate) struct NuisanceElimination {
     pub(super) scale: f64,
     pub(super) inflated: Vec<InflatedLink>,
@@ -37,7 +45,7 @@ impl NuisanceElimination {
     }
 }
 
-/// What integrates inertial errors out.
+/// Prior of the link errors.
 pub(crate) struct Prior {
     pub(super) weight: f64,
     /// of `1 + weight W'W`
@@ -48,7 +56,7 @@ pub(crate) struct Prior {
 }
 
 impl LinearProblem {
-    /// What integrates inertial errors of that size out, no column reduced by it yet.
+    /// The elimination at a prior scale, no column reduced yet.
     pub(crate) fn elimination(&self, scale: f64, inflated: &[InflatedLink]) -> NuisanceElimination {
         let sizes: Vec<f64> = (0..self.link_error_prior.links)
             .map(|link| size_of_link(link, scale, inflated))
@@ -56,7 +64,7 @@ impl LinearProblem {
         NuisanceElimination { scale, inflated: inflated.to_vec(), ..self.elimination_of(&sizes) }
     }
 
-    /// The same with a size for every link.
+    /// The elimination with a prior scale for every link.
     pub(crate) fn elimination_of(&self, sizes: &[f64]) -> NuisanceElimination {
         let mut elimination = NuisanceElimination {
             scale: sizes.iter().copied().fold(0.0, f64::max),
@@ -93,7 +101,7 @@ impl LinearProblem {
         elimination
     }
 
-    /// `W'W` of directions at size 1. On one thread: one that waits for others here could be given work that waits for this.
+    /// `W'W` of directions at size 1. On one thread: a thread that waits here could be given work that waits for this value.
     fn products_of_directions(&self) -> Vec<Vec<f64>> {
         let directions = &self.link_error_prior.directions;
         let with_rigid: Vec<Vec<f64>> =

@@ -1,8 +1,13 @@
-//! A set of candidates with its fit.
+//! A set of candidates with its least-squares fit.
+//!
+//! Method: generalised least squares of the set; a set with an inadmissible candidate has no fit, or that of its admissible
+//! part.
+//! References: own.
 
 use crate::design::observations::JointColumns;
 use crate::regression::admissible::all_admissible;
 use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
+
 /// A set of candidates with its fit.
 #[derive(Debug, Clone)]
 pub(crate) struct Estimate {
@@ -26,7 +31,7 @@ pub(crate) fn fit_set(metric: &Marginalised<'_>, mut set: Vec<usize>) -> Option<
     Some(Estimate { set, fit, score })
 }
 
-/// The estimate of a set without those candidates beside `named` that have the wrong sign.
+/// Least-squares fit of a set; candidates with an inadmissible sign are dropped, except those in `named`.
 pub(crate) fn admissible_part(
     metric: &Marginalised<'_>,
     mut set: Vec<usize>,
@@ -43,7 +48,7 @@ pub(crate) fn admissible_part(
     }
 }
 
-/// A set whose names do not count: without the effect in question they may be inadmissible.
+/// Fit of a set without admissibility: without the candidate in question others may have any sign.
 pub(crate) fn fit_any_sign(
     metric: &Marginalised<'_>,
     set: Vec<usize>,

@@ -1,4 +1,7 @@
-//! Blocked cross-validation: contiguous blocks of the recordings left out of the fit and predicted.
+//! Blocked cross-validation: contiguous blocks of the recordings are excluded from the fit and predicted.
+//!
+//! Method: cross-validation by blocks, because residuals are autocorrelated.
+//! References: P. Burman, E. Chow, D. Nolan, A cross-validatory method for dependent data, Biometrika 81(2), 1994.
 
 use crate::design::linear_problem::LinearProblem;
 use crate::design::observations::JointColumns;
@@ -7,10 +10,10 @@ use crate::regression::marginalised::Marginalised;
 use armident_numeric::dot;
 use rayon::prelude::*;
 use std::ops::Range;
-/// Stretches that each recording is cut into.
+/// Folds of each recording.
 pub(crate) const BLOCKS_PER_RECORDING: usize = 3;
 
-/// Stretches where only the error is asked for: short, so that little is missing in the fit.
+/// Folds where only the error is used: short, so that the fit lacks little data.
 pub(crate) const SHORT_BLOCKS: usize = 10;
 
 /// Least length of a block, where many are wanted \[s\]: about as long as a motion goes one way.
@@ -31,7 +34,7 @@ impl Fold {
         }
     }
 
-    /// What a fit of the others leaves over of the block, on each joint; none where it cannot be fitted.
+    /// Error on the block of a fit to the others, by joint; none where it cannot be fitted.
     pub(crate) fn residual(
         &self,
         set: &[usize],
@@ -71,7 +74,7 @@ pub(crate) fn time_blocks(starts: &[usize], blocks: usize) -> Vec<Range<usize>> 
     starts.windows(2).flat_map(of_recording).collect()
 }
 
-/// What is fitted for each block, in a metric.
+/// The training part of every fold, in a metric.
 pub(crate) fn metrics<'a>(
     folds: &'a [Fold],
     scale: f64,
@@ -101,5 +104,5 @@ pub(crate) fn fold_errors(
     all_errors(&folds, &metrics(&folds, scale, inflated), &ids)
 }
 
-/// Stretches of a recording that are left out one after the other for a standard error.
+/// Blocks of a recording for the jackknife.
 pub(crate) const LEFT_OUT_PER_RECORDING: usize = 5;

@@ -1,4 +1,9 @@
-//! The problem with errors of all links integrated out: fits, their scores and their uncertainty.
+//! Fits of sets of columns with the link errors marginalised: the estimates, their residuals and standard errors.
+//!
+//! Method: generalised least squares with the marginal covariance `1 + s² W W'` of [`NuisanceElimination`], by normal equations
+//! of normalised columns.
+//! References: A. C. Aitken, On least squares and linear combination of observations, Proceedings of the Royal Society of
+//! Edinburgh 55, 1936; C. M. Bishop, Pattern recognition and machine learning, 2006, section 3.5 (marginal likelihood).
 
 use crate::regression::elimination::{InflatedLink, NuisanceElimination, Prior, size_of_link};
 use std::collections::HashSet;
@@ -16,7 +21,7 @@ const RIDGE: f64 = 1e-7;
 /// Least unique part of a normalised column, squared: below it the column is a combination.
 const LEAST_UNIQUE: f64 = 1e-6;
 
-/// A [`LinearProblem`] in the metric in which inertial errors of a given size are noise.
+/// A [`LinearProblem`] in the metric of the marginal covariance at one prior scale.
 pub(crate) struct Marginalised<'a> {
     pub(crate) problem: &'a LinearProblem,
     pub(crate) scale: f64,
@@ -69,7 +74,7 @@ impl Marginalised<'_> {
         value / (self.norm[a] * self.norm[b])
     }
 
-    /// Of a coefficient for that of the normalised column: 0 of a column of nothing, whose coefficient is 0.
+    /// Factor from the coefficient of a normalised column to that of the column; 0 for a zero column.
     pub(super) fn per_norm(&self, column: usize) -> f64 {
         let norm = self.norm[column];
         if norm > f64::MIN_POSITIVE.sqrt() { 1.0 / norm } else { 0.0 }
@@ -94,7 +99,7 @@ impl Marginalised<'_> {
         })?;
         let rhs: Vec<f64> = columns.iter().map(|&k| self.rhs_beside(&of_size_one, k)).collect();
         let reduced = cholesky.forward(&rhs);
-        // what is left beside those of size one
+        // efforts minus the columns with coefficient 1
         let explained = |&u: &usize| {
             self.norm[u] * (self.rhs[u] / self.norm[u] + self.rhs_beside(&of_size_one, u))
         };
@@ -182,12 +187,12 @@ impl Marginalised<'_> {
         change
     }
 
-    /// Weighted rows that a fit leaves, inertial errors at their posterior mean.
+    /// Weighted residual of a fit, link errors at their posterior mean.
     pub(crate) fn residual(&self, fit: &LeastSquaresFit) -> JointColumns {
         self.residual_of(fit, self.problem)
     }
 
-    /// The same of the rows of another problem of the same columns.
+    /// Weighted residual of the same fit in another problem of the same columns.
     pub(crate) fn residual_of(
         &self,
         fit: &LeastSquaresFit,
@@ -209,13 +214,12 @@ impl Marginalised<'_> {
 }
 
 impl LinearProblem {
-    /// The problem with inertial errors integrated out: of relative deviation `scale`, and more on the links in
-    /// `inflated`.
+    /// The problem with link errors marginalised at a prior scale, a larger one for the links in `inflated`.
     pub(crate) fn marginalised(&self, scale: f64, inflated: &[InflatedLink]) -> Marginalised<'_> {
         self.marginalised_by(&mut self.elimination(scale, inflated))
     }
 
-    /// The same where some of the columns were reduced before.
+    /// The problem with link errors marginalised, some of its columns reduced before.
     pub(crate) fn marginalised_by(
         &self,
         elimination: &mut NuisanceElimination,
@@ -271,8 +275,8 @@ impl LinearProblem {
         }
     }
 
-    /// Columns whose coefficients have a prior of deviation 1: directions of a description that a block of the
-    /// recordings does not visit stay at nothing there.
+    /// Columns whose coefficients have a prior of deviation 1: directions of a smooth term that a block of the
+    /// recordings does not visit stay at 0 there.
     fn held_columns(&self) -> impl Iterator<Item = usize> {
         let described =
             |candidate: &&Candidate| matches!(candidate.kind, CandidateKind::SmoothDirections(_));
@@ -298,6 +302,7 @@ mod tests {
     use crate::design::candidate::SmoothDirections;
     use crate::design::link_error_prior::LinkErrorPrior;
     use crate::design::observations::Observations;
+    use armident_effects::ViscousFriction;
     use armident_model::SmoothBasis;
     use armident_motion::BAND_HZ;
     use armident_motion::Signals;
@@ -330,7 +335,7 @@ mod tests {
 
     /// A column whose coefficient is 1 is taken from the efforts, and all others are fitted to the rest.
     #[test]
-    fn what_has_size_one_is_taken_from_the_efforts() {
+    fn unit_coefficient_column_is_subtracted_from_efforts() {
         let rows = swinging();
         let along = |of: &dyn Fn(f64) -> f64| -> JointColumns {
             vec![(0..rows.len()).map(|row| of(row as f64)).collect()]
@@ -354,7 +359,7 @@ mod tests {
             for column in 0..columns.len() {
                 problem
                     .candidates
-                    .push(candidate(CandidateKind::Law("viscous_friction"), vec![column]));
+                    .push(candidate(CandidateKind::Law(&ViscousFriction), vec![column]));
             }
             problem
         };
@@ -371,10 +376,10 @@ mod tests {
         assert!(near(fit.sum_of_squares, of_rest.sum_of_squares));
         assert!(near(fixed.gain(&fit, &[2]), expected.gain(&of_rest, &[2])));
         assert_eq!(fixed.covariance(&fit, &[0, 1])[0], [0.0, 0.0]);
-        // nor does a column of nothing have a coefficient or jackknife
+        // a zero column has no coefficient and no standard error
         let mut idle = problem(&effort);
         let first = idle.push_columns(vec![vec![Vec::new()]]);
-        idle.candidates.push(candidate(CandidateKind::Law("viscous_friction"), vec![first]));
+        idle.candidates.push(candidate(CandidateKind::Law(&ViscousFriction), vec![first]));
         let idle = idle.marginalised(0.0, &[]);
         let of_idle = idle.fit(vec![0, first]).unwrap();
         assert_eq!(of_idle.coefficient(first), 0.0);
@@ -384,8 +389,7 @@ mod tests {
         assert!(left[0].iter().zip(&left_of_rest[0]).all(|(a, b)| near(*a, *b)));
     }
 
-    /// Two directions of a description that a block can hardly tell apart stay within their prior there; columns of
-    /// a law, which have none, do not.
+    /// Two collinear directions of a smooth term stay within their prior; columns of a law, which have none, do not.
     #[test]
     fn descriptions_stay_near_nothing_where_nothing_shows_them() {
         let rows = swinging();
@@ -415,7 +419,7 @@ mod tests {
             transform: Vec::new(),
         }));
         assert!(described < 3.0, "{described}");
-        let of_law = largest(CandidateKind::Law("viscous_friction"));
+        let of_law = largest(CandidateKind::Law(&ViscousFriction));
         assert!(of_law > 10.0, "{of_law}");
     }
 }

@@ -1,28 +1,32 @@
-//! The operating point of the next iteration: what a fit adds to it, and the step of springs and links.
+//! The operating point of the next iteration, from the estimate of this one, and the step of springs and links.
+//!
+//! Method: Gauss-Newton iteration of the operating terms; Aitken extrapolation of springs and the links behind them.
+//! References: A. C. Aitken, On Bernoulli's numerical solution of algebraic equations, Proceedings of the Royal Society of
+//! Edinburgh 46, 1926.
 
 use crate::design::candidate::Candidate;
 use crate::design::compliant_link::{Posed, mean_inertia};
 use crate::design::linear_problem::LinearProblem;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
-use armident_model::{OperatingPoint, Spring, of_shape};
-/// The springs that an estimate has found, beside which its links are fitted.
+use armident_effects::{LinkSide, OperatingTerm};
+use armident_model::{FittedTransmission, OperatingPoint, Spring};
+
+/// The springs of an estimate, beside which its links are fitted.
 pub(crate) fn springs(
     metric: &Marginalised<'_>,
     found: &Estimate,
     at: &[Posed<'_>],
 ) -> Vec<Spring> {
     let candidates = found.set.iter().map(|g| &metric.problem.candidates[*g]);
-    let rings = |candidate: &&Candidate| {
-        candidate.slug() == "joint_elasticity" && candidate.moves_its_link()
-    };
     candidates
-        .filter(rings)
-        .map(|candidate| {
+        .filter(|candidate| candidate.has_link_side(LinkSide::Spring))
+        .filter_map(|candidate| {
             let joint = candidate.location.joints[0];
+            let inertia = mean_inertia(at, joint);
             let transmission =
-                of_shape(candidate.slug(), &candidate.shape, mean_inertia(at, joint));
-            Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] }
+                FittedTransmission::of_law(candidate.law()?, &candidate.shape, inertia)?;
+            Some(Spring { joint, transmission, share: found.fit.of_candidate(candidate)[0] })
         })
         .collect()
 }
@@ -33,12 +37,12 @@ pub(crate) struct Step {
     pub(crate) to: Vec<Spring>,
 }
 
-/// Makes the step of springs and links from one operating point to the next as long as their last two say: what is
-/// fitted changes with what columns were formed beside, by a share of it that these two steps tell (Aitken 1926), and
-/// where it changes no longer lies beyond the fit where that share is positive, before it where it is negative: what a
-/// spring and its links are is nearly one, and columns say what a link does to a spring only near both.
+/// Extrapolates the step of springs and links from their last two: the fitted value changes with the operating point by a
+/// share of its change, which two steps determine (Aitken 1926). Its fixed point lies beyond the fit where the share is
+/// positive, before it where it is negative. A spring and its links are nearly collinear, and the columns of links are
+/// linear only near both.
 pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Option<&Step>) {
-    /// Times the step that was fitted, at most: of two steps alone a share near one is not known.
+    /// Largest factor of the fitted step: two steps do not determine a share near one.
     const LONGEST: f64 = 3.0;
     let Some(last) = last else { return };
     let stiffness = |springs: &[Spring], joint: usize| {
@@ -72,7 +76,7 @@ pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Optio
     }
 }
 
-/// The operating point with what a fit adds to it.
+/// The operating point moved by the coefficients of a fit.
 pub(crate) fn moves(
     problem: &LinearProblem,
     found: &Estimate,
@@ -81,33 +85,36 @@ pub(crate) fn moves(
     let mut point = OperatingPoint::of(from.offset.len());
     point.links.clone_from(&from.links);
     point.springs.clone_from(&from.springs);
-    point.turns.clone_from(&from.turns);
+    point.reversals.clone_from(&from.reversals);
     for &g in &found.set {
         let candidate = &problem.candidates[g];
         let coefficients = found.fit.of_candidate(candidate);
-        match candidate.slug() {
-            "gravity_direction" => {
+        match candidate.law().and_then(|law| law.law().operating) {
+            Some(OperatingTerm::Tilt) => {
                 point.tilt = [from.tilt[0] + coefficients[0], from.tilt[1] + coefficients[1]];
             }
-            "time_delay" => point.delay_s = from.delay_s + coefficients[0],
-            "encoder_offset" => {
+            Some(OperatingTerm::Delay) => point.delay_s = from.delay_s + coefficients[0],
+            Some(OperatingTerm::EncoderZero) => {
                 let j = candidate.location.joints[0];
                 point.offset[j] = from.offset[j] + coefficients[0];
             }
-            "torque_scale" => point.gain[candidate.location.joints[0]] = 1.0 + coefficients[0],
-            _ => {}
+            Some(OperatingTerm::Gain) => {
+                point.gain[candidate.location.joints[0]] = 1.0 + coefficients[0];
+            }
+            None => {}
         }
     }
     point
 }
 
-/// By what the links are changed, where one of them moves by itself behind its motor, or seems to to first order, or
-/// friction follows the load.
+/// Change of the links' standard parameters, where an estimate has a transmission or friction that follows the load; none
+/// where links have no influence on the columns.
 pub(crate) fn other_links(metric: &Marginalised<'_>, found: &Estimate) -> Option<Vec<f64>> {
     let candidates = || found.set.iter().map(|g| &metric.problem.candidates[*g]);
     let matters = |candidate: &Candidate| {
         candidate.moves_its_link()
-            || ["joint_elasticity", "load_dependent_friction"].contains(&candidate.slug())
+            || candidate.has_link_side(LinkSide::Spring)
+            || candidate.has(|law| law.follows_load)
     };
     if !candidates().any(matters) {
         return None;
@@ -127,7 +134,7 @@ pub(crate) fn has_converged(to: &OperatingPoint, from: &OperatingPoint) -> bool 
         && to.gain.iter().zip(&from.gain).all(|(a, b)| (a - b).abs() < STILL.3)
 }
 
-/// Whether the constants of a transmission are those beside which its links were fitted; what is none always is.
+/// Whether the constants of a transmission are those beside which its links were fitted; true of other candidates.
 pub(crate) fn is_settled(
     candidate: &Candidate,
     before: &[Candidate],
@@ -137,7 +144,7 @@ pub(crate) fn is_settled(
     if !candidate.moves_its_link() {
         return true;
     }
-    if candidate.slug() == "joint_elasticity" {
+    if candidate.has_link_side(LinkSide::Spring) {
         let same = |spring: &&Spring| spring.joint == candidate.location.joints[0];
         let fitted_beside = point.springs.iter().find(same);
         return fitted_beside.is_some_and(|s| near(candidate.shape[0], s.transmission.stiffness));

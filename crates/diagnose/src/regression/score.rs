@@ -1,27 +1,31 @@
 //! The score of a set: a description length.
+//!
+//! Statistic: `n ln(S / N) + ln(n) k + 12 c + ln det(1 + s² W'W)`, where `S` is the weighted sum of squares of `N` rows, `n` the
+//! effective sample size, `k` the number of coefficients and searched constants, and `c` that of choices among candidates.
+//! References: G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6(2), 1978; D. P. Foster, E. I. George,
+//! The risk inflation criterion for multiple regression, Annals of Statistics 22(4), 1994 (price of a choice).
 
-use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::candidate::Candidate;
 use crate::design::linear_problem::LinearProblem;
 use crate::regression::marginalised::Marginalised;
-use armident_effects::{Onset, effect};
+use armident_effects::Onset;
+
 /// Price of a candidate in the score: the logarithm of the some three hundred candidates it was chosen from,
 /// doubled.
 pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
 
-/// Price of a law, or a change, that seldom comes about: odds of one in a hundred against those that often
-/// do.
+/// Price of a rare law or change: odds of one in a hundred against a frequent one.
 pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
 
 impl Marginalised<'_> {
-    /// A description length: discrepancy in units of its own size, and its price.
+    /// The score: log likelihood with an estimated noise level, and the price.
     pub(crate) fn score(&self, sum_of_squares: f64, columns: usize, set: &[usize]) -> f64 {
         let rows = self.effective_rows;
         let samples = rows * self.problem.observations.weights.share;
         samples * (sum_of_squares / rows).ln() + self.price(columns, set)
     }
 
-    /// A price for every column, every searched constant, every choice of a candidate, and for how much the errors of links
-    /// could explain.
+    /// Price of every column, searched constant and choice of a candidate, and of the link errors' determinant.
     pub(crate) fn price(&self, columns: usize, set: &[usize]) -> f64 {
         let samples = self.effective_rows * self.problem.observations.weights.share;
         let searched: usize = set.iter().map(|g| self.problem.candidates[*g].searched).sum();
@@ -31,7 +35,7 @@ impl Marginalised<'_> {
             + self.log_determinant
     }
 
-    /// Nothing but where a change is sought.
+    /// Price of rare changes; 0 without a reference.
     fn price_of_onsets(&self, set: &[usize]) -> f64 {
         if !self.problem.observations.comparison.seeks_change() {
             return 0.0;
@@ -41,12 +45,9 @@ impl Marginalised<'_> {
 }
 
 impl LinearProblem {
-    /// What it costs, as a change between two recordings, that a candidate seldom comes about.
+    /// Price of a candidate as a change between two recordings.
     pub(crate) fn price_of_onset(&self, candidate: &Candidate) -> f64 {
-        let onset = match candidate.kind {
-            CandidateKind::Law(slug) => effect(slug).map_or(Onset::Seldom, |law| law.onset()),
-            CandidateKind::SmoothDirections(_) => Onset::Seldom,
-        };
+        let onset = candidate.law().map_or(Onset::Seldom, |law| law.onset());
         let of_last_link =
             candidate.location.joints.last() == self.link_error_prior.links.checked_sub(1).as_ref();
         match onset {

@@ -1,12 +1,12 @@
-//! Whether what was found in the band is what a narrower one says.
+//! Test whether the estimate in the band holds in a narrower band.
 //!
-//! A right model has the same coefficients in every band, a wider one only knows them better. Where efforts and
-//! accelerations do not go together above some frequency (positions that shake by themselves, a controller that
-//! estimates its encoder), the inflated band's inertias are biased, however small their standard errors are: compared
-//! where all still goes together, its fit then leaves over more than that of the narrow band by more than chance.
+//! A correct model has the same coefficients in every band, with smaller standard errors in a wide one. Where efforts and
+//! accelerations disagree above some frequency (encoder jitter, a controller that estimates its encoder), the inertias of the
+//! wide band are biased, however small their standard errors are, and leave a significantly larger residual below.
 //!
-//! Reference: J. A. Hausman, Specification tests in econometrics, Econometrica 46(6), 1978: an efficient estimate
-//! against one that is consistent under more.
+//! Hypothesis: the coefficients of both bands are equal.
+//! References: J. A. Hausman, Specification tests in econometrics, Econometrica 46(6), 1978: an efficient estimate against one
+//! that is consistent under more.
 
 use armident_dynamics::RigidArm;
 use armident_ident::MinimalSet;
@@ -23,21 +23,21 @@ use crate::selection::weights::independent_share;
 
 /// The narrower band \[Hz\]: an octave below the other.
 pub(crate) const NARROW_HZ: f64 = 5.0;
-/// SurrogateThreshold of leaving the inflated band of a right model.
+/// Significance level of the test.
 const CHANCE: f64 = 1e-3;
-/// What the two must differ by on some joint, in units of the noise of one recorded sample: predictions of efforts err
-/// 2 % more by it. A narrow band sees less of springs, gaps and reversals, which less than that is not worth.
+/// Least difference of the two on some joint, in noise levels: 2 % more prediction error. A narrow band determines springs,
+/// gaps and reversals worse, which a smaller difference does not justify.
 const WORTH: f64 = 0.2;
-/// Independent samples a coefficient that the narrow band must have, to say what it leaves over.
+/// Independent samples a coefficient that the narrow band needs.
 const SAMPLES_A_COEFFICIENT: f64 = 2.0;
 
-/// Whether the coefficients of a selection, with the friction beside it that is too small to be named, are off those
-/// that the narrow band of the same recordings has, by more than chance and by enough to matter.
+/// Whether the coefficients of a selection, its small terms included, differ from those of the narrow band of the same
+/// recordings, significantly and materially.
 pub(crate) fn is_off_in(narrow: &Design<'_>, selection: &Selection, best: &Predictor) -> bool {
     contradicts(narrow, selection, best).unwrap_or(false)
 }
 
-/// None where the narrow band cannot form or fit the same candidates, or has too few samples to say.
+/// None where the narrow band cannot form or fit the same candidates, or has too few samples.
 fn contradicts(narrow: &Design<'_>, selection: &Selection, best: &Predictor) -> Option<bool> {
     let at = narrow.at(&selection.point);
     let contact = ContactColumns::new(narrow, &at);
@@ -51,7 +51,7 @@ fn contradicts(narrow: &Design<'_>, selection: &Selection, best: &Predictor) -> 
         let metric = problem.marginalised(best.scale, &selection.inflated);
         metric.residual(&metric.fit(metric.columns_of(&set))?)
     };
-    // in standard parameters: what of a link can be told is not the same in both
+    // in standard parameters: the identifiable combinations are not the same in both
     let inflated = selection.problem.marginalised(best.scale, &selection.inflated);
     let ConsistentEstimate { change, coefficients, .. } =
         ConsistentEstimate::of(&inflated, &best.estimate);
@@ -66,8 +66,8 @@ fn contradicts(narrow: &Design<'_>, selection: &Selection, best: &Predictor) -> 
     let constants = MinimalSet::of(&RigidArm::from_chain(narrow.chain)).ok()?;
     let of_laws: usize = coefficients.iter().map(Vec::len).sum();
     let coefficients = (constants.len() + of_laws) as f64;
-    // what the inflated band's coefficients leave over more: in variances of what is left, and the largest effort on a
-    // joint between the two in its noise
+    // added residual of the wide band's coefficients: in residual variances, and the largest effort between the two on a
+    // joint in its noise
     let (mut samples, mut squares, mut largest) = (0.0, 0.0, 0.0_f64);
     for (j, (own, crossed)) in own.iter().zip(&crossed).enumerate() {
         let before = dot(own, own);

@@ -1,4 +1,7 @@
-//! The set of laws with the shortest description: a beam search over adding, removing and replacing.
+//! The set of laws with the lowest score.
+//!
+//! Method: beam search over adding, removing and replacing candidates.
+//! References: B. T. Lowerre, The HARPY speech recognition system, thesis, Carnegie Mellon University, 1976.
 
 use crate::regression::fit_set::{Estimate, fit_set};
 use std::collections::{HashMap, HashSet};
@@ -11,7 +14,7 @@ use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 const BEAM: usize = 5;
 /// Successors of one set that are kept.
 const SUCCESSORS: usize = 8;
-/// Most candidates in a set: beyond, the description has stopped to be one.
+/// Most candidates in a set.
 const MOST_CANDIDATES: usize = 60;
 
 /// The best set reachable from any of the starts and from the empty set, of candidates that are not banned.
@@ -45,13 +48,13 @@ fn successors(
     known: &mut HashMap<Vec<usize>, Option<f64>>,
 ) -> Vec<Estimate> {
     let candidates = &metric.problem.candidates;
-    // what may stay when a candidate comes in, and its fit: few different ones
+    // the rest of the set beside a new candidate, and its fit: few different ones
     let staying = |g: usize| -> Vec<Vec<usize>> {
         let candidate = &candidates[g];
         let stay: Vec<usize> =
             from.set.iter().copied().filter(|o| !candidates[*o].excludes(candidate)).collect();
-        // links load the same joints: beside a changed one another has little to add, but in its place it may. Where
-        // no change is sought, single links stand for errors of all, and the best of pairs is no name
+        // links load the same joints: beside a changed one another adds little, but instead of it it may. Without a
+        // reference, single links stand for errors of all, and the best of pairs is no finding
         let link_changed =
             metric.problem.observations.comparison.seeks_change() && candidate.is_of_link();
         let replaced = stay.iter().filter(|o| link_changed && candidates[**o].is_of_link());

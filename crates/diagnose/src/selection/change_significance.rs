@@ -1,4 +1,8 @@
-//! What of a change is certain, with what its reference leaves open.
+//! Significance of changes against a reference that may not exclude them.
+//!
+//! Hypothesis: a change is zero; the same effect may have been present in the reference, with any size that this allows. F
+//! statistic of its coefficients with their block-jackknife covariance, one family-wise level over all candidates (Bonferroni).
+//! References: G. A. F. Seber, A. J. Lee, Linear regression analysis, 2003 (F test); own (the reference).
 
 use crate::selection::levels::CHANCE;
 use armident_effects::BASELINE;
@@ -18,22 +22,22 @@ use crate::selection::materiality::{estimate_without, held};
 use crate::uncertainty::jackknife::Jackknife;
 use armident_model::OperatingPoint;
 
-/// A change that is not named is told where it alone would be none less often than this.
-const TOLD: f64 = 0.05;
+/// Largest p-value of an insignificant change that is listed as inconclusive.
+const LISTED: f64 = 0.05;
 
-/// A change that is not certain.
+/// A change that is not significant.
 #[derive(Debug, Clone)]
 pub(crate) struct Inconclusive {
     pub(crate) candidate: Candidate,
-    /// p_value that it is none
+    /// p-value of the hypothesis that it is zero
     pub(crate) p_value: f64,
-    /// whether it is in inconclusive only because it may have been there before
+    /// whether it is inconclusive only because it may have been present in the reference
     pub(crate) maybe_before: bool,
 }
 
-/// Removes changes that may be none, the most inconclusive first, and tells them. A change is certain where its
-/// coefficients are far from nothing although the same effect may have been there before: a reference that does not
-/// excite it says nothing of it, and a motion that does would then look like a change.
+/// Removes insignificant changes, largest p-value first, and returns them as inconclusive. A change is significant only with
+/// the same effect free in the reference: where the reference does not excite it, a motion that does would look like a
+/// change.
 pub(crate) fn certain(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -41,9 +45,9 @@ pub(crate) fn certain(
     mut of: Estimate,
     point: &OperatingPoint,
 ) -> (Estimate, Vec<Inconclusive>) {
-    let mut told: Vec<Inconclusive> = Vec::new();
+    let mut removed: Vec<Inconclusive> = Vec::new();
     if of.set.is_empty() {
-        return (of, told);
+        return (of, removed);
     }
     let candidates = &metric.problem.candidates;
     let open = ReferenceUncertainty::of(design, at, metric, &of);
@@ -56,7 +60,7 @@ pub(crate) fn certain(
             break;
         }
         let closed = ReferenceUncertainty::default().p_values(metric, &of, point);
-        // one that the others can do without, or else all of them
+        // one without which the others have a fit, or else all of them
         let alone =
             inconclusive.iter().find_map(|d| Some((estimate_without(metric, &of, d.1)?, vec![*d])));
         let left =
@@ -66,18 +70,18 @@ pub(crate) fn certain(
         for (p_value, g) in gone {
             let candidate = candidates[g].clone();
             let maybe_before = closed.iter().any(|(p_value, c)| *c == g && *p_value <= most);
-            if told.iter().all(|inconclusive| !same(&inconclusive.candidate, &candidate)) {
-                told.push(Inconclusive { candidate, p_value, maybe_before });
+            if removed.iter().all(|inconclusive| !same(&inconclusive.candidate, &candidate)) {
+                removed.push(Inconclusive { candidate, p_value, maybe_before });
             }
         }
         of = next;
     }
-    told.retain(|inconclusive| inconclusive.maybe_before || inconclusive.p_value < TOLD);
-    told.retain(|inconclusive| {
+    removed.retain(|inconclusive| inconclusive.maybe_before || inconclusive.p_value < LISTED);
+    removed.retain(|inconclusive| {
         of.set.iter().all(|g| !same(&candidates[*g], &inconclusive.candidate))
     });
-    told.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
-    (of, told)
+    removed.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    (of, removed)
 }
 
 /// Whether two candidates are one effect at one place.
@@ -85,7 +89,7 @@ fn same(a: &Candidate, b: &Candidate) -> bool {
     a.kind == b.kind && a.location == b.location
 }
 
-/// Effects that may have been there before.
+/// Effects that the reference may have without determining them.
 #[derive(Default)]
 pub(crate) struct ReferenceUncertainty {
     /// of laws
@@ -93,8 +97,8 @@ pub(crate) struct ReferenceUncertainty {
 }
 
 impl ReferenceUncertainty {
-    /// Those of an estimate. The baseline terms of joints are free in all recordings anyway; a contact comes and goes; a
-    /// description without a name is none of an effect.
+    /// Those of an estimate. The baseline terms of joints are free in all recordings anyway; contacts are temporary; a
+    /// smooth term is no effect.
     pub(crate) fn of(
         design: &Design<'_>,
         at: &[Posed<'_>],
@@ -121,7 +125,7 @@ impl ReferenceUncertainty {
         open
     }
 
-    /// Chances that candidates of an estimate are none; a description without a name has none.
+    /// p-values of the candidates of an estimate; a smooth term has none.
     fn p_values(
         &self,
         metric: &Marginalised<'_>,
@@ -129,7 +133,7 @@ impl ReferenceUncertainty {
         point: &OperatingPoint,
     ) -> Vec<(f64, usize)> {
         let mut problem = self.problem(metric, of);
-        // how far from nothing is asked of a size as well that is held at 1 elsewhere
+        // the size of a transmission, elsewhere held at 1, is tested too
         problem.candidates.iter_mut().for_each(|candidate| candidate.is_of_size_one = false);
         let named = of.set.iter().enumerate().filter(|(_, g)| {
             !matches!(metric.problem.candidates[**g].kind, CandidateKind::SmoothDirections(_))
@@ -138,20 +142,20 @@ impl ReferenceUncertainty {
             return named.map(|(_, g)| (1.0, *g)).collect();
         };
         let jackknife = Jackknife::of(&opened, &fitted);
-        let mut told = Jackknife::of(metric, of);
-        self.widen(&mut told, metric, of);
+        let mut reported = Jackknife::of(metric, of);
+        self.widen(&mut reported, metric, of);
         let p_value = |(k, g): (usize, usize)| {
             let free = p_value(&opened, &fitted, k, &jackknife, point).unwrap_or(1.0);
-            // nor may the numbers as they are told be none: where the size is held they do not say
+            // the reported parameters must differ from zero as well
             if metric.problem.candidates[g].is_of_size_one {
                 return free;
             }
-            free.max(p_value(metric, of, g, &told, point).unwrap_or(1.0))
+            free.max(p_value(metric, of, g, &reported, point).unwrap_or(1.0))
         };
         named.map(|(k, g)| (p_value((k, *g)), *g)).collect()
     }
 
-    /// How far coefficients of an estimate can be trusted where this is free.
+    /// Widens the standard errors of an estimate to those with these effects free.
     pub(crate) fn widen(
         &self,
         jackknife: &mut Jackknife,
@@ -193,25 +197,24 @@ impl ReferenceUncertainty {
             *column += self.columns.len();
         }
         opened.known = small.known;
+        opened.library = small.library;
         opened
     }
 }
 
-/// A problem in which a reference leaves effects open, with links that are no better known than a URDF's, and the fit
-/// of its candidates.
+/// A problem with effects free in the reference, at the prior scale of a URDF, and the fit of its candidates.
 fn fitted<'p>(
     problem: &'p LinearProblem,
     metric: &Marginalised<'_>,
 ) -> Option<(Marginalised<'p>, Estimate)> {
     let opened = problem.marginalised(metric.scale.max(REFERENCE_SCALE), &metric.inflated);
-    // signs are asked of what is named, not of this
+    // admissibility holds for findings, not for this fit
     let (fitted, _) = fit_any_sign(&opened, (0..problem.candidates.len()).collect())?;
     Some((opened, fitted))
 }
 
-/// Probability that coefficients of nothing are as far from zero as those of a law: all of them together, or one of
-/// them alone. The size of what the model leaves over is known from the independent samples of the reference. None
-/// where they are numerically dependent.
+/// p-value of the coefficients of a law, all of them together or one of them alone. The residual variance is estimated from
+/// the independent samples of the reference. None where they are numerically dependent.
 fn p_value(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -252,7 +255,7 @@ fn samples_before(problem: &LinearProblem, candidate: &Candidate) -> f64 {
     joints.into_iter().map(of_joint).filter(|n| *n > 0.0).fold(f64::INFINITY, f64::min).max(1.0)
 }
 
-/// Relative inertial error with which the reference is looked at first: what a URDF is off by.
+/// Prior scale of the first fit of the reference: that of a typical URDF.
 pub(crate) const REFERENCE_SCALE: f64 = 0.2;
 
 #[cfg(test)]
@@ -262,11 +265,12 @@ mod tests {
     use armident_dynamics::RigidArm;
 
     use crate::test_arms::{swung, ur5};
+    use armident_effects::JointElasticity;
+    use armident_model::FittedTransmission;
     use armident_model::Spring;
-    use armident_model::Transmission;
     use armident_motion::Signals;
 
-    /// What stays of these changes, as joints.
+    /// Joints of the changes that stay significant.
     fn stays(
         before: Signals,
         after: Signals,
@@ -286,9 +290,9 @@ mod tests {
         (joints.collect(), inconclusive)
     }
 
-    /// An offset that came stays, and those that are fitted to noise go, whatever else is in the estimate.
+    /// A true offset stays, and those that fit noise are removed, whatever else is in the estimate.
     #[test]
-    fn what_may_be_chance_goes() {
+    fn insignificant_changes_are_removed() {
         let chain = ur5();
         let before = swung(&chain, 0.1, |_, _| 0.0);
         let after = swung(&chain, 0.1, |j, _| if j == 2 { 0.3 } else { 0.0 });
@@ -302,10 +306,10 @@ mod tests {
         assert!(inconclusive.iter().all(|inconclusive| !inconclusive.maybe_before));
     }
 
-    /// Two joints that a transmission couples: a reference full of noise does not say whether they were coupled
-    /// before, whether they were or not; another one does.
+    /// Two joints that a transmission couples: a noisy reference does not determine whether they were coupled before; a
+    /// precise one does.
     #[test]
-    fn what_may_have_been_before_goes() {
+    fn changes_not_excluded_by_reference_are_removed() {
         let chain = ur5();
         let friction = |v: f64| 0.5 * v + 0.5 * v.signum();
         let coupled = |j: usize, v: &[f64]| if j >= 4 { friction(v[4] + v[5]) } else { 0.0 };
@@ -325,13 +329,13 @@ mod tests {
         assert_eq!(joints, [[4, 5]]);
     }
 
-    /// A joint that has become soft stays, though the size of what its spring does is no longer fitted.
+    /// A joint that became compliant stays, though the size of its transmission is held at 1.
     #[test]
     fn a_spring_of_size_one_stays() {
         const JOINT: usize = 1;
         const MOTOR_INERTIA: f64 = 0.2;
         let chain = ur5();
-        let transmission = Transmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
+        let transmission = FittedTransmission { gap: 0.0, stiffness: 900.0, damping: 2.0 };
         let spring = Spring { joint: JOINT, transmission, share: 1.0 };
         let point =
             OperatingPoint { springs: vec![spring], ..OperatingPoint::of(chain.joints.len()) };
@@ -352,7 +356,7 @@ mod tests {
             &design,
             &at,
             &mut problem,
-            "joint_elasticity",
+            &JointElasticity,
             JOINT,
             &shape,
             &mut Vec::new(),

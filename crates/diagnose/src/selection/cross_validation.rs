@@ -1,5 +1,7 @@
-//! Blocked cross-validation: what an effect explains must also be explained in blocks of the
-//! recordings that its coefficients have not seen.
+//! Cross-validated usefulness: an effect must lower the error of blocks to which its coefficients were not fitted.
+//!
+//! Statistic: mean over folds of the log error ratio without and with a candidate, over its standard error.
+//! References: own; folds as in [`crate::regression::folds`].
 
 use crate::regression::folds::{SHORT_BLOCKS, all_errors, folds, folds_of, metrics};
 
@@ -14,9 +16,8 @@ use crate::selection::levels::CHANCE;
 use crate::selection::materiality::{estimate_without, held, set_without};
 use armident_model::{OperatingPoint, is_sublinear};
 
-/// Removes effects that do not lower the error of unseen blocks by more than its standard error,
-/// the least useful first. Windows are exempt: no other block has seen them; so is what the operating
-/// point holds.
+/// Removes effects that do not lower the cross-validated error by more than its standard error, the least useful first.
+/// Windows are exempt, since no other block contains them; so are operating terms.
 pub(crate) fn confirm(
     metric: &Marginalised<'_>,
     mut of: Estimate,
@@ -64,14 +65,13 @@ pub(crate) fn confirm(
     }
 }
 
-/// Logarithms of the error of blocks without a candidate over that with it, added up over the joints where it acts and
-/// an effort is recorded: as a ratio, so that no block outweighs the others, and joint by joint, so that none does
-/// that is badly modelled.
+/// Log error ratio per fold, without over with a candidate, summed over its joints with efforts: ratios, so that no fold and
+/// no badly modelled joint outweighs the others.
 fn gains(candidate: &Candidate, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
     gains_on((!acts_everywhere(candidate)).then_some(&candidate.location.joints), without, with)
 }
 
-/// The same on these joints, or on all.
+/// Log error ratio per fold on these joints, or on all.
 fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]) -> Vec<f64> {
     let of_block = |(without, with): (&Vec<f64>, &Vec<f64>)| {
         let recorded = || (0..with.len()).filter(|j| with[*j] > 0.0).collect();
@@ -81,36 +81,36 @@ fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]
     without.iter().zip(with).map(of_block).filter(|gain| gain.is_finite()).collect()
 }
 
-/// Whether errors of blocks that were not fitted are surely less than others: what a model is imperfect by repeats
-/// itself, so that scores differ by more than they should.
+/// Whether cross-validated errors are significantly less than others: model discrepancy repeats, so that scores differ by too
+/// much.
 pub(crate) fn surely_less(errors: &[Vec<f64>], than: &[Vec<f64>]) -> bool {
     let gains = gains_on(None, than, errors);
     gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
 }
 
-/// Whether a candidate loads other joints than those it is named by.
+/// Whether a candidate loads joints other than those of its location.
 fn acts_everywhere(candidate: &Candidate) -> bool {
     candidate.location.joints.is_empty() || candidate.transform.is_some()
 }
 
-/// How many standard errors the gain in the blocks must be off zero.
+/// Standard errors by which the gain in the folds must exceed zero.
 const CONSISTENT: f64 = 2.0;
 
-/// Twice the logarithm of how much more probable a candidate makes blocks of a change that were not fitted.
+/// Twice the log likelihood ratio of a candidate on the left-out blocks of a change.
 fn log_bayes_factor(problem: &LinearProblem, gains: &[f64]) -> f64 {
     let rows = &problem.observations;
     let judged = (rows.len() - rows.judged_from()) as f64 / gains.len().max(1) as f64;
     rows.weights.share * judged * gains.iter().sum::<f64>()
 }
 
-/// What that must be for a candidate chosen from so many.
+/// Least value of that for a candidate chosen from so many.
 fn least_log_bayes_factor(choices: usize, problem: &LinearProblem, candidate: &Candidate) -> f64 {
     2.0 * (choices as f64 / CHANCE).ln() + problem.price_of_onset(candidate)
 }
 
-/// Adds the changes by which blocks that were not fitted become clearly more probable, the most probable
-/// first. The search prices every coefficient of a change by the number of independent samples, of which an
-/// imperfect model has few; a block that was not fitted has paid for them already.
+/// Adds the changes that raise the likelihood of left-out blocks clearly, the largest first. The search prices every
+/// coefficient of a change by the effective sample size, which is small with model discrepancy; left-out blocks need no such
+/// price.
 pub(crate) fn with_changes(metric: &Marginalised<'_>, mut of: Estimate) -> Estimate {
     let problem = metric.problem;
     let linear = |g: &usize| {
@@ -156,15 +156,15 @@ pub(crate) fn with_changes(metric: &Marginalised<'_>, mut of: Estimate) -> Estim
     }
 }
 
-/// What predicts best, of what was named and of the terms every joint has.
+/// The estimate that predicts best: the findings and small terms of all joints.
 pub(crate) struct Predictor {
     pub(crate) estimate: Estimate,
     pub(crate) scale: f64,
 }
 
 impl Predictor {
-    /// Another estimate with the terms that this one has beside what was named. Without what it lacks, others
-    /// may want a wrong sign: those are left out too; so is the bend of a friction that it lacks, which would take its place.
+    /// Another estimate with the small terms of this one. Terms that become inadmissible there are dropped, and so is the
+    /// sublinear part of a friction that it lacks, which would take the place of that.
     pub(crate) fn beside(
         &self,
         metric: &Marginalised<'_>,
@@ -189,12 +189,11 @@ impl Predictor {
     }
 }
 
-/// Relative inertial errors tried for the prediction, beside the one of the selection.
+/// Prior scales tried for the prediction, beside the one of the selection.
 const SCALES: [f64; 4] = [0.05, 0.2, 0.8, 3.2];
 
-/// The estimate with terms that are too small to be named and with inertial errors of another size, where
-/// blocks that were not fitted are then predicted better by more than the standard error of that: a
-/// name needs to matter, a prediction needs every term that helps.
+/// The estimate with small terms and another prior scale, where these lower the cross-validated error by more than its
+/// standard error: a finding must be material, a prediction needs every term that helps.
 pub(crate) fn predictor(metric: &Marginalised<'_>, named: &Estimate) -> Predictor {
     let problem = metric.problem;
     let extended = with_baseline(problem, &named.set);
@@ -229,8 +228,7 @@ pub(crate) fn predictor(metric: &Marginalised<'_>, named: &Estimate) -> Predicto
         let of_short = errors(&short, &metrics);
         let mut found = (short, of_short);
         if let Some(long) = of(extended.clone()) {
-            // terms of those joints only that are the better for it: all of them at once; where that does not pay, one
-            // after the other, the most first
+            // small terms of joints that improve: all at once; where that does not pay, one after the other, the largest first
             let of_long = errors(&long, &metrics);
             let total = |gains: Vec<f64>| gains.iter().sum::<f64>();
             let mut helped: Vec<(f64, usize)> = (0..problem.observations.joints())
@@ -276,8 +274,7 @@ pub(crate) fn predictor(metric: &Marginalised<'_>, named: &Estimate) -> Predicto
     )
 }
 
-/// By how many standard errors a candidate of an estimate lowers the error of blocks that were not fitted, on
-/// its joints.
+/// Cross-validated improvement of a candidate on its joints, in standard errors.
 pub(crate) fn usefulness(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -311,24 +308,24 @@ pub(crate) fn in_standard_errors(gains: &[f64]) -> f64 {
     mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// What an estimate leaves with the terms of a plain identification beside it.
+/// Residual of an estimate with baseline terms beside it.
 pub(crate) fn with_baseline_terms(metric: &Marginalised<'_>, named: &Estimate) -> JointColumns {
     let extended = with_baseline(metric.problem, &named.set);
     let found = admissible_part(metric, extended, &named.set);
     metric.residual(&found.as_ref().unwrap_or(named).fit)
 }
 
-/// The candidates of an estimate and the terms of a plain identification beside it.
+/// The candidates of an estimate and the baseline terms beside it.
 pub(crate) fn with_baseline_terms_of(metric: &Marginalised<'_>, named: &Estimate) -> Vec<usize> {
     let extended = with_baseline(metric.problem, &named.set);
     admissible_part(metric, extended, &named.set).map_or_else(|| named.set.clone(), |a| a.set)
 }
 
-/// A set with the terms of a plain identification on every joint, where nothing named takes their place.
+/// A set with baseline terms on every joint, where no candidate of the set has their role.
 fn with_baseline(problem: &LinearProblem, set: &[usize]) -> Vec<usize> {
     let candidates = &problem.candidates;
     let mut all = set.to_vec();
-    // a description without a name has terms of its own
+    // a smooth term has baseline terms of its own
     let described = |candidate: &Candidate| {
         set.iter().any(|g| {
             candidates[*g].location == candidate.location
@@ -347,9 +344,8 @@ fn with_baseline(problem: &LinearProblem, set: &[usize]) -> Vec<usize> {
     all
 }
 
-/// What the reference by itself leaves over of blocks that were not fitted, on each joint, in its order and in
-/// units of its noise: where nothing changed, that is what the model of the arm is imperfect by. None where a part of
-/// it cannot be fitted.
+/// Cross-validated residual of the reference alone, by joint, in its order and in units of its noise: the model discrepancy
+/// where nothing changed. None where a part of it cannot be fitted.
 pub(crate) fn imperfection(problem: &LinearProblem, scale: f64) -> Option<JointColumns> {
     let rows = &problem.observations;
     let until = rows.judged_from();
@@ -382,9 +378,9 @@ mod tests {
     use super::*;
     use crate::test_arms::{design, ur5};
 
-    /// Friction that nobody named helps a prediction, also beside a law that is no joint's own.
+    /// Friction below the materiality threshold helps a prediction, also beside a law of the whole arm.
     #[test]
-    fn a_prediction_takes_what_helps_beside_a_law_without_a_joint() {
+    fn small_terms_are_kept_beside_arm_level_effect() {
         let chain = ur5();
         let friction = |j: usize, v: f64| if j == 2 { 0.3 * v } else { 0.0 };
         let design = design(&chain, &chain, friction);

@@ -1,4 +1,8 @@
-//! From design to the estimate: search, scans, refinement, operating point.
+//! The selection: search, scans, refinement, operating point and weights, until none of them changes.
+//!
+//! Method: fixed-point iteration; weights from the residual of the last estimate (feasible generalised least squares).
+//! References: W. Oberhofer, J. Kmenta, A general procedure for obtaining maximum likelihood estimates in generalized regression
+//! models, Econometrica 42(3), 1974.
 
 use crate::design::observations::Weights;
 use crate::regression::relinearise::{
@@ -6,6 +10,7 @@ use crate::regression::relinearise::{
 };
 use crate::selection::change_significance::{REFERENCE_SCALE, certain};
 use crate::selection::solution::Selection;
+use armident_effects::Role;
 use armident_numeric::dot;
 
 use crate::design::candidate::Candidate;
@@ -30,20 +35,20 @@ use crate::selection::weights::{
 };
 use armident_model::OperatingPoint;
 
-/// Logarithm of the ratio of two discrepancies that are the same.
+/// Largest log ratio of two discrepancies that count as equal.
 const SAME_DISCREPANCY: f64 = 0.3;
 
-/// Share of the independent samples from which on their number was clearly overrated.
+/// Ratio of the effective sample sizes below which the earlier one was clearly too large.
 const FEWER_SAMPLES: f64 = 0.8;
-/// Passes of moving the operating point; what is dear to try is tried from this one on wherever it moves: a spring that was
-/// not seen yet keeps it moving, and takes some passes to weigh the joints anew.
+/// Most iterations; expensive candidates are tried from this one on even if the operating point still moves: a spring that is
+/// not in the set yet keeps it moving, and takes some iterations of weights.
 const PASSES: usize = 8;
 const ALL_FROM: usize = 3;
 
-/// The estimate to what the recordings show.
+/// The selection of a design.
 ///
-/// How far all links may be off is chosen before the operating point is right and every law was tried, in one of two
-/// ways ([`ScaleCriterion`]). Where they part, both are walked to their ends, and the shorter description is the estimate.
+/// The prior scale is chosen before the operating point has converged and every law was tried, by one of two criteria
+/// ([`ScaleCriterion`]). Where they disagree, both iterations are completed, and the lower score is the estimate.
 pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)> {
     let point = OperatingPoint::of(design.joints());
     let ripple = RippleColumns::new(design, &design.at(&point));
@@ -54,8 +59,8 @@ pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)>
         return Some((end.design, end.found));
     }
     if state.criteria_disagree {
-        let other = iterate(&initial, &ripple, &mut SearchState::new(ScaleCriterion::WhatMatters));
-        // what still moves is no solution where the other one has converged
+        let other = iterate(&initial, &ripple, &mut SearchState::new(ScaleCriterion::Material));
+        // an iteration that still moves is no solution where the other one has converged
         let is_better = |other: &IterationEnd<'_>| match (other.converged, end.converged) {
             (true, false) => true,
             (false, true) => false,
@@ -74,8 +79,7 @@ pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)>
     Some((design, found))
 }
 
-/// Weights from what the believed arm leaves over on rows and joints, before anything is known. None where what is
-/// before a change cannot be fitted.
+/// Initial weights, from the residual of all columns. None where the reference cannot be fitted.
 fn initial_weights(design: &Design<'_>, point: &OperatingPoint) -> Option<Weights> {
     let seeks_change = design.observations.comparison.seeks_change();
     let mut first = design.problem(point);
@@ -89,7 +93,7 @@ fn initial_weights(design: &Design<'_>, point: &OperatingPoint) -> Option<Weight
     }
     let weighted = design.weighted(weights);
     if seeks_change {
-        // what changed must not tell how few samples of the arm's discrepancy are independent
+        // a change must not count as discrepancy in the effective sample size
         let left_over = imperfection(&first, REFERENCE_SCALE)?;
         let rows = &first.observations;
         let reference = &rows.starts[..=rows.comparison.first_judged()];
@@ -110,16 +114,16 @@ fn with_discrepancies(design: &Design<'_>, discrepancy: Vec<f64>) -> Weights {
     design.observations.weighted(before).with_discrepancy(discrepancy)
 }
 
-/// Where an iteration ended.
+/// Result of an iteration.
 struct IterationEnd<'a> {
     /// with the weights it ended with
     design: Design<'a>,
     found: Selection,
-    /// whether nothing moved any more
+    /// whether it converged
     converged: bool,
 }
 
-/// From the believed arm to where the operating point, the weights and the estimate no longer move.
+/// Iterates the operating point, the weights and the estimate until none changes.
 fn iterate<'a>(
     initial: &Design<'a>,
     ripple: &RippleColumns,
@@ -144,10 +148,10 @@ fn iterate<'a>(
         let (mut best, starts) =
             best_of_scales(design, &at, ripple, &contact, &mut problem, start, &point, state)?;
         best.estimate = with_operating_terms(&problem, &best, &point);
-        // what is dear to try waits until the configuration is right
+        // expensive candidates wait until the configuration has converged
         let metric = problem.marginalised(best.scale, &best.inflated);
         let pruned = prune(&metric, best.estimate.clone(), &point);
-        // beside wrong links a spring that was found may look like none until it is polished again
+        // beside wrong links a spring may look insignificant until it is refined again
         let all = is_right
             || !point.springs.is_empty()
             || has_converged(&moves(&problem, &pruned, &point), &point)
@@ -173,7 +177,7 @@ fn iterate<'a>(
         let found = prune(&problem.marginalised(scale, &inflated), found, &point);
         let mut inconclusive = Vec::new();
         let mut found = confirm(&problem.marginalised(scale, &inflated), found, &point);
-        // simpler relatives that came in need to matter as well
+        // contained laws that came in must be material too
         if !seeks_change {
             found = prune(&problem.marginalised(scale, &inflated), found, &point);
         }
@@ -194,7 +198,8 @@ fn iterate<'a>(
         state.no_ripple.extend(fractional);
         if again {
             state.candidates.retain(|g| {
-                g.slug() != "torque_ripple" || !state.no_ripple.contains(&g.location.joints[0])
+                !g.has(|law| law.has_role(Role::Ripple))
+                    || !state.no_ripple.contains(&g.location.joints[0])
             });
         }
         let mut target = moves(&problem, &found, &point);
@@ -203,7 +208,7 @@ fn iterate<'a>(
         // the links behind a transmission were found beside it, and it beside those of the pass before
         let still = has_converged(&target, &point)
             && (links.is_none() || (point.links.is_some() && settled));
-        // a spring that went must not shape the columns of the next pass
+        // a removed spring must not shape the columns of the next iteration
         target.springs = if links.is_some() { springs(&metric, &found, &at) } else { Vec::new() };
         target.links = links;
         let step = Step { from: point.springs.clone(), to: target.springs.clone() };
@@ -211,7 +216,7 @@ fn iterate<'a>(
         let (discrepancy, share) = if seeks_change {
             (discrepancies_after(&metric, &found), problem.observations.weights.share)
         } else {
-            // of what no term of a plain identification explains: a short estimate must not look like few samples
+            // of the residual beside baseline terms: a short estimate must not look like few samples
             let residual = with_baseline_terms(&metric, &found);
             let share = independent_share(
                 &residual,
@@ -221,15 +226,14 @@ fn iterate<'a>(
             (discrepancies(&metric, &found), share.min(problem.observations.weights.share))
         };
         let differs = |(new, old): (&f64, &f64)| (new / old).ln().abs() > SAME_DISCREPANCY;
-        // what was not tried yet must not make a joint unimportant
+        // a candidate that was not tried yet must not lower the weight of a joint
         let reweighted = share < FEWER_SAMPLES * problem.observations.weights.share
             || ((all || !seeks_change)
                 && discrepancy.iter().zip(&problem.observations.weights.discrepancy).any(differs));
-        // moves that were not confirmed must not end the search before all was tried
-        // beside a law on the wrong size others were chosen, and how far links may be off, that took its part
+        // beside a law of the wrong size other candidates and another prior scale were chosen
         is_right = still && !again && !reweighted && !polished;
         let converged = is_right && all;
-        // with other weights or sizes another scale may be right; a reference holds its own
+        // other weights may need another prior scale; a reference has its own
         state.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
         let point_now = point.clone();
         let found =
@@ -249,7 +253,7 @@ fn iterate<'a>(
     Some(IterationEnd { design: weighted, found, converged })
 }
 
-/// The estimate with what the operating point holds: at the right one nothing is left to add.
+/// The estimate with the operating terms: at the right operating point their coefficients are zero.
 fn with_operating_terms(
     problem: &LinearProblem,
     best: &ScaleFit,

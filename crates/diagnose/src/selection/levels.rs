@@ -1,4 +1,7 @@
-//! Levels of significance of the selection.
+//! Significance levels of the selection.
+//!
+//! Method: one family-wise level for all candidates of a test (Bonferroni).
+//! References: own.
 
 /// SurrogateThreshold of a change that is none, among all that are tried.
 pub(crate) const CHANCE: f64 = 0.01;

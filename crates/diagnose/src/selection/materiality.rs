@@ -1,30 +1,31 @@
-//! Materiality: an effect is named when the recordings are worse explained without it by an amount that
-//! matters, not when it is merely significant. With some thousand independent samples everything is
-//! significant, the imperfection of the model first.
+//! Materiality: an effect is reported when the model without it is worse by an amount that matters, not when it is merely
+//! significant. With some thousand independent samples even model discrepancy is significant.
+//!
+//! Statistic: root mean square effort that a candidate alone explains, all others refitted without it, in noise levels, on
+//! the joint where its ratio to the threshold is largest.
+//! References: own.
 
 use crate::design::comparison::Comparison;
 use crate::regression::fit_set::{Estimate, admissible_part, fit_any_sign};
-use armident_effects::effect;
+use armident_effects::OperatingTerm;
 use rayon::prelude::*;
 
-use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::candidate::Candidate;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::observations::JointColumns;
 use crate::regression::marginalised::Marginalised;
 use crate::selection::surrogate_threshold::SurrogateThreshold;
 use armident_model::OperatingPoint;
 
-/// Least root mean square effort, in standard deviations of one recorded sample, that must come back
-/// when an effect is removed and all others are fitted again: a sixth more error of prediction, what is worth a name.
-/// What comes about by threshold on these recordings ([`SurrogateThreshold`]) may ask for more.
+/// Least materiality of a finding, in noise levels: a sixth more prediction error. The surrogate threshold of the
+/// recordings ([`SurrogateThreshold`]) may be higher.
 pub(crate) const LEAST: f64 = 0.6;
-/// The same of a change, 8 % more error of prediction: what a model of the arm is imperfect by is known from the
-/// reference, and how sure a change is asks [`crate::selection::change_significance::certain`] of it.
+/// Least materiality of a change, 8 % more prediction error: the model discrepancy is known from the reference, and
+/// [`crate::selection::change_significance::certain`] tests the significance.
 const LEAST_CHANGE: f64 = 0.4;
-/// What a joint's own leftover hides: nothing smaller is named there, for it may be of what is left.
+/// Share of a joint's residual below which nothing is reported there.
 const SHARE_OF_EXCESS: f64 = 0.9;
-/// The same for a change: an imperfect model is imperfect before and after, and a change must hold in block
-/// after block (`crossval::least_gain`).
+/// That share for a change: model discrepancy is the same before and after, and a change must hold in every block.
 const SHARE_FOR_CHANGE: f64 = 0.3;
 
 /// How much an effect matters, on the joint where it matters most.
@@ -32,7 +33,7 @@ const SHARE_FOR_CHANGE: f64 = 0.3;
 pub(crate) struct Materiality {
     /// standard deviations of one recorded sample
     pub(crate) value: f64,
-    /// least value that is named on that joint
+    /// materiality threshold on that joint
     pub(crate) least: f64,
     pub(crate) joint: usize,
 }
@@ -43,9 +44,9 @@ impl Materiality {
     }
 }
 
-/// What is left on each joint beyond its noise, in standard deviations of one recorded sample.
+/// Residual of each joint beyond its noise, in noise levels.
 pub(crate) fn excess(problem: &LinearProblem, residual: &[Vec<f64>]) -> Vec<f64> {
-    // 1.1: what the estimate of the noise is uncertain by
+    // 1.1: uncertainty of the estimated noise
     const UNCERTAINTY: f64 = 1.1;
     (0..residual.len())
         .map(|j| {
@@ -64,11 +65,11 @@ pub(crate) fn band_noise(problem: &LinearProblem, joint: usize) -> f64 {
     rows.in_sample_noise(joint, &weighted.collect::<Vec<f64>>())
 }
 
-/// What an estimate asks of a name.
+/// Materiality thresholds of an estimate.
 struct Asked<'a> {
     problem: &'a LinearProblem,
     threshold: &'a SurrogateThreshold,
-    /// what is left on each joint beyond its noise
+    /// residual of each joint beyond its noise
     left: Vec<f64>,
 }
 
@@ -81,7 +82,7 @@ impl<'a> Asked<'a> {
         Self { problem, threshold, left: excess(problem, residual) }
     }
 
-    /// Least that is named of a candidate of so many columns on a joint.
+    /// Materiality threshold of a candidate of so many columns on a joint.
     fn least(&self, joint: usize, columns: usize) -> f64 {
         let left = self.left[joint];
         match self.problem.observations.comparison {
@@ -92,7 +93,7 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Effort of columns with these coefficients by itself, on the joint where it matters most.
+    /// Effort of columns with these coefficients alone, on the joint where it is largest.
     fn of_effort(&self, terms: &[(usize, f64)]) -> Materiality {
         let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
         for j in 0..self.left.len() {
@@ -114,14 +115,13 @@ impl<'a> Asked<'a> {
             }
         }
         let value = rows.in_sample_noise(joint, &effort);
-        // errors of further links hardly show on a joint in more combinations than those of one
+        // errors of further links add few combinations on a joint to those of one
         const OF_A_LINK: usize = 10;
         Materiality { value, least: self.least(joint, terms.len().min(OF_A_LINK)), joint }
     }
 }
 
-/// How much a candidate of an estimate matters: against the estimate without it, its simpler relative in its
-/// place.
+/// Materiality of a candidate of an estimate: against the estimate without it, its contained law instead.
 pub(crate) fn materiality(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -132,7 +132,7 @@ pub(crate) fn materiality(
     materiality_beside(metric, of, &metric.residual(&of.fit), candidate, point, threshold)
 }
 
-/// The same with what the estimate leaves.
+/// Materiality of a candidate, with the residual of the estimate given.
 fn materiality_beside(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -148,7 +148,7 @@ fn materiality_beside(
     let mut worst = Materiality { value: 0.0, least: LEAST, joint: 0 };
     let absorbed = metric.scale > 0.0 && !problem.observations.comparison.seeks_change();
     if absorbed && problem.candidates[candidate].transform.is_some() {
-        // uncertain inertias would take the place of a load: what counts is its own effort
+        // link errors would take the place of a load: its own effort counts
         let terms: Vec<(usize, f64)> =
             columns.iter().map(|&c| (c, of.fit.coefficient(c))).collect();
         return (asked.of_effort(&terms), without.map(|w| w.0));
@@ -167,24 +167,21 @@ fn materiality_beside(
     (worst, without.map(|w| w.0))
 }
 
-/// What the operating point holds of a candidate's effect: its columns and their amounts.
+/// Part of a candidate's effect in the operating point: its columns and their amounts.
 pub(crate) fn held(candidate: &Candidate, point: &OperatingPoint) -> Vec<(usize, f64)> {
-    let amounts = match candidate.slug() {
-        "gravity_direction" => point.tilt.to_vec(),
-        "time_delay" => vec![point.delay_s],
-        "encoder_offset" => vec![point.offset[candidate.location.joints[0]]],
-        _ => return Vec::new(),
+    let amounts = match candidate.law().and_then(|law| law.law().operating) {
+        Some(OperatingTerm::Tilt) => point.tilt.to_vec(),
+        Some(OperatingTerm::Delay) => vec![point.delay_s],
+        Some(OperatingTerm::EncoderZero) => vec![point.offset[candidate.location.joints[0]]],
+        Some(OperatingTerm::Gain) | None => return Vec::new(),
     };
     candidate.columns.iter().copied().zip(amounts).filter(|(_, a)| *a != 0.0).collect()
 }
 
-/// A set without a candidate, its simpler relatives in its place.
+/// A set without a candidate, the laws it contains instead.
 pub(crate) fn set_without(problem: &LinearProblem, set: &[usize], candidate: usize) -> Vec<usize> {
     let candidates = &problem.candidates;
-    let contained = match candidates[candidate].kind {
-        CandidateKind::Law(slug) => effect(slug).map_or(&[][..], |law| law.law().contains),
-        CandidateKind::SmoothDirections(_) => &[],
-    };
+    let contained = candidates[candidate].law().map_or(&[][..], |law| law.law().contains);
     let mut rest: Vec<usize> = set.iter().copied().filter(|g| *g != candidate).collect();
     let free =
         |g: &usize, rest: &[usize]| rest.iter().all(|r| !candidates[*r].excludes(&candidates[*g]));
@@ -199,7 +196,7 @@ pub(crate) fn set_without(problem: &LinearProblem, set: &[usize], candidate: usi
         });
         rest.extend(relative.filter(|g| free(g, &rest)));
     }
-    // a link takes on a load more often than it is exchanged: as a change, it must beat the load
+    // links are loaded more often than exchanged: as a change, a link must be better than a load
     if problem.observations.comparison.seeks_change() && candidates[candidate].is_of_link() {
         let load = (0..candidates.len()).find(|&g| {
             candidates[g].is_of_link()
@@ -211,7 +208,7 @@ pub(crate) fn set_without(problem: &LinearProblem, set: &[usize], candidate: usi
     rest
 }
 
-/// The estimate without a candidate, its simpler relatives in its place where these are admissible.
+/// The estimate without a candidate, the laws it contains instead where these are admissible.
 pub(crate) fn estimate_without(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -221,8 +218,8 @@ pub(crate) fn estimate_without(
     admissible_part(metric, set_without(metric.problem, &of.set, candidate), &rest)
 }
 
-/// The estimate without a candidate, its simpler relative in its place where that is admissible, and what it
-/// leaves. What the operating point holds of the candidate is put back into the efforts first.
+/// The estimate without a candidate, the law it contains instead where that is admissible, and its residual. The
+/// candidate's part of the operating point is added to the efforts first.
 fn reduced(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -243,7 +240,8 @@ fn reduced(
     with_relatives.or_else(|| fit_any_sign(metric, rest))
 }
 
-/// What comes back by threshold, beside an estimate; what changed asks more of its names elsewhere ([`crate::selection::change_significance::certain`]).
+/// Surrogate threshold beside an estimate; none with a reference, where changes are tested for significance
+/// ([`crate::selection::change_significance::certain`]).
 pub(crate) fn surrogate_threshold_beside(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -256,7 +254,7 @@ pub(crate) fn surrogate_threshold_beside(
     }
 }
 
-/// Removes what does not matter, the least first.
+/// Removes immaterial candidates, the least material first.
 pub(crate) fn prune(
     metric: &Marginalised<'_>,
     mut of: Estimate,
@@ -312,9 +310,10 @@ pub(crate) fn joints_of_inertial_errors(metric: &Marginalised<'_>, of: &Estimate
 mod tests {
     use super::*;
     use crate::test_arms::{design, ur5};
+    use armident_effects::JointCoupling;
 
-    /// A joint whose dry friction falls with speed, called a coupling: without it the dry friction stays, viscous friction
-    /// of the wrong sign does not take it along.
+    /// A joint whose dry friction falls with speed, fitted by a coupling: without it the dry friction stays, and viscous
+    /// friction of the wrong sign does not remove it.
     #[test]
     fn a_law_gives_way_to_the_relatives_that_hold() {
         const JOINT: usize = 1;
@@ -326,7 +325,7 @@ mod tests {
         let point = OperatingPoint::of(design.joints());
         let at = design.at(&point);
         let mut problem = design.problem(&point);
-        let law = effect("joint_coupling").unwrap();
+        let law = &JointCoupling;
         let coupling = design.push_pair_law(&mut problem, &at, law, JOINT, &[1.0]);
         let metric = problem.marginalised(0.0, &[]);
         let (coupled, _) = fit_any_sign(&metric, vec![coupling]).unwrap();

@@ -1,5 +1,10 @@
-//! Searches with every size of the errors that all links have.
+//! The prior scale: relative standard deviation of the given link inertias.
+//!
+//! Method: empirical Bayes: a search at every scale of a grid; the lowest score, whose likelihood is marginal over the link
+//! errors, decides.
+//! References: D. J. C. MacKay, Bayesian interpolation, Neural Computation 4(3), 1992.
 
+use armident_effects::{Law, LinkInertiaError, Role};
 use std::collections::HashSet;
 
 use rayon::prelude::*;
@@ -16,40 +21,39 @@ use crate::selection::beam_search::search;
 use crate::selection::materiality::prune;
 use armident_model::OperatingPoint;
 
-/// Relative inertial errors tried: none, a good data sheet, CAD, a guess, nothing known.
+/// Prior scales tried: exact, a good data sheet, CAD, a guess, unknown.
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
-/// How many times larger the errors of a link with a wrong body may be than those of all others, as tried: a link of
-/// a draft, another body, one many times as heavy.
+/// Prior scales of an inflated link over that of all others: a link of a draft, another body, one many times as heavy.
 const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
-/// Beyond this relative error of all links no single one is called wrong.
+/// Largest prior scale at which single links are inflated.
 const ALL_LINKS_WRONG: f64 = 0.2;
-/// Most links whose body is called wrong; more are a wrong arm.
+/// Most inflated links.
 const MOST_INFLATED_LINKS: usize = 2;
-/// Rounds of scanning what is left over.
+/// Rounds of scanning the residual.
 const ROUNDS: usize = 6;
 
-/// By what the size of inertial errors is chosen.
+/// Criterion of the prior scale.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ScaleCriterion {
-    /// the estimate with all that seems to be there
+    /// the score of the whole set
     All,
-    /// what is left of it once what does not matter has gone: small laws take the part of a link that is wrong, and
-    /// leave it to errors of all links when they go
-    WhatMatters,
+    /// the score of its material candidates: small laws absorb a link error, and leave it to the errors of all links once
+    /// removed
+    Material,
 }
 
-/// What was found about the estimate so far, kept from one problem to the next.
+/// State of the search, kept from one problem to the next.
 #[derive(Debug, Clone)]
 pub(crate) struct SearchState {
     pub(crate) candidates: Vec<Candidate>,
-    /// candidates whose constants were polished
+    /// candidates whose constants were refined
     pub(crate) polished: Vec<Candidate>,
     /// ripple is not offered on these joints: its order was no whole number
     pub(crate) no_ripple: HashSet<usize>,
-    /// inertial error of the last pass
+    /// prior scale of the last iteration
     pub(crate) scale: Option<f64>,
     criterion: ScaleCriterion,
-    /// whether another choice would have been made once
+    /// whether the two criteria have disagreed
     pub(crate) criteria_disagree: bool,
 }
 
@@ -66,7 +70,7 @@ impl SearchState {
     }
 }
 
-/// What one search gives.
+/// Result of a search at one prior scale.
 #[derive(Debug, Clone)]
 pub(crate) struct ScaleFit {
     pub(crate) scale: f64,
@@ -74,7 +78,7 @@ pub(crate) struct ScaleFit {
     pub(crate) estimate: Estimate,
 }
 
-/// Searches with every scale of inertial errors; the scans that one brings are offered to all.
+/// Searches at every prior scale; the scans of one are offered to all.
 pub(crate) fn best_of_scales(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -86,9 +90,7 @@ pub(crate) fn best_of_scales(
     state: &mut SearchState,
 ) -> Option<(ScaleFit, Vec<Vec<usize>>)> {
     let baseline: Vec<usize> = (0..problem.candidates.len())
-        .filter(|g| {
-            ["viscous_friction", "coulomb_friction"].contains(&problem.candidates[*g].slug())
-        })
+        .filter(|g| problem.candidates[*g].has(Law::is_baseline_friction))
         .collect();
     let mut starts = vec![start, baseline];
     // widely spaced scales first, then the neighbours of the best; later passes stay near it
@@ -113,13 +115,13 @@ pub(crate) fn best_of_scales(
         let beside = found.best(state.criterion).map(|best| neighbours(best.scale));
         try_scales(beside.unwrap_or_default(), &mut found);
     }
-    let [by_all, by_what_matters] = [ScaleCriterion::All, ScaleCriterion::WhatMatters]
-        .map(|by| found.best(by).map(|b| b.scale));
-    state.criteria_disagree |= by_all != by_what_matters;
+    let [by_all, by_material] =
+        [ScaleCriterion::All, ScaleCriterion::Material].map(|by| found.best(by).map(|b| b.scale));
+    state.criteria_disagree |= by_all != by_material;
     Some((found.best(state.criterion)?.clone(), starts))
 }
 
-/// What was found with some scales, each with the score of what matters of it.
+/// Results at some prior scales, each with the score of its material candidates.
 #[derive(Default)]
 struct Found(Vec<(ScaleFit, f64)>);
 
@@ -139,7 +141,7 @@ impl Found {
     fn best(&self, by: ScaleCriterion) -> Option<&ScaleFit> {
         let score = |(found, of_what_matters): &(ScaleFit, f64)| match by {
             ScaleCriterion::All => found.estimate.score,
-            ScaleCriterion::WhatMatters => *of_what_matters,
+            ScaleCriterion::Material => *of_what_matters,
         };
         self.0.iter().min_by(|a, b| score(a).total_cmp(&score(b))).map(|(found, _)| found)
     }
@@ -153,8 +155,7 @@ pub(crate) fn keep_better(best: &mut Option<ScaleFit>, found: Option<ScaleFit>) 
     }
 }
 
-/// The best estimate at one scale, with ripples and contacts scanned on what is left until nothing new
-/// comes.
+/// The best estimate at one prior scale, with ripples and contacts scanned on the residual until nothing new is found.
 pub(crate) fn laws_at(
     scale: f64,
     design: &Design<'_>,
@@ -205,17 +206,17 @@ fn neighbours(scale: f64) -> Vec<usize> {
     (at.saturating_sub(1)..(at + 2).min(SCALES.len())).collect()
 }
 
-/// Groups that may not be named: ripples of no whole order, and single links where all links are
-/// uncertain, which wrong bodies stand for.
+/// Candidates that are excluded: ripples of no whole order, single links where all links are uncertain (inflated links
+/// stand for these), and windows in the reference.
 fn banned(problem: &LinearProblem, state: &SearchState, scale: f64) -> HashSet<usize> {
     (0..problem.candidates.len())
         .filter(|&g| {
             let candidate = &problem.candidates[g];
-            (candidate.slug() == "torque_ripple"
+            (candidate.has(|law| law.has_role(Role::Ripple))
                 && state.no_ripple.contains(&candidate.location.joints[0]))
                 || (scale > 0.0
                     && !problem.observations.comparison.seeks_change()
-                    && candidate.slug() == "link_inertia_error")
+                    && candidate.is(&LinkInertiaError))
                 || candidate
                     .location
                     .window
@@ -224,13 +225,12 @@ fn banned(problem: &LinearProblem, state: &SearchState, scale: f64) -> HashSet<u
         .collect()
 }
 
-/// Whether single links are called wrong by errors larger than those of all others: where a change is sought, a link that
-/// changed is a law like the others.
+/// Whether single links may be inflated: with a reference, a changed link is a law like the others.
 pub(crate) fn may_be_inflated(problem: &LinearProblem, scale: f64) -> bool {
     scale > 0.0 && scale <= ALL_LINKS_WRONG && !problem.observations.comparison.seeks_change()
 }
 
-/// Scores of a set with a further link whose body is wrong: each link, in every size of its errors.
+/// Scores of a set with a further inflated link: each link at every factor.
 pub(crate) fn with_one_more(
     problem: &LinearProblem,
     scale: f64,
@@ -241,7 +241,7 @@ pub(crate) fn with_one_more(
         (0..problem.link_error_prior.links).filter(|l| inflated.iter().all(|body| body.link != *l));
     let bodies: Vec<InflatedLink> =
         right.flat_map(|link| TIMES.map(|times| InflatedLink { link, times })).collect();
-    // the columns of the set alone: errors of every size are integrated out of them
+    // the columns of the set alone: link errors of every size are eliminated from them
     let (small, set) = problem.restricted(set);
     let with = |body: &InflatedLink| {
         let inflated = [inflated, &[*body]].concat();
@@ -251,8 +251,7 @@ pub(crate) fn with_one_more(
     bodies.par_iter().filter_map(with).collect()
 }
 
-/// Lets the errors of single links be larger than those of all others, as long as that is a shorter
-/// description.
+/// Inflates single links as long as that lowers the score.
 fn with_inflated_links(
     problem: &LinearProblem,
     scale: f64,
@@ -283,9 +282,9 @@ mod tests {
     use super::*;
     use crate::test_arms::{design, ur5};
 
-    /// What does not matter gives a size the shortest estimate, until it has gone.
+    /// An immaterial term gives a prior scale the lowest score until it is removed.
     #[test]
-    fn a_size_is_chosen_by_all_that_seems_there_or_by_what_matters_of_it() {
+    fn material_criterion_ignores_immaterial_terms() {
         let chain = ur5();
         let design = design(&chain, &chain, |j, v| if j == 1 { 2.0 * v.signum() } else { 0.0 });
         let point = OperatingPoint::of(design.joints());
@@ -307,6 +306,6 @@ mod tests {
         found.extend(&problem, Some(flattered), &point);
         found.extend(&problem, Some(other), &point);
         assert_eq!(found.best(ScaleCriterion::All).unwrap().scale, 0.03);
-        assert_eq!(found.best(ScaleCriterion::WhatMatters).unwrap().scale, 0.0);
+        assert_eq!(found.best(ScaleCriterion::Material).unwrap().scale, 0.0);
     }
 }

@@ -1,7 +1,12 @@
-//! Constants that were tried on a grid, polished; and candidates formed again in another problem.
+//! Refinement of shape constants that were tried on a grid.
+//!
+//! Method: pattern search along one constant after the other, with halved steps, all coefficients refitted.
+//! References: R. Hooke, T. A. Jeeves, "Direct search" solution of numerical and statistical problems, Journal of the ACM 8(2),
+//! 1961.
 
 use crate::design::rebuild::{continuous, known, recreate};
 use crate::design::transmission::push_transmission;
+use armident_effects::{Role, ShapeStep};
 use std::collections::{HashMap, HashSet};
 
 use crate::design::candidate::Candidate;
@@ -19,12 +24,11 @@ use armident_model::Load;
 
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
-/// Share of the first step of a constant with which one goes on that was polished before: steps that improve are repeated,
-/// so that it gets as far as it has to.
+/// Share of the first step for a constant that was refined before: steps that improve are repeated.
 const POLISHED: f64 = 0.125;
 
-/// Polishes the constants that were tried on a grid. Everyday terms of the same joints are fitted beside them, with any
-/// sign: what is too small to be named would otherwise be made up for by the constants.
+/// Refines the constants of an estimate. Baseline terms of the same joints are fitted beside them, with any sign: otherwise
+/// the constants would absorb friction below the materiality threshold.
 pub(crate) fn refine(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -37,7 +41,7 @@ pub(crate) fn refine(
 ) -> Estimate {
     let named = found.set.len();
     let unnamed = baseline_beside(problem, (scale, inflated), &found, &polished);
-    // a problem of the estimate's columns alone: trials are then cheap
+    // a problem of the estimate's columns alone makes trials cheap
     let (small, set) = problem.restricted(&[&found.set[..], &unnamed].concat());
     let mut elimination = small.elimination(scale, inflated);
     let best = fit_named(&small.marginalised_by(&mut elimination), set, named);
@@ -51,20 +55,24 @@ pub(crate) fn refine(
                 continue;
             }
             let again = round > 0 || known(state.polished.iter(), &candidate).is_some();
+            let Some(law) = candidate.law() else { continue };
             if !again {
-                for shape in beside(&candidate) {
+                for shape in law.shapes_around(&candidate.shape) {
                     trials.improved_by(k, &Candidate { shape, ..candidate.clone() });
                 }
             }
             for c in 0..continuous(&candidate) {
-                let (mut step, smallest, relative) = step_of(&candidate, c);
+                let Some(ShapeStep { first, least, is_relative }) = law.shape_step(c) else {
+                    break;
+                };
+                let mut step = first;
                 if again {
                     step *= POLISHED;
                 }
-                while step > smallest {
+                while step > least {
                     let moved = |sign: f64| {
                         let mut trial = trials.candidate(k).clone();
-                        if relative {
+                        if is_relative {
                             trial.shape[c] *= 1.0 + sign * step;
                         } else {
                             trial.shape[c] += sign * step;
@@ -93,7 +101,7 @@ pub(crate) fn refine(
     fit_set(&problem.marginalised(scale, inflated), set).unwrap_or(found)
 }
 
-/// An estimate, and what to try in its place.
+/// An estimate whose candidates are replaced by trials.
 struct Trials<'a, 'e> {
     design: &'a Design<'e>,
     at: &'a [Posed<'e>],
@@ -101,14 +109,13 @@ struct Trials<'a, 'e> {
     small: LinearProblem,
     elimination: NuisanceElimination,
     best: Estimate,
-    /// so many candidates of the estimate have a name; the others stand beside them
+    /// number of candidates of the estimate; the others are baseline terms beside them
     named: usize,
     /// loads on links that moved last, by joint and recording
     near: HashMap<usize, Vec<Option<Load>>>,
 }
 
-/// Fits a set in its order, of which the first candidates have a name; none where it cannot be fitted or these are not
-/// admissible.
+/// Fits a set in its order; none where it cannot be fitted or its first `named` candidates are not admissible.
 fn fit_named(metric: &Marginalised<'_>, set: Vec<usize>, named: usize) -> Option<Estimate> {
     let columns = metric.columns_of(&set);
     let count = columns.len();
@@ -119,9 +126,9 @@ fn fit_named(metric: &Marginalised<'_>, set: Vec<usize>, named: usize) -> Option
     })
 }
 
-/// Everyday terms of the joints on which constants of laws of one joint are polished, where these are admissible. Not
+/// Baseline terms of the joints on which constants of laws of one joint are refined, where these are admissible. Not
 /// beside a coupling: friction of its two joints with any sign is a coupling of another ratio (on a TX40 it took the
-/// ratio of the wrist from 0.93 to 0.66, and half of what was gained).
+/// ratio of the wrist from 0.93 to 0.66, and half of the gain).
 fn baseline_beside(
     problem: &LinearProblem,
     (scale, inflated): (f64, &[InflatedLink]),
@@ -154,10 +161,10 @@ impl Trials<'_, '_> {
         if !trial.moves_its_link() {
             return recreate(design, at, self.contact, small, trial);
         }
-        let (joint, slug) = (trial.location.joints[0], trial.slug());
+        let (joint, law) = (trial.location.joints[0], trial.law()?);
         let near = self.near.entry(joint).or_default();
         known(small.candidates.iter(), trial)
-            .or_else(|| push_transmission(design, at, small, slug, joint, &trial.shape, near))
+            .or_else(|| push_transmission(design, at, small, law, joint, &trial.shape, near))
     }
 
     /// Candidate in this place of the estimate.
@@ -189,35 +196,6 @@ impl Trials<'_, '_> {
     }
 }
 
-/// Shapes around one that are tried before it is polished: a spring that hardly damps rings in step with the recordings
-/// in a narrow band of stiffness only, beside which the discrepancy has a bottom of its own, at a damping that is too high.
-fn beside(candidate: &Candidate) -> Vec<Vec<f64>> {
-    /// Stiffness over that of the shape, 2 % of the resonance apart, and damping over it.
-    const STIFFNESSES: [f64; 11] = [0.8, 0.84, 0.88, 0.92, 0.96, 1.0, 1.04, 1.08, 1.12, 1.16, 1.2];
-    const DAMPINGS: [f64; 2] = [0.5, 0.2];
-    // a spring too stiff to ring in the band has no shape
-    let ("joint_elasticity", &[stiffness, damping]) =
-        (candidate.slug(), candidate.shape.as_slice())
-    else {
-        return Vec::new();
-    };
-    let all = DAMPINGS.iter().flat_map(|d| STIFFNESSES.map(|k| vec![k * stiffness, d * damping]));
-    all.collect()
-}
-
-/// First step of a constant, the smallest, and whether they are relative.
-fn step_of(candidate: &Candidate, constant: usize) -> (f64, f64, bool) {
-    match candidate.slug() {
-        // the damping of a spring is not known within a factor
-        "joint_elasticity" if constant == 1 => (0.6, 0.01, true),
-        "joint_elasticity" => (0.16, 0.001, true),
-        "external_contact" => (0.16, 0.01, false),
-        "torque_ripple" => (0.25, 0.01, false),
-        "joint_coupling" => (0.1, 0.002, true),
-        _ => (0.16, 0.005, true),
-    }
-}
-
 /// Joints whose ripple ended at an order that is no whole number.
 pub(crate) fn fractional_ripples(
     design: &Design<'_>,
@@ -229,7 +207,7 @@ pub(crate) fn fractional_ripples(
         .iter()
         .map(|g| &problem.candidates[*g])
         .filter(|g| {
-            g.slug() == "torque_ripple"
+            g.has(|law| law.has_role(Role::Ripple))
                 && design.chain.joints[g.location.joints[0]].kind.is_rotational()
         })
         .filter(|g| (g.shape[0] - g.shape[0].round()).abs() > WHOLE_ORDER)
@@ -244,9 +222,9 @@ mod tests {
     use crate::test_arms::{STRIBECK, rubbing, stribeck, ur5};
     use armident_model::OperatingPoint;
 
-    /// Viscous friction that nobody names does not change the speed that friction falls in.
+    /// Viscous friction that is not in the set does not change the Stribeck velocity.
     #[test]
-    fn what_is_not_named_is_not_made_up_for() {
+    fn immaterial_friction_does_not_bias_shape() {
         let chain = ur5();
         let design = rubbing(&chain, 0.3);
         let point = OperatingPoint::of(design.joints());

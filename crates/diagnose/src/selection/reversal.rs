@@ -1,10 +1,14 @@
-//! How dry friction turns: a drive train that winds up first reverses its friction over some hundredths, sometimes a
-//! third of the working speed, or over some thousandths of a radian, a stiff one at once.
+//! Choice of the reversal model of each joint's dry friction.
 //!
-//! Names are found with friction that turns at once. How it turns is tried afterwards, by blocks that were not fitted: it
-//! seldom decides what is wrong with an arm, and often how well its efforts are predicted (by 30 % on a UR10).
+//! A compliant drive train reverses its friction over some hundredths, sometimes a third, of the working speed, or over some
+//! thousandths of a radian; a stiff one at once. Findings are selected with the sign of the velocity; the reversal model is
+//! chosen afterwards. It rarely decides a finding, and often the prediction error (by 30 % on a UR10).
+//!
+//! Method: of regularised signs and presliding travels, the one with the lowest cross-validated error, if its gain is
+//! significant.
+//! References: P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18), 1968; own (the choice).
 
-use armident_effects::{MotionScale, Role, Scope, Turn, effect};
+use armident_effects::{MotionScale, ReversalModel, Role, Scope};
 use armident_model::{OperatingPoint, SHARP};
 
 use crate::design::candidate::Candidate;
@@ -19,17 +23,17 @@ use crate::selection::cross_validation::{confirm, in_standard_errors, with_basel
 use crate::selection::materiality::prune;
 use crate::selection::solution::Selection;
 
-/// Speeds below which the direction fades that are tried, as shares of the root mean square speed; travels are
-/// [`Turn::TRAVEL_SHARES`].
+/// Speeds below which the sign is regularised that are tried, as shares of the root mean square speed; travels are
+/// [`ReversalModel::TRAVEL_SHARES`].
 const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
-/// Stretches that were not fitted must say so by this many standard errors; by more on joints that rest somewhere, whose
-/// friction is known to hold them, and to be sharp where it breaks away.
+/// Least cross-validated gain of a reversal model, in standard errors; more on joints with standstills, whose friction is
+/// known to hold them, and to be sharp at breakaway.
 const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
 const LEAST_GAIN_WITH_RESTS: f64 = 2.0;
 
-/// The selection with friction that does not turn at once where that explains more; none where it does nowhere.
+/// The selection with other reversal models where these explain more; none where they do on no joint.
 pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Option<Selection> {
-    let point = OperatingPoint { turns: turns_shown(design, of)?, ..of.point.clone() };
+    let point = OperatingPoint { reversals: reversals_shown(design, of)?, ..of.point.clone() };
     let at = design.at(&point);
     let contact = ContactColumns::new(design, &at);
     let mut problem = design.problem(&point);
@@ -52,8 +56,8 @@ pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Optio
     })
 }
 
-/// By joint; none where friction turns at once on all of them.
-fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
+/// Reversal model by joint; none where all are the sign of the velocity.
+fn reversals_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<ReversalModel>> {
     let set = with_baseline_terms_of(&of.metric(), &of.estimate);
     let (small, set) = of.problem.restricted(&set);
     let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.candidates[*g])).collect();
@@ -64,15 +68,21 @@ fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
         |problem: &LinearProblem, set: &[usize]| fold_errors(problem, set, of.scale, &of.inflated);
     let sharp = errors(&small, &set);
     let mut best = vec![(0.0, SHARP); design.joints()];
-    for share in
-        SPEED_SHARES.map(Turn::Speed).into_iter().chain(Turn::TRAVEL_SHARES.map(Turn::Travel))
+    for share in SPEED_SHARES
+        .map(ReversalModel::regularised)
+        .into_iter()
+        .chain(ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding))
     {
         let on_joint = |scale: &MotionScale| match share {
-            Turn::Speed(share) => Turn::Speed(share * scale.speed_rms),
-            Turn::Travel(share) => Turn::Travel(share * scale.position_deviation),
+            ReversalModel::RegularisedSign { below } => {
+                ReversalModel::regularised(below * scale.speed_rms)
+            }
+            ReversalModel::Presliding { travel } => {
+                ReversalModel::presliding(travel * scale.position_deviation)
+            }
         };
-        let turns: Vec<Turn> = design.scale.iter().map(on_joint).collect();
-        let at = design.at(&OperatingPoint { turns: turns.clone(), ..of.point.clone() });
+        let reversals: Vec<ReversalModel> = design.scale.iter().map(on_joint).collect();
+        let at = design.at(&OperatingPoint { reversals: reversals.clone(), ..of.point.clone() });
         let mut problem = small.clone();
         let set: Vec<usize> = set
             .iter()
@@ -90,14 +100,16 @@ fn turns_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<Turn>> {
             }
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
             if mean > best[j].0 && in_standard_errors(&gains) > least_gain(design, j) {
-                best[j] = (mean, turns[j]);
+                best[j] = (mean, reversals[j]);
             }
         }
     }
-    best.iter().any(|(gain, _)| *gain > 0.0).then(|| best.iter().map(|(_, turn)| *turn).collect())
+    best.iter()
+        .any(|(gain, _)| *gain > 0.0)
+        .then(|| best.iter().map(|(_, reversal)| *reversal).collect())
 }
 
-/// By how many standard errors blocks that were not fitted must say how friction of a joint turns.
+/// Least cross-validated gain of a reversal model on a joint, in standard errors.
 fn least_gain(design: &Design<'_>, joint: usize) -> f64 {
     match design.signals.iter().any(|s| s.rests(joint)) {
         true => LEAST_GAIN_WITH_RESTS,
@@ -113,11 +125,11 @@ fn is_dry(candidate: &Candidate) -> bool {
 }
 
 fn law_of(candidate: &Candidate) -> Option<&'static dyn armident_effects::Effect> {
-    let law = effect(candidate.slug())?;
+    let law = candidate.law()?;
     (law.law().scope == Scope::Joint).then_some(law)
 }
 
-/// The candidate with friction as it is at these recordings, added to a problem.
+/// The candidate with the reversal models of these recordings, added to a problem.
 fn turned(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -135,7 +147,7 @@ mod tests {
     use super::*;
     use crate::test_arms::{design, ur5};
 
-    /// Coulomb friction of the first two joints, which turns at once.
+    /// A selection of Coulomb friction on the first two joints, with the sign of the velocity.
     fn with_coulomb_friction(design: &Design<'_>) -> Selection {
         let point = OperatingPoint::of(design.joints());
         let problem = design.problem(&point);
@@ -149,9 +161,9 @@ mod tests {
         Selection { problem, estimate: found, scale: 0.0, inflated, point, inconclusive }
     }
 
-    /// Of two joints with Coulomb friction, one turns it within 0.04 rad/s (a tenth of its speed), the other at once.
+    /// Of two joints with Coulomb friction, that of one is linear below 0.04 rad/s (a tenth of its speed).
     #[test]
-    fn a_joint_that_winds_up_is_told_from_a_stiff_one() {
+    fn distinguishes_regularised_from_sharp_reversal() {
         let chain = ur5();
         let design = design(&chain, &chain, |j, v| match j {
             0 => 4.0 * (v / 0.04).clamp(-1.0, 1.0),
@@ -160,9 +172,14 @@ mod tests {
         });
         let sharp = with_coulomb_friction(&design);
         let regularised_sign = with_reversal_models(&design, &sharp).unwrap();
-        let turns = &regularised_sign.point.turns;
-        let Turn::Speed(speed) = turns[0] else { panic!("{turns:?}") };
-        assert!((0.02..0.05).contains(&speed) && turns[1].speed() < 0.02, "{turns:?}");
+        let reversals = &regularised_sign.point.reversals;
+        let ReversalModel::RegularisedSign { below } = reversals[0] else {
+            panic!("{reversals:?}")
+        };
+        assert!(
+            (0.02..0.05).contains(&below) && reversals[1].regularised_below() < 0.02,
+            "{reversals:?}"
+        );
         let level = |of: &Selection| {
             of.estimate.fit.of_candidate(&of.problem.candidates[of.estimate.set[0]])[0]
         };
@@ -170,9 +187,9 @@ mod tests {
         assert!((level(&sharp) - 4.0).abs() > (level(&regularised_sign) - 4.0).abs());
     }
 
-    /// Of two joints with Coulomb friction, one builds it up over 4 mrad, the other at once.
+    /// Of two joints with Coulomb friction, one has presliding over 4 mrad.
     #[test]
-    fn friction_that_builds_up_over_a_travel_is_told() {
+    fn distinguishes_presliding_from_coulomb_friction() {
         const TRAVEL_RAD: f64 = 0.004;
         const STEP_S: f64 = 1.0 / 200.0;
         let chain = ur5();
@@ -190,8 +207,11 @@ mod tests {
         });
         let sharp = with_coulomb_friction(&design);
         let turned = with_reversal_models(&design, &sharp).unwrap();
-        let turns = &turned.point.turns;
-        assert!((0.5..2.0).contains(&(turns[0].travel() / TRAVEL_RAD)), "{turns:?}");
-        assert!(turns[1].travel() < 1e-3, "{turns:?}");
+        let reversals = &turned.point.reversals;
+        assert!(
+            (0.5..2.0).contains(&(reversals[0].presliding_travel() / TRAVEL_RAD)),
+            "{reversals:?}"
+        );
+        assert!(reversals[1].presliding_travel() < 1e-3, "{reversals:?}");
     }
 }

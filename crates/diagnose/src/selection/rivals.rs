@@ -1,10 +1,13 @@
-//! What else a finding may be: laws that, in its place and with all else fitted again, explain the
-//! recordings about as well.
+//! Alternatives of a finding: laws that explain the recordings about as well instead of it, all else refitted.
+//!
+//! Statistic: root mean square residual that an alternative adds, in noise levels, against a share of the materiality
+//! threshold; for bodies the difference of scores.
+//! References: own.
 
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
-use armident_effects::effect;
+use armident_effects::{Effect, Law, LinkInertiaError, Payload};
 use rayon::prelude::*;
 
 use crate::design::candidate::{Candidate, CandidateKind};
@@ -20,17 +23,16 @@ use crate::selection::materiality::{LEAST, band_noise, held};
 use crate::selection::prior_scale::{may_be_inflated, with_one_more};
 use armident_model::OperatingPoint;
 
-/// Share of what a name needs that another law may leave over and still pass for the same.
-const TOLD_APART: f64 = 1.0 / 3.0;
-/// Difference of scores (twice a logarithm of odds) below which two laws are not told apart: twenty to one.
+/// Share of the materiality threshold below which the extra residual of a law leaves it indistinguishable.
+const INDISTINGUISHABLE: f64 = 1.0 / 3.0;
+/// Score difference (twice a log odds) below which two laws are indistinguishable: odds of 20 to 1.
 const ODDS: f64 = 6.0;
 /// Most alternatives of one finding.
 const MOST: usize = 4;
 /// Candidates that are fitted for one finding, by the estimate of their fit.
 const TRIED: usize = 16;
-const WRONG_BODY: &str = "link_inertia_error";
 
-/// What takes a place in an estimate.
+/// A candidate of an estimate, or a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum InPlace {
     /// a candidate of the problem
@@ -39,19 +41,18 @@ pub(crate) enum InPlace {
     Body(usize),
 }
 
-/// An estimate with another law, or a wrong body, in the place of one.
+/// An estimate with another law, or an inflated link, instead of one.
 pub(crate) struct Rival {
     pub(crate) by: InPlace,
     pub(crate) estimate: Estimate,
-    /// its links with a wrong body
+    /// its inflated links
     pub(crate) inflated: Vec<InflatedLink>,
-    /// root mean square effort it leaves more, in standard deviations of one recorded sample, on the
-    /// joint where that is most
+    /// root mean square residual that it adds, in noise levels, on the joint where that is most
     pub(crate) left: f64,
 }
 
-/// Rivals of a candidate of an estimate, the nearest first; one for every law and place. What the operating
-/// point holds of the candidate is put back into the efforts first.
+/// Rivals of a candidate of an estimate, the nearest first; one for every law and location. The candidate's part of the
+/// operating point is added to the efforts first.
 pub(crate) fn rivals(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -84,16 +85,14 @@ fn laws_in_place(
         .map_or_else(Vec::new, |of| of_candidate(&metric, &of, candidate))
 }
 
-/// The estimate with baseline friction in the place of laws that the recordings cannot tell from it: nearly
-/// every joint has it, and few have another law alone.
+/// The estimate with baseline friction instead of laws that the recordings do not distinguish from it: nearly every joint has
+/// it, and few have another law alone.
 pub(crate) fn baseline_first(
     metric: &Marginalised<'_>,
     mut of: Estimate,
     point: &OperatingPoint,
 ) -> Estimate {
-    let baseline = |g: usize| {
-        ["viscous_friction", "coulomb_friction"].contains(&metric.problem.candidates[g].slug())
-    };
+    let baseline = |g: usize| metric.problem.candidates[g].has(Law::is_baseline_friction);
     for candidate in of.set.clone() {
         let joints = &metric.problem.candidates[candidate].location.joints;
         if baseline(candidate) || joints.len() != 1 {
@@ -112,11 +111,11 @@ pub(crate) fn baseline_first(
     of
 }
 
-/// The estimate of a change with a load on the last link in the place of another body that the recordings cannot tell from
-/// it: arms pick up loads, and few have a link exchanged.
+/// The estimate of a change with a load on the last link instead of another body that the recordings do not distinguish
+/// from it: arms pick up loads, and few have a link exchanged.
 pub(crate) fn load_first(metric: &Marginalised<'_>, mut of: Estimate) -> Estimate {
     let candidates = &metric.problem.candidates;
-    let Some(load) = candidates.iter().position(|candidate| candidate.slug() == "payload") else {
+    let Some(load) = candidates.iter().position(|candidate| candidate.is(&Payload)) else {
         return of;
     };
     for body in of.set.clone() {
@@ -201,12 +200,12 @@ fn of_candidate(metric: &Marginalised<'_>, of: &Estimate, candidate: usize) -> V
             if changed && of_links == [true; 2] {
                 near || !surely_less(&errors, &left_out(&rival.estimate))
             } else if !changed && candidates[candidate].transform.is_some() && metric.scale > 0.0 {
-                // uncertain inertias take up what a load leaves, whatever stands in its place: there the design
-                // decides, among laws that look like it
-                near && separated_by(candidates[candidate].slug(), candidates[*other].slug())
+                // link errors absorb the residual of any law instead of a load: there the score decides, among its
+                // look-alikes
+                near && separated_by(candidates[candidate].law(), candidates[*other].law())
                     .is_some()
             } else {
-                rival.left < told_apart(metric, of, &with, *other)
+                rival.left < distinguishable_from(metric, of, &with, *other)
             }
         })
         .map(|(_, rival)| rival)
@@ -220,7 +219,7 @@ fn nearest_first(found: &mut Vec<Rival>) {
     found.truncate(MOST);
 }
 
-/// Root mean square effort left more, in standard deviations of one recorded sample, on the joint where that is most.
+/// Root mean square residual added, in noise levels, on the joint where that is most.
 fn left_more(problem: &LinearProblem, residual: &JointColumns, than: &JointColumns) -> f64 {
     let on_joint = |j: usize| {
         let square = |r: &[f64]| problem.observations.in_sample_noise(j, r).powi(2);
@@ -229,7 +228,7 @@ fn left_more(problem: &LinearProblem, residual: &JointColumns, than: &JointColum
     (0..residual.len()).map(on_joint).fold(0.0, f64::max)
 }
 
-/// Rivals of a link with a wrong body: other bodies, and laws that look like one, the nearest first.
+/// Rivals of an inflated link: other links, and laws that look like one, the nearest first.
 pub(crate) fn rivals_of_body(metric: &Marginalised<'_>, of: &Estimate, link: usize) -> Vec<Rival> {
     let inflated: Vec<InflatedLink> =
         metric.inflated.iter().copied().filter(|body| body.link != link).collect();
@@ -239,8 +238,8 @@ pub(crate) fn rivals_of_body(metric: &Marginalised<'_>, of: &Estimate, link: usi
     let with = metric.residual(&of.fit);
     let looks_alike = |g: &usize| {
         let candidate = &problem.candidates[*g];
-        candidate.slug() != WRONG_BODY
-            && separated_by(candidate.slug(), WRONG_BODY).is_some()
+        !candidate.is(&LinkInertiaError)
+            && separated_by(candidate.law(), Some(&LinkInertiaError)).is_some()
             && of.set.iter().all(|o| o != g && !problem.candidates[*o].excludes(candidate))
     };
     let laws: Vec<usize> = (0..problem.candidates.len()).filter(looks_alike).collect();
@@ -259,8 +258,7 @@ pub(crate) fn rivals_of_body(metric: &Marginalised<'_>, of: &Estimate, link: usi
     found
 }
 
-/// Answers of a set with a further link whose body is wrong, all but one link tried, that are about as probable as an
-/// estimate.
+/// Estimates of a set with a further inflated link, all but one link tried, that are about as probable as an estimate.
 fn bodies(
     metric: &Marginalised<'_>,
     of: &Estimate,
@@ -292,9 +290,14 @@ fn bodies(
         .collect()
 }
 
-/// What is left more from which on two laws are told apart on these recordings.
-fn told_apart(metric: &Marginalised<'_>, of: &Estimate, with: &[Vec<f64>], rival: usize) -> f64 {
-    // the more a joint's model leaves over, the less its details say
+/// Added residual from which on two laws are distinguished on these recordings.
+fn distinguishable_from(
+    metric: &Marginalised<'_>,
+    of: &Estimate,
+    with: &[Vec<f64>],
+    rival: usize,
+) -> f64 {
+    // the larger a joint's discrepancy, the less its details distinguish
     let joints = of
         .set
         .iter()
@@ -306,23 +309,21 @@ fn told_apart(metric: &Marginalised<'_>, of: &Estimate, with: &[Vec<f64>], rival
             metric.problem.observations.in_sample_noise(j, &with[j]) / noise.max(f64::MIN_POSITIVE)
         })
         .fold(1.0, f64::max);
-    TOLD_APART * LEAST * imperfect.min(2.0)
+    INDISTINGUISHABLE * LEAST * imperfect.min(2.0)
 }
 
-/// Whether a law contains the other on the same joints: its simpler relative was tried already and found
-/// wanting.
+/// Whether a law contains the other on the same joints: the simpler one was tried already and is worse.
 fn contains(law: &Candidate, other: &Candidate) -> bool {
     law.location.joints == other.location.joints
-        && effect(law.slug()).is_some_and(|e| e.law().contains.contains(&other.slug()))
+        && law.has(|law| law.contains.contains(&other.slug()))
 }
 
-/// The motion that tells two laws apart, in words, as the library says it.
-pub(crate) fn separated_by(slug: &str, other: &str) -> Option<&'static str> {
-    let of = |slug: &str, other: &str| {
-        let law = effect(slug)?.law();
-        law.look_alikes.iter().find(|l| l.slug == other).map(|l| l.separated_by)
-    };
-    of(slug, other).or_else(|| of(other, slug))
+/// The motion that separates two laws, as the library has it; none beside a smooth term.
+pub(crate) fn separated_by(
+    law: Option<&'static dyn Effect>,
+    other: Option<&'static dyn Effect>,
+) -> Option<&'static str> {
+    law?.law().separated_from(other?.law())
 }
 
 #[cfg(test)]
@@ -334,9 +335,9 @@ mod tests {
     use crate::test_arms::{design, ur5};
     use armident_model::changed;
 
-    /// What sits on the axis of a joint is on one side of it or on the other.
+    /// A mass on the axis of a joint belongs to either of its links.
     #[test]
-    fn a_mass_on_an_axis_is_of_either_link() {
+    fn mass_on_axis_has_both_links_as_rivals() {
         let believed = ur5();
         let mut real = believed.clone();
         let link = believed.joints.len() - 1;
@@ -352,7 +353,7 @@ mod tests {
         assert!(body.inflated.iter().map(|body| body.link).eq([link]));
         // nor is it a body of the shoulder
         assert!(of_body.iter().all(|rival| rival.by != InPlace::Body(0)));
-        // a load that was named has the same rivals
+        // a load has the same rivals
         let load =
             problem.candidates.iter().position(|candidate| candidate.slug() == "payload").unwrap();
         let metric = problem.marginalised(0.05, &[]);

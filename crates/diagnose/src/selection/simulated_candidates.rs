@@ -1,6 +1,9 @@
-//! What is dear to try: links that move by themselves behind their motors, and descriptions without a name.
+//! Candidates that are expensive to try: transmissions, whose link-side motion is simulated, and smooth terms.
+//!
+//! Method: transmissions on joints with a residual or an inertia of their own; smooth terms where no law explains the residual.
+//! References: own.
 
-use armident_effects::Role;
+use armident_effects::{LinkSide, Role};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
@@ -17,16 +20,14 @@ use crate::selection::materiality::{LEAST, band_noise, excess, set_without};
 use crate::selection::prior_scale::{ScaleFit, SearchState, keep_better, laws_at, search_at};
 use crate::selection::refine_shape::refine;
 
-/// Least unexplained effort, in standard deviations of one recorded sample, that is described without a
-/// name, and on how many joints.
+/// Least residual, in noise levels, for which smooth terms are tried, and on how many joints.
 const LEAST_UNEXPLAINED: f64 = 0.7;
 const DESCRIBED_JOINTS: usize = 2;
-/// Joints beside these whose transmission is simulated: what they leave over as a share of the most that is left.
+/// Residual of further joints whose transmission is simulated, as a share of the largest.
 const SHARE_OF_WORST: f64 = 0.8;
 
-/// Transmissions with a hidden link where something is left over or moves by itself, and descriptions
-/// without a name where even that explains nothing: at the scale found, and at none, where a wish for
-/// uncertain inertias was a wrong law in disguise.
+/// Adds transmissions where a residual or an inertia suggests one, and smooth terms where no law explains the residual: at
+/// the prior scale found, and at 0, in case link errors absorbed a missing law.
 pub(crate) fn with_simulated_candidates(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -54,15 +55,17 @@ pub(crate) fn with_simulated_candidates(
             }
         }
     }
-    // a resonance, or the motion in a gap, is narrower than the steps of a grid: beside a resonance the best of them may be
+    // a resonance, or the motion in a gap, is narrower than the steps of the grid: off a resonance the best of them may be
     // worse than none
     for &joint in &driven {
         let metric = (found.scale, &found.inflated[..]);
-        for slug in ["joint_elasticity", "backlash"] {
-            let one = |g: &Candidate| g.slug() == slug && g.location.joints == [joint];
+        for (law, side) in
+            design.library.named().filter_map(|law| Some((law, law.law().link_side()?)))
+        {
+            let one = |g: &Candidate| g.is(law) && g.location.joints == [joint];
             let offered = offered.iter().copied().filter(|g| one(&problem.candidates[*g]));
             let near = nearest(problem, metric, &found.estimate, offered);
-            let worth = |n: &Estimate| slug == "joint_elasticity" || n.score < found.estimate.score;
+            let worth = |n: &Estimate| side == LinkSide::Spring || n.score < found.estimate.score;
             if let Some(near) = near.filter(worth) {
                 let polished = refine(design, at, contact, problem, metric, state, near, one);
                 starts.push(polished.set);
@@ -79,7 +82,7 @@ pub(crate) fn with_simulated_candidates(
             search_at(scale, problem, &starts, state)
         };
         let Some(mut library) = library else { continue };
-        // what a link that rings hid is scanned for again
+        // ripples and contacts are scanned again beside an oscillating link
         if library.estimate.set.iter().any(|g| problem.candidates[*g].moves_its_link())
             && let Some(again) =
                 laws_at(scale, design, at, ripple, contact, problem, &mut starts, state)
@@ -130,8 +133,7 @@ fn nearest(
         .min_by(|a, b| a.score.total_cmp(&b.score))
 }
 
-/// The estimate of a set in which laws that made up for a candidate, and with it have a wrong sign, are their simpler
-/// relatives.
+/// The estimate of a set in which laws that are inadmissible beside a candidate are replaced by those they contain.
 fn with_simpler(
     metric: &Marginalised<'_>,
     mut set: Vec<usize>,
@@ -145,9 +147,8 @@ fn with_simpler(
     fit_set(metric, set)
 }
 
-/// Joints whose transmission is worth simulating: those with an inertia of their own in the estimate, and
-/// those with something left over. A joint that has become soft looks like links that changed: where these leave
-/// something over, their joints as well.
+/// Joints whose transmission is worth simulating: those with an inertia of their own in the estimate, and those with a
+/// residual. A joint that has become compliant looks like links that changed: where these leave a residual, their joints too.
 fn suspects(problem: &LinearProblem, found: &ScaleFit, residual: &[Vec<f64>]) -> Vec<usize> {
     let left = excess(problem, residual);
     let mut worst: Vec<usize> = (0..left.len()).filter(|j| left[*j] > LEAST_UNEXPLAINED).collect();
@@ -161,7 +162,7 @@ fn suspects(problem: &LinearProblem, found: &ScaleFit, residual: &[Vec<f64>]) ->
         .filter(|g| g.places == [Role::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.location.joints[0])
         .collect();
-    // the motion of a hidden link is felt by its neighbours nearly as much
+    // link-side motion affects the neighbours nearly as much
     let least = worst.first().map_or(0.0, |j| SHARE_OF_WORST * left[*j]);
     let first = worst.iter().take(DESCRIBED_JOINTS);
     joints.extend(first.chain(worst.iter().skip(DESCRIBED_JOINTS).filter(|j| left[**j] >= least)));
@@ -170,8 +171,7 @@ fn suspects(problem: &LinearProblem, found: &ScaleFit, residual: &[Vec<f64>]) ->
     joints
 }
 
-/// Keeps structure without a name only where it explains what the best estimate of the library could not:
-/// a material amount, and more than half of it.
+/// Keeps smooth terms only if no library law explains the same residual: a material amount, and more than half of it.
 fn contest(problem: &LinearProblem, scale: f64, found: &mut ScaleFit, library: Estimate) {
     let unnamed: Vec<usize> = found
         .estimate

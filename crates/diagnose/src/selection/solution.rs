@@ -1,4 +1,4 @@
-//! The result of a selection, and all that gives it a kind.
+//! The result of a selection, and an estimate with its operating point and metric.
 
 use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
@@ -11,17 +11,17 @@ use crate::selection::change_significance::Inconclusive;
 use armident_model::OperatingPoint;
 use armident_numeric::dot;
 use std::cell::OnceCell;
-/// The estimate of the selection, and all it stands on.
+/// The estimate of the selection with its problem, prior scale and operating point.
 pub(crate) struct Selection {
     pub(crate) problem: LinearProblem,
     pub(crate) estimate: Estimate,
     /// relative inertial error
     pub(crate) scale: f64,
-    /// links with a wrong body
+    /// inflated links
     pub(crate) inflated: Vec<InflatedLink>,
     /// where the columns were formed
     pub(crate) point: OperatingPoint,
-    /// changes that are not certain
+    /// changes that are not significant
     pub(crate) inconclusive: Vec<Inconclusive>,
 }
 
@@ -41,7 +41,7 @@ impl Selection {
             if samples == 0.0 {
                 return 0.0;
             }
-            // nothing is explained better than to the noise
+            // no joint is explained better than to its noise
             samples * (square * rows.weights.discrepancy[j].powi(2) / samples).max(1.0).ln()
         };
         let left: f64 = squares.iter().enumerate().map(discrepancy).sum();
@@ -60,7 +60,7 @@ impl Selection {
     }
 }
 
-/// An estimate with all that gives it a kind.
+/// An estimate with its metric and operating point.
 pub(crate) struct Solution<'a, 'e> {
     pub(crate) design: &'a Design<'e>,
     pub(crate) metric: &'a Marginalised<'a>,

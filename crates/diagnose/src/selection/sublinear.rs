@@ -1,10 +1,13 @@
-//! Friction that grows more slowly than the speed, beside what was named.
+//! Sublinear viscous friction, beside the findings.
 //!
-//! Names and their numbers are found with a line over the speed. A line through friction that bends errs at low and at high
-//! speed, so that a prediction has the bend where its coefficient is away from zero, as it scatters from block to block,
-//! and blocks that were not fitted are explained no worse: as `identify` chooses it.
+//! Findings and their parameters are estimated with linear viscous friction. Where friction is sublinear, a line errs at low
+//! and at high speed, so a prediction has the sublinear term if its coefficient is significant and the cross-validated error
+//! does not rise, as `identify` chooses it.
+//!
+//! Hypothesis: the coefficient of the sublinear term is zero (t test with block-jackknife standard error).
+//! References: own.
 
-use armident_effects::SublinearViscousFriction;
+use armident_effects::{Baseline, SublinearViscousFriction};
 use armident_ident::student_t_975;
 
 use crate::design::candidate::{Candidate, CandidateKind};
@@ -18,8 +21,8 @@ use crate::selection::cross_validation::Predictor;
 use crate::selection::solution::Selection;
 use crate::uncertainty::jackknife::Jackknife;
 
-/// What predicts best with bends on the joints that show one, and the problem that has their candidates behind those of the
-/// selection; none where no joint does.
+/// The predictor with sublinear friction on the joints where it is significant, and the problem with these candidates after
+/// those of the selection; none where no joint has any.
 pub(crate) fn with_sublinear_friction(
     design: &Design<'_>,
     selection: &Selection,
@@ -49,7 +52,7 @@ pub(crate) fn with_sublinear_friction(
     Some((problem, Predictor { estimate, scale }))
 }
 
-/// Joints of bends that are shown beside an estimate.
+/// Joints with significant sublinear friction beside an estimate.
 fn sublinear_joints(
     problem: &LinearProblem,
     estimate: &Estimate,
@@ -80,28 +83,28 @@ fn sublinear_joints(
     (!joints.is_empty()).then_some(joints)
 }
 
-/// The estimate with bends that have the right sign, in the place of viscous friction where that has the wrong one beside
-/// them; none where something else has.
+/// The estimate with admissible sublinear terms, instead of viscous friction where that is inadmissible beside them; none
+/// where another candidate is.
 fn beside(metric: &Marginalised<'_>, estimate: &Estimate, bends: &[usize]) -> Option<Estimate> {
     let candidates = &metric.problem.candidates;
     let gives_way = |g: &usize| {
-        candidates[*g].slug() == "viscous_friction"
+        candidates[*g].has(|law| law.baseline == Some(Baseline::Viscous))
             && bends.iter().any(|bend| candidates[*bend].location == candidates[*g].location)
     };
     let stays: Vec<usize> = estimate.set.iter().copied().filter(|g| !gives_way(g)).collect();
     admissible_part(metric, [&estimate.set[..], bends].concat(), &stays)
 }
 
-/// Whether friction of the joint may bend beside an estimate: what is named may have its place, and Stribeck friction bends
-/// at a speed of its own.
+/// Whether a joint may have sublinear friction beside an estimate: not where a candidate has its role, or dry friction varies
+/// with the speed.
 fn may_be_sublinear(problem: &LinearProblem, estimate: &Estimate, bend: usize) -> bool {
     let bend = &problem.candidates[bend];
-    let bends_by_itself = |other: &Candidate| {
-        let is_description = matches!(other.kind, CandidateKind::SmoothDirections(_));
-        other.location == bend.location && (other.slug() == "stribeck_friction" || is_description)
+    let is_nonlinear = |other: &Candidate| {
+        let is_smooth = matches!(other.kind, CandidateKind::SmoothDirections(_));
+        other.location == bend.location && (other.has(|law| law.varies_with_speed) || is_smooth)
     };
     let mut others = estimate.set.iter().map(|g| &problem.candidates[*g]);
-    !others.any(|other| other.excludes(bend) || bends_by_itself(other))
+    !others.any(|other| other.excludes(bend) || is_nonlinear(other))
 }
 
 #[cfg(test)]
@@ -111,9 +114,9 @@ mod tests {
     use armident_model::OperatingPoint;
     use armident_model::is_sublinear;
 
-    /// Of two joints whose friction grows with the speed one bends; names stay a line's.
+    /// Of two joints with viscous friction one is sublinear; findings stay linear.
     #[test]
-    fn friction_that_bends_is_told_from_a_line() {
+    fn distinguishes_sublinear_from_linear_friction() {
         const BENDS: usize = 0;
         let chain = ur5();
         let design = design(&chain, &chain, |j, v| match j {
@@ -148,7 +151,7 @@ mod tests {
         let coefficient = sublinear.estimate.fit.of_candidate(bend)[0];
         assert!((coefficient - 3.0).abs() < 0.05, "{coefficient}");
 
-        // without the friction that was named its bend goes as well
+        // without the viscous friction its sublinear part is dropped too
         let metric = problem.marginalised(0.0, &[]);
         let rest = selection.estimate.set.iter().copied().filter(|g| *g != viscous).collect();
         let without = fit_set(&metric, rest).unwrap();

@@ -1,9 +1,13 @@
-//! What comes back by chance when a term is removed: of wrong terms, which have nothing to do with the efforts, on the
-//! same joint of the same recordings.
+//! Surrogate threshold: effort that columns unrelated to the efforts explain on a joint of these recordings.
 //!
-//! Noise explains little of it. What the model of an arm is imperfect by is no noise: it lasts, and any term that lasts
-//! as long takes some of it. How much is measured here, by laws of the library whose columns are shifted in time.
+//! White noise leaves little of it. Model discrepancy is autocorrelated, and any column with a similar correlation time explains
+//! part of it. The amount is measured with columns of the library that are shifted in time.
+//!
+//! Hypothesis: a column is unrelated to the efforts; its explained mean square is a scaled chi-squared variable.
+//! References: J. Theiler, S. Eubank, A. Longtin, B. Galdrikian, J. D. Farmer, Testing for nonlinearity in time series: the
+//! method of surrogate data, Physica D 58, 1992.
 
+use armident_effects::Baseline;
 use armident_numeric::dot;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -13,12 +17,12 @@ use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 use crate::selection::levels::CHANCE;
 
-/// Wrong terms a joint: their mean is then known to a fifth.
+/// Surrogate terms a joint: their mean is then known to a fifth.
 const TERMS: usize = 40;
 /// Steps of the golden ratio spread the shifts, whatever their number.
 const GOLDEN: f64 = 0.618_033_988_75;
 
-/// What wrong terms explain.
+/// Effort that surrogate terms explain.
 pub(crate) struct SurrogateThreshold {
     /// `[joint]`: mean square effort that a column explains, in squared standard deviations of one recorded sample
     square: Vec<f64>,
@@ -27,12 +31,12 @@ pub(crate) struct SurrogateThreshold {
 }
 
 impl SurrogateThreshold {
-    /// None explains anything.
+    /// No threshold.
     pub(crate) fn none(joints: usize) -> Self {
         Self { square: vec![0.0; joints], choices: 1 }
     }
 
-    /// Of wrong terms beside an estimate.
+    /// Of surrogate terms beside an estimate.
     pub(crate) fn beside(metric: &Marginalised<'_>, of: &Estimate) -> Self {
         let problem = metric.problem;
         let (mut small, ids) = problem.restricted(&of.set);
@@ -76,8 +80,7 @@ impl SurrogateThreshold {
         Self { square, choices: problem.candidates.len() }
     }
 
-    /// What a candidate of so many columns explains on a joint by chance once in a hundred recordings, however many candidates
-    /// there are to choose from; in standard deviations of one recorded sample.
+    /// 99 % threshold of a candidate of so many columns on a joint, family-wise over all candidates; in noise levels.
     pub(crate) fn least(&self, joint: usize, columns: usize) -> f64 {
         let tail = CHANCE / self.choices as f64;
         let law = ChiSquared::new(columns.max(1) as f64).ok();
@@ -95,7 +98,7 @@ fn shifted_columns(metric: &Marginalised<'_>, joint: usize) -> Vec<Vec<f64>> {
             && candidate.location.window.is_none()
             && candidate.transform.is_none()
             && !candidate.moves_its_link()
-            && candidate.slug() != "torque_offset"
+            && candidate.has(|law| law.baseline != Some(Baseline::Offset))
     };
     let mut columns: Vec<usize> = problem
         .candidates
@@ -133,10 +136,10 @@ mod tests {
     use crate::test_arms::{swung, ur5};
     use armident_model::OperatingPoint;
 
-    /// Of white noise a wrong column explains one part in as many as there are independent samples; of as much that
-    /// lasts for half a second, several times more.
+    /// A surrogate column explains one part of white noise in as many as there are independent samples; of noise with a
+    /// correlation time of half a second, several times more.
     #[test]
-    fn what_lasts_hides_more_than_noise() {
+    fn autocorrelated_residual_raises_surrogate_threshold() {
         const JOINT: usize = 2;
         let chain = ur5();
         // Knuth's generator, from 0 to 1
@@ -150,7 +153,7 @@ mod tests {
             for (t, effort) in recorded.effort[JOINT].iter_mut().enumerate() {
                 *effort += 0.1 * (drawn(t) - 0.5) + lasting_nm * (drawn(1_000_000 + t / 100) - 0.5);
             }
-            // the noise that the arm was recorded with has as much power, but next to nothing in the band
+            // the noise of the recording has as much power, but little in the band
             let design = Design::new(&chain, vec![recorded]);
             let problem = design.problem(&OperatingPoint::of(design.joints()));
             let metric = problem.marginalised(0.0, &[]);

@@ -1,4 +1,8 @@
-//! What models leave over more than noise, and how many samples of it are independent.
+//! Weights of the rows: model discrepancy of each joint over its noise, and the effective sample size.
+//!
+//! Method: residual of all columns of the library as an estimate of the discrepancy; one sample per autocorrelation time.
+//! References: G. V. Bayley, J. M. Hammersley, The "effective" number of independent observations in an autocorrelated time
+//! series, Supplement to the Journal of the Royal Statistical Society 8(2), 1946.
 
 use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
@@ -10,12 +14,11 @@ use crate::design::training::Design;
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 
-/// A joint that leaves over more than this many times its noise has an imperfect model, which then
-/// weighs less; and changes of its discrepancy (logarithm) that no longer matter.
+/// Residual over noise above which a joint has model discrepancy and a lower weight.
 const CLEAR_DISCREPANCY: f64 = 1.5;
 
-/// What all columns of the library together leave over on each joint, each joint by itself, and how much of
-/// the sample is left beside so many columns.
+/// Residual of all columns of the library together, each joint alone, and the share of independent samples beside so many
+/// columns.
 fn left_by_all(problem: &LinearProblem) -> Vec<Option<(Vec<f64>, f64)>> {
     const HOLD: f64 = 1e-6;
     (0..problem.observations.joints())
@@ -49,7 +52,7 @@ fn left_by_all(problem: &LinearProblem) -> Vec<Option<(Vec<f64>, f64)>> {
         .collect()
 }
 
-/// Weights of the rows in which joints stick, from what all columns of the library together leave there.
+/// Weights of the rows in which joints stick, from the residual of all columns of the library there.
 pub(crate) fn stuck_weights(problem: &LinearProblem) -> Vec<f64> {
     let left = left_by_all(problem);
     let weight = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| match left {
@@ -59,10 +62,9 @@ pub(crate) fn stuck_weights(problem: &LinearProblem) -> Vec<f64> {
     left.iter().enumerate().map(weight).collect()
 }
 
-/// What all columns of the library together and a description without a name leave over on each joint, each
-/// joint by itself, in units of its noise: less is not in the reach of any estimate. Clearly more than 1 where
-/// efforts were smoothed before they were recorded, so that the noise above the band says nothing about the
-/// band, and where the joint moves by what is not in its own recording.
+/// Residual of all columns of the library and a smooth term, each joint alone, in units of its noise: a lower bound for any
+/// estimate. Clearly more than 1 where efforts were smoothed before they were recorded, so that the noise above the band
+/// does not determine that in the band, and where motion that is not recorded moves the joint.
 pub(crate) fn initial_discrepancies(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -74,7 +76,7 @@ pub(crate) fn initial_discrepancies(
         if left <= CLEAR_DISCREPANCY {
             return 1.0;
         }
-        // weighed down by what only a description explains, the joint would not be worth describing
+        // with a weight lowered by structure that only a smooth term explains, that term would not be selected
         let left = left * smooth::least_left(design, at, j, &residual).sqrt();
         if left > CLEAR_DISCREPANCY { left } else { 1.0 }
     };
@@ -82,10 +84,10 @@ pub(crate) fn initial_discrepancies(
 }
 
 /// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
-/// of rows. The recordings begin at `starts`, whose last is the end. Model errors last longer than noise in the
-/// band does.
+/// of rows. The recordings begin at `starts`, whose last is the end. Model discrepancy has a longer correlation time
+/// than noise in the band.
 pub(crate) fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz: f64) -> f64 {
-    // as long as a motion lasts; beyond, the estimate is noise
+    // the duration of a motion; beyond, the estimate is noise
     const LONGEST_S: f64 = 2.0;
     let mut time = 0.0;
     for residual in residual {
@@ -103,21 +105,21 @@ pub(crate) fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz
     residual.len() as f64 / time
 }
 
-/// What each joint's model leaves over, in units of its noise, where that is clearly more than noise.
+/// Model discrepancy of each joint, in units of its noise, where that is clearly more than noise.
 pub(crate) fn discrepancies(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
     let residual = metric.residual(&found.fit);
     (0..residual.len())
         .map(|j| {
             let left = metric.problem.observations.in_band_noise(j, &residual[j]);
-            // only downward: what an estimate has not yet explained must not make it unimportant
+            // only downward: structure that is not yet explained must not lower the weight
             let left = if left > CLEAR_DISCREPANCY { left } else { 1.0 };
             left.min(metric.problem.observations.weights.discrepancy[j])
         })
         .collect()
 }
 
-/// The same where a change is sought: what is left over after it may be more than the model of the reference is
-/// imperfect by, and a joint on which it is must not decide about the others.
+/// Model discrepancy after a change: it may exceed that of the reference, and a joint on which it does must not decide about
+/// the others.
 pub(crate) fn discrepancies_after(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
     let rows = &metric.problem.observations;
     let residual = metric.residual(&found.fit);

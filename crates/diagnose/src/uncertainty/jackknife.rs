@@ -1,6 +1,12 @@
-//! How far the coefficients of an estimate can be trusted.
+//! Standard errors of the coefficients of an estimate.
+//!
+//! Method: delete-a-block jackknife, because residuals are autocorrelated, beside the covariance of the fit; the uncertain
+//! delay of the efforts and the searched constants are added.
+//! References: H. R. Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17(3),
+//! 1989.
 
 use crate::regression::folds::{LEFT_OUT_PER_RECORDING, time_blocks};
+use armident_effects::{LinkSide, OperatingTerm};
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -13,19 +19,18 @@ use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 use crate::uncertainty::profile_curvature::{ProfileCurvature, profile_curvature};
 
-/// How coefficients jackknife when blocks of the recordings are left out: what a model leaves over lasts longer
-/// than noise, and is more. And what the clocks are not known by does to them.
+/// Block-jackknife variances of the coefficients of an estimate, and their changes with the uncertain effort delay.
 pub(crate) struct Jackknife {
     /// by column: variance of a delete-a-block jackknife
     variance: BTreeMap<usize, f64>,
-    /// by how much more is left over than the weights say
-    left_over: f64,
-    /// the problem of the estimate's candidates, in their order, with efforts that are later by what is not known of it;
-    /// none where the lag is part of the estimate
+    /// residual over that of the weights
+    residual_ratio: f64,
+    /// the problem of the estimate's candidates, in their order, with efforts delayed by the standard deviation of the delay;
+    /// none where the delay is part of the estimate
     late: Option<LinearProblem>,
     /// by column: change of the coefficient by that
     by_lag: BTreeMap<usize, f64>,
-    /// by column: change of the coefficient by what a reference leaves open
+    /// by column: change of the coefficient where the reference does not determine it
     by_reference: BTreeMap<usize, f64>,
     /// of the candidates whose constants were searched
     shapes: Vec<ProfileCurvature>,
@@ -54,13 +59,13 @@ impl Jackknife {
             let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
             variance.insert(column, (count - 1.0) / count * squares);
         }
-        let left_over = (of.fit.sum_of_squares / rows.effective()).sqrt();
+        let residual_ratio = (of.fit.sum_of_squares / rows.effective()).sqrt();
         let (by_lag, by_reference) = (BTreeMap::new(), BTreeMap::new());
-        Self { variance, left_over, late: None, by_lag, by_reference, shapes: Vec::new() }
+        Self { variance, residual_ratio, late: None, by_lag, by_reference, shapes: Vec::new() }
     }
 
-    /// Of the coefficients of an estimate. `step_s` between samples as recorded \[s\]: within it nobody knows which
-    /// of position and effort was read first, and sensors of effort filter.
+    /// Of the coefficients of an estimate. `step_s` is the sample interval \[s\]: the order of
+    /// reading position and effort within it is unknown, and effort sensors filter.
     pub(crate) fn with_lag(metric: &Marginalised<'_>, of: &Estimate, step_s: f64) -> Self {
         let problem = metric.problem;
         // any instant in the step, so its standard deviation
@@ -77,7 +82,7 @@ impl Jackknife {
         Self { late, by_lag: by_lag.unwrap_or_default(), ..Self::of(metric, of) }
     }
 
-    /// The same where constants that were searched are uncertain too: all coefficients are by that.
+    /// The jackknife with the uncertainty of searched constants, which all coefficients share.
     pub(crate) fn with_shapes(
         mut self,
         design: &Design<'_>,
@@ -85,10 +90,10 @@ impl Jackknife {
         metric: &Marginalised<'_>,
         of: &Estimate,
     ) -> Self {
-        // of a link that bounces in a gap the discrepancy is too jagged to say how much
+        // the sum of squares is too jagged for a curvature where a link bounces in a gap
         let smooth = |g: &&usize| {
             let candidate = &metric.problem.candidates[**g];
-            candidate.slug() != "backlash"
+            !candidate.has_link_side(LinkSide::Play)
                 && candidate.location.window.is_none()
                 && !candidate.shape.is_empty()
         };
@@ -117,7 +122,7 @@ impl Jackknife {
         let mut lag = changes(&self.by_lag, candidate);
         lag.resize(count, 0.0);
         for shape in &self.shapes {
-            // what each number changes by with each searched constant
+            // change of each coefficient with each searched constant
             let slopes: Vec<Vec<f64>> = (0..count)
                 .map(|k| match candidate.columns.get(k) {
                     Some(column) => shape.slopes[column].clone(),
@@ -149,18 +154,18 @@ impl Jackknife {
         covariance
     }
 
-    /// A coefficient has this variance, and changes by so much, where what a reference leaves open is free.
+    /// Widens a coefficient to this variance and change, those with the effects free that a reference does not determine.
     pub(crate) fn leave_open(&mut self, column: usize, variance: f64, change: f64) {
         let known = self.variance.entry(column).or_insert(variance);
         *known = known.max(variance);
         self.by_reference.insert(column, change);
     }
 
-    /// By how much more a coefficient of a candidate scatters than its covariance says, 1 or more. A window is in one
-    /// block: there it is by how much more is left over.
+    /// Largest ratio of the jackknife variance of a candidate's coefficients to that of the fit, 1 or more. A window is in one
+    /// block: there it is the residual ratio.
     fn factor(&self, candidate: &Candidate, column: usize, covariance: f64) -> f64 {
         let factor = match candidate.location.window {
-            Some(_) => self.left_over,
+            Some(_) => self.residual_ratio,
             None => self.variance.get(&column).map_or(1.0, |v| (v / covariance).sqrt()),
         };
         if factor.is_finite() { factor.max(1.0) } else { 1.0 }
@@ -208,7 +213,8 @@ fn pairs_of_columns<'a>(
 /// The problem of an estimate's candidates with so much lag \[s\] added to its efforts: none where a lag is part of
 /// the estimate, and where only a change is sought, before which they were as late.
 fn late_efforts(problem: &LinearProblem, of: &Estimate, lag_s: f64) -> Option<LinearProblem> {
-    let is_lag = |g: &usize| problem.candidates[*g].slug() == "time_delay";
+    let is_lag =
+        |g: &usize| problem.candidates[*g].has(|law| law.operating == Some(OperatingTerm::Delay));
     if problem.observations.comparison.seeks_change() || of.set.iter().any(is_lag) {
         return None;
     }

@@ -1,7 +1,11 @@
-//! The minimal set of the diagnosed arm: every constant with what the recordings know of it.
+//! The minimal set of the diagnosed arm: every constant with its standard error and prior share.
 //!
-//! Links are Gaussian about the believed ones, `π ~ N(π₀, D)`, and the laws beside them have no prior; the
-//! posterior of both is Gaussian. Constants are linear in the links, `x = T π`, so theirs is too.
+//! Links have the prior `π ~ N(π₀, D)` and the laws beside them none; the posterior of both is Gaussian. Constants are linear
+//! in the links, `x = T π`, and so is their posterior.
+//!
+//! Method: linear transformation of the posterior of the links.
+//! References: M. Gautier, W. Khalil, Direct calculation of minimum set of inertial parameters of serial robots, IEEE
+//! Transactions on Robotics and Automation 6(3), 1990.
 
 use armident_dynamics::RigidArm;
 use armident_ident::MinimalSet;
@@ -27,18 +31,17 @@ pub struct ConstantEstimate {
     pub unit: &'static str,
     /// Value of the diagnosed model.
     pub value: f64,
-    /// Its standard error, everything that was found fitted along.
+    /// Standard error, all findings fitted too.
     pub standard_error: f64,
     /// 95 % interval.
     pub interval_95: [f64; 2],
-    /// Value of the believed model.
+    /// Value of the given model.
     pub urdf: f64,
-    /// Share of the variance believed before that the recordings leave, 0 to 1: near 1 the number is the
-    /// description's.
+    /// Posterior over prior variance, 0 to 1: near 1 the value is that of the given model.
     pub from_prior: f64,
 }
 
-/// All constants, and how their errors go together.
+/// All constants, and the correlations of their errors.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ConstantEstimates {
     /// Constants in the order of the minimal set.
@@ -121,7 +124,7 @@ impl Marginalised<'_> {
         fit: &crate::regression::marginalised::LeastSquaresFit,
     ) -> Option<Vec<Vec<f64>>> {
         let [mut rows, sensitivity] = self.inertial_posterior(fit)?;
-        // what the coefficients of laws do to the links: through the errors, and of themselves
+        // change of the links with the coefficients of laws: through the link errors, and directly
         let mut by_column = sensitivity;
         for candidate in set.iter().map(|g| &self.problem.candidates[*g]) {
             let (Some(transform), Some(&joint)) =

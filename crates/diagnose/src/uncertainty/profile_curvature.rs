@@ -1,12 +1,17 @@
-//! What the searched constants of a law are uncertain by: the curvature of the discrepancy over them, all coefficients fitted
-//! again.
+//! Covariance of the searched constants of a law (its shape).
+//!
+//! Method: curvature of the profile sum of squares, all coefficients refitted at each value; widened where blocks of the
+//! recordings disagree about its slope (sandwich estimator).
+//! References: G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989; H. White, Maximum likelihood estimation of misspecified
+//! models, Econometrica 50(1), 1982.
 
+use armident_effects::Effect;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use armident_numeric::{Cholesky, dot};
 
-use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::candidate::Candidate;
 use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::{continuous, formed};
@@ -18,25 +23,25 @@ use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 /// Steps towards a standard deviation; near enough to the curvature once the first one was that.
 const ROUNDS: usize = 3;
 
-/// What the shape constants of a candidate are uncertain by, and what the coefficients are by that.
+/// Covariance of the shape constants of a candidate, and its effect on the coefficients.
 #[derive(Debug, Clone)]
 pub(crate) struct ProfileCurvature {
     /// the candidate
     pub(crate) candidate: usize,
-    /// which of its constants; of the others the discrepancy has no bottom
+    /// which of its constants; along the others the sum of squares has no minimum
     pub(crate) constants: Vec<usize>,
-    /// covariance of these, from the curvature of the discrepancy with all coefficients fitted again, or where that is more
-    /// from how much blocks of the recordings disagree: what a simulated link is off by lasts longer than noise
+    /// covariance of these, from the curvature of the profile sum of squares, or where that is more from the disagreement of
+    /// blocks: the error of a simulated link is autocorrelated
     pub(crate) covariance: Vec<Vec<f64>>,
-    /// their change where the efforts are late by a standard deviation of what is not known of it
+    /// their change with efforts delayed by the standard deviation of the delay
     pub(crate) by_lag: Vec<f64>,
     /// by column of the problem: change of the coefficient over that of each constant
     pub(crate) slopes: BTreeMap<usize, Vec<f64>>,
 }
 
-/// Of a candidate of an estimate; none where it has no shape, or the discrepancy no bottom. `late`: the problem of the estimate's
-/// candidates with late efforts. `least_wider`: by what coefficients of the candidate jackknife more than the curvature says, 1 or
-/// more.
+/// Of a candidate of an estimate; none where it has no shape, or the sum of squares no minimum. `late`: the problem of the
+/// estimate's candidates with delayed efforts. `least_factor`: jackknife over curvature variance of the candidate's
+/// coefficients, 1 or more.
 pub(crate) fn profile_curvature(
     design: &Design<'_>,
     at: &[Posed<'_>],
@@ -44,13 +49,13 @@ pub(crate) fn profile_curvature(
     of: &Estimate,
     candidate: usize,
     late: Option<&LinearProblem>,
-    least_wider: f64,
+    least_factor: f64,
 ) -> Option<ProfileCurvature> {
     let original = &metric.problem.candidates[candidate];
-    let CandidateKind::Law(slug) = original.kind else { return None };
+    let law = original.law()?;
     let place = of.set.iter().position(|g| *g == candidate)?;
     let (small, set) = metric.problem.restricted(&of.set);
-    let mut trials = Trials { design, at, metric, of, slug, original, place, small, set };
+    let mut trials = Trials { design, at, metric, of, law, original, place, small, set };
     let middle = trials.moved_by(&[])?.discrepancy.whole;
     let along: Vec<Along> =
         (0..continuous(original)).filter_map(|k| trials.along(k, middle)).collect();
@@ -68,24 +73,24 @@ pub(crate) fn profile_curvature(
     };
     Some(ProfileCurvature {
         candidate,
-        covariance: covariance(&inverse, &along, least_wider),
+        covariance: covariance(&inverse, &along, least_factor),
         by_lag,
         slopes: slopes_of_coefficients(&along),
         constants: along.iter().map(|along| along.constant).collect(),
     })
 }
 
-/// Misfit of a shape: all of it, and that of every block.
+/// Sum of squares at a shape: of all rows, and of every block.
 struct Misfit {
     whole: f64,
-    by_stretch: Vec<f64>,
+    by_block: Vec<f64>,
 }
 
 impl Misfit {
     fn of(metric: &Marginalised<'_>, fit: &LeastSquaresFit) -> Self {
         let rows = &metric.problem.observations;
         let residual = metric.residual(fit);
-        let in_stretch = |inside: Range<usize>| -> f64 {
+        let in_block = |inside: Range<usize>| -> f64 {
             let squares = residual.iter().map(|r| dot(&r[inside.clone()], &r[inside.clone()]));
             rows.weights.share * squares.sum::<f64>()
         };
@@ -93,7 +98,7 @@ impl Misfit {
             time_blocks(&rows.starts[rows.comparison.first_judged()..], LEFT_OUT_PER_RECORDING);
         Self {
             whole: rows.weights.share * fit.sum_of_squares,
-            by_stretch: blocks.into_iter().map(in_stretch).collect(),
+            by_block: blocks.into_iter().map(in_block).collect(),
         }
     }
 }
@@ -121,13 +126,13 @@ impl Along {
     }
 }
 
-/// Trials of the shape of one candidate of an estimate, all coefficients fitted again.
+/// Profile of one candidate's shape, coefficients refitted at each value.
 struct Trials<'a, 'e> {
     design: &'a Design<'e>,
     at: &'a [Posed<'e>],
     metric: &'a Marginalised<'a>,
     of: &'a Estimate,
-    slug: &'static str,
+    law: &'static dyn Effect,
     original: &'a Candidate,
     /// place of the candidate in the estimate
     place: usize,
@@ -143,7 +148,7 @@ impl Trials<'_, '_> {
         let mut moved = self.original.clone();
         steps.iter().for_each(|(k, step)| moved.shape[*k] += step);
         let mut set = self.set.clone();
-        set[self.place] = formed(self.design, self.at, &mut self.small, self.slug, &moved)?;
+        set[self.place] = formed(self.design, self.at, &mut self.small, self.law, &moved)?;
         let metric = self.small.marginalised(self.metric.scale, &self.metric.inflated);
         let fit = metric.fit(metric.columns_of(&set))?;
         let pairs = self.of.set.iter().zip(&set).flat_map(|(&g, &here)| {
@@ -154,7 +159,7 @@ impl Trials<'_, '_> {
         Some(Moved { discrepancy: Misfit::of(&metric, &fit), coefficients })
     }
 
-    /// Along a constant; none where the discrepancy has no bottom.
+    /// Along a constant; none where the sum of squares has no minimum.
     fn along(&mut self, constant: usize, middle: f64) -> Option<Along> {
         let size = self.original.shape[constant].abs();
         let mut step = 1e-2 * size.max(f64::MIN_POSITIVE);
@@ -175,7 +180,7 @@ impl Trials<'_, '_> {
         found
     }
 
-    /// Second derivatives of the discrepancy.
+    /// Second derivatives of the sum of squares.
     fn hessian(&mut self, along: &[Along], middle: f64) -> Option<Vec<Vec<f64>>> {
         let count = along.len();
         let mut hessian = vec![vec![0.0; count]; count];
@@ -202,7 +207,7 @@ impl Trials<'_, '_> {
         Some(hessian)
     }
 
-    /// By how much less the discrepancy rises here along each constant.
+    /// Slope of the sum of squares along each constant.
     fn less_slope(&mut self, along: &[Along]) -> Option<Vec<f64>> {
         let mut slopes = Vec::new();
         for along in along {
@@ -216,27 +221,27 @@ impl Trials<'_, '_> {
     }
 }
 
-/// Covariance of the constants, each widened by how much blocks disagree about the slope of the discrepancy.
-fn covariance(inverse: &[Vec<f64>], along: &[Along], least_wider: f64) -> Vec<Vec<f64>> {
+/// Covariance of the constants, each widened by the disagreement of blocks about the slope of the sum of squares.
+fn covariance(inverse: &[Vec<f64>], along: &[Along], least_factor: f64) -> Vec<Vec<f64>> {
     let count = along.len();
-    let by_stretch: Vec<Vec<f64>> = (0..along[0].sides[0].discrepancy.by_stretch.len())
+    let by_block: Vec<Vec<f64>> = (0..along[0].sides[0].discrepancy.by_block.len())
         .map(|k| {
-            along.iter().map(|along| along.slope(|side| side.discrepancy.by_stretch[k])).collect()
+            along.iter().map(|along| along.slope(|side| side.discrepancy.by_block[k])).collect()
         })
         .collect();
-    let mean = |k: usize| by_stretch.iter().map(|s| s[k]).sum::<f64>() / by_stretch.len() as f64;
+    let mean = |k: usize| by_block.iter().map(|s| s[k]).sum::<f64>() / by_block.len() as f64;
     let means: Vec<f64> = (0..count).map(mean).collect();
-    let mut by_stretches = vec![0.0; count];
-    for slope in &by_stretch {
+    let mut by_blocks = vec![0.0; count];
+    for slope in &by_block {
         let off: Vec<f64> = slope.iter().zip(&means).map(|(s, m)| s - m).collect();
-        for (sum, moved) in by_stretches.iter_mut().zip(times(inverse, &off)) {
+        for (sum, moved) in by_blocks.iter_mut().zip(times(inverse, &off)) {
             *sum += moved * moved;
         }
     }
-    let wider: Vec<f64> = (0..count)
-        .map(|k| (by_stretches[k] / (2.0 * inverse[k][k])).sqrt().max(least_wider))
+    let factors: Vec<f64> = (0..count)
+        .map(|k| (by_blocks[k] / (2.0 * inverse[k][k])).sqrt().max(least_factor))
         .collect();
-    let entry = |a: usize, b: usize| 2.0 * inverse[a][b] * wider[a] * wider[b];
+    let entry = |a: usize, b: usize| 2.0 * inverse[a][b] * factors[a] * factors[b];
     (0..count).map(|a| (0..count).map(|b| entry(a, b)).collect()).collect()
 }
 
@@ -253,7 +258,7 @@ fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
     matrix.iter().map(|row| dot(row, vector)).collect()
 }
 
-/// Inverse of second derivatives; where there is no bottom in some direction between the constants, of each by itself.
+/// Inverse of second derivatives; where a direction between the constants has no minimum, of each alone.
 fn inverse_or_each_alone(hessian: &[Vec<f64>]) -> Vec<Vec<f64>> {
     inverse(hessian).unwrap_or_else(|| {
         let alone = |a: usize, b: usize| if a == b { 1.0 / hessian[a][a] } else { 0.0 };
@@ -276,7 +281,7 @@ fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 
 #[cfg(test)]
 mod tests {
-    use armident_effects::effect;
+    use armident_effects::TorqueRipple;
 
     use super::*;
     use crate::regression::fit_set::fit_set;
@@ -323,7 +328,7 @@ mod tests {
             .collect();
         let covariance = inverse(&gram).unwrap();
         let variance = covariance[2][2];
-        // blocks may disagree by more than the curvature says, never by less
+        // the disagreement of blocks widens the covariance and never narrows it
         let found_variance = jackknife.covariance[0][0];
         assert!((0.9..3.0).contains(&(found_variance / variance)), "{found_variance} {variance}");
         for (k, column) in columns.iter().enumerate() {
@@ -332,7 +337,7 @@ mod tests {
         }
     }
 
-    /// How many harmonics a ripple has is no number that is a little more or less.
+    /// The number of harmonics of a ripple is no continuous constant.
     #[test]
     fn of_a_ripple_the_order_is_uncertain() {
         let chain = ur5();
@@ -340,7 +345,7 @@ mod tests {
         let point = OperatingPoint::of(design.joints());
         let at = design.at(&point);
         let mut problem = design.problem_without_trials(&point);
-        let law = effect("torque_ripple").unwrap();
+        let law = &TorqueRipple;
         let id = design.push_joint_law(&mut problem, &at, law, JOINT, &[7.0, 2.0]).unwrap();
         let metric = problem.marginalised(0.0, &[]);
         let found = fit_set(&metric, vec![id]).unwrap();

@@ -10,6 +10,14 @@ use crate::transmission::{Transmission, is_transmission_fit};
 /// `as elasticity, with no effort while `|θ - q| < gap / 2`.
 pub struct Backlash;
 
+impl Backlash {
+    /// Circular frequency at which a fitted link bounces on the flanks of its gear, which are stiffer than recordings
+    /// resolve \[rad/s\].
+    pub const FLANK_RATE: f64 = 350.0;
+    /// Share of critical damping of the flanks: lubricated, they hardly rebound.
+    pub const FLANK_DAMPING: f64 = 0.8;
+}
+
 const LAW: Law = Law {
     slug: "backlash",
     title: "backlash",
@@ -66,6 +74,21 @@ impl Effect for Backlash {
 
     fn admits_fit(&self, shape: &[f64], coefficients: &[f64]) -> bool {
         is_transmission_fit(shape, coefficients)
+    }
+
+    /// With flanks of assumed stiffness and damping: the shape is the gap alone.
+    fn transmission(&self, shape: &[f64], link_inertia: f64) -> Option<Transmission> {
+        let &[gap] = shape else { return None };
+        Some(Transmission {
+            gap,
+            stiffness: link_inertia * Self::FLANK_RATE * Self::FLANK_RATE,
+            damping: 2.0 * Self::FLANK_DAMPING * link_inertia * Self::FLANK_RATE,
+            motor_inertia: 0.0,
+        })
+    }
+
+    fn parameters_of_transmission(&self, of: &Transmission) -> Vec<f64> {
+        vec![of.gap, of.stiffness, of.damping, of.motor_inertia]
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::{Effect, ShapeStep};
-use crate::law::{Law, Location, LookAlike, Onset, Parameter, Role, Scan, Scope};
+use crate::law::{Law, LocationKind, LookAlike, Onset, Parameter, Role, Scan, Scope};
 use crate::mechanism::{Mechanism, tip_jacobian};
 use crate::motion::{ArmColumns, ArmMotion};
 
@@ -24,7 +24,7 @@ const LAW: Law = Law {
         Parameter::any("force_y", "N", "N"),
         Parameter::any("force_z", "N", "N"),
     ],
-    location: Location::TipLink,
+    location: LocationKind::TipLink,
     scan: Scan::Residual,
     look_alikes: &[
         LookAlike {

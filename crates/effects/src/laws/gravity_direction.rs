@@ -9,7 +9,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::{STEP, derivative};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, Location, LookAlike, Onset, OperatingTerm, Parameter, Role, Scope};
+use crate::law::{Law, LocationKind, LookAlike, Onset, OperatingTerm, Parameter, Role, Scope};
 use crate::mechanism::{ArmFrames, Mechanism};
 use crate::motion::{ArmColumns, ArmMotion};
 
@@ -27,7 +27,7 @@ const LAW: Law = Law {
         Parameter::any("tilt_x", "rad", "rad"),
         Parameter::any("tilt_y", "rad", "rad"),
     ],
-    location: Location::Arm,
+    location: LocationKind::Arm,
     operating: Some(OperatingTerm::Tilt),
     fits_alone: true,
     look_alikes: &[

@@ -102,6 +102,28 @@ impl Effect for JointElasticity {
         })
     }
 
+    /// A spring with little damping resonates with the motion in a narrow range of stiffnesses only; beside it the residual
+    /// has a local minimum, at a damping that is too high.
+    fn shapes_around(&self, shape: &[f64]) -> Vec<Vec<f64>> {
+        /// Stiffness over that of the shape, 2 % of the resonance apart, and damping over it.
+        const STIFFNESSES: [f64; 11] =
+            [0.8, 0.84, 0.88, 0.92, 0.96, 1.0, 1.04, 1.08, 1.12, 1.16, 1.2];
+        const DAMPINGS: [f64; 2] = [0.5, 0.2];
+        // a spring too stiff to resonate in the band has no shape
+        let &[stiffness, damping] = shape else { return Vec::new() };
+        let with = |d: &f64| STIFFNESSES.map(|k| vec![k * stiffness, d * damping]);
+        DAMPINGS.iter().flat_map(with).collect()
+    }
+
+    fn transmission(&self, shape: &[f64], _link_inertia: f64) -> Option<Transmission> {
+        let &[stiffness, damping] = shape else { return None };
+        Some(Transmission { gap: 0.0, stiffness, damping, motor_inertia: 0.0 })
+    }
+
+    fn parameters_of_transmission(&self, of: &Transmission) -> Vec<f64> {
+        vec![of.stiffness, of.damping, of.motor_inertia]
+    }
+
     /// The resonance stays above 6 Hz, and the gear is no rubber: several times what a harmonic drive winds up under its
     /// rated load.
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

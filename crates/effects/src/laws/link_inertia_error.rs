@@ -7,7 +7,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{
-    Equivalent, Export, Law, Location, LookAlike, Onset, Parameter, Role, Scope, Where,
+    Equivalent, Export, Law, LocationKind, LookAlike, Onset, Parameter, Role, Scope, Where,
 };
 use crate::mechanism::{ArmFrames, Mechanism};
 use crate::motion::{ArmColumns, ArmMotion};
@@ -27,7 +27,7 @@ const LAW: Law = Law {
         Parameter::any("delta_mcy", "kg m", "kg m"),
         Parameter::any("delta_mcz", "kg m", "kg m"),
     ],
-    location: Location::Link,
+    location: LocationKind::Link,
     companions: &["link_inertia_error"],
     equivalents: &[Equivalent { laws: &["payload"], on: Where::LastJoint }],
     fits_alone: true,

@@ -16,6 +16,7 @@ const LAW: Law = Law {
     formula: "f = (Fc + mu abs(rigid)) sign(v)",
     scope: Scope::Joint,
     roles: &[Role::Dry],
+    follows_load: true,
     parameters: &[
         Parameter::non_negative("level", "N m", "N"),
         Parameter::non_negative("load_coefficient", "1", "1").main(),

@@ -9,7 +9,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{
-    Equivalent, Export, Law, Location, LookAlike, Onset, Parameter, Role, Scope, Where,
+    Equivalent, Export, Law, LocationKind, LookAlike, Onset, Parameter, Role, Scope, Where,
 };
 use crate::mechanism::{ArmFrames, Mechanism};
 use crate::motion::{ArmColumns, ArmMotion};
@@ -29,7 +29,7 @@ const LAW: Law = Law {
         Parameter::any("com_y", "m", "m"),
         Parameter::any("com_z", "m", "m"),
     ],
-    location: Location::Link,
+    location: LocationKind::Link,
     companions: &["link_inertia_error"],
     equivalents: &[Equivalent { laws: &["link_inertia_error"], on: Where::AnyJoint }],
     look_alikes: &[
@@ -87,6 +87,12 @@ impl Effect for Payload {
         let centre_m = Vector3::from_column_slice(&parameters[1..4]);
         let load = InertialParameters::from_com(parameters[0], centre_m, Matrix3::zeros());
         arm.links[last] = arm.links[last].plus(&load.expressed_in(&frames.link_in_e[last]));
+    }
+
+    /// Mass and centre of mass.
+    fn parameters_of_link(&self, change: [f64; 4]) -> Vec<f64> {
+        let [mass, x, y, z] = change;
+        vec![mass, x / mass, y / mass, z / mass]
     }
 
     /// A load has mass.

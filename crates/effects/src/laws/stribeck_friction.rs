@@ -16,6 +16,7 @@ const LAW: Law = Law {
     formula: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) sign(v)",
     scope: Scope::Joint,
     roles: &[Role::Dry],
+    varies_with_speed: true,
     parameters: &[
         Parameter::non_negative("static_level", "N m", "N").main(),
         Parameter::non_negative("coulomb_level", "N m", "N"),

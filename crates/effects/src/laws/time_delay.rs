@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::rate;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, Location, LookAlike, OperatingTerm, Parameter, Role, Scope};
+use crate::law::{Law, LocationKind, LookAlike, OperatingTerm, Parameter, Role, Scope};
 use crate::mechanism::Mechanism;
 use crate::motion::{ArmColumns, ArmMotion};
 
@@ -18,7 +18,7 @@ const LAW: Law = Law {
     scope: Scope::Arm,
     roles: &[Role::Time],
     parameters: &[Parameter::any("delay", "s", "s").main()],
-    location: Location::AllJoints,
+    location: LocationKind::AllJoints,
     operating: Some(OperatingTerm::Delay),
     look_alikes: &[
         LookAlike {

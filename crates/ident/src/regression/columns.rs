@@ -7,7 +7,7 @@
 //! filtering); the rest is own.
 
 use armident_dynamics::ArmMotion;
-use armident_effects::{BASELINE, Effect, Place, Turn};
+use armident_effects::{BASELINE, Effect, Place, ReversalModel};
 use armident_kinematics::InertialParameters;
 use armident_model::{effect_columns, pair_columns};
 use armident_motion::Motion;
@@ -157,7 +157,7 @@ impl BatchProblem {
         columns
     }
 
-    fn reversal(&self, joint: usize) -> Option<Turn> {
+    fn reversal(&self, joint: usize) -> Option<ReversalModel> {
         self.reversals.as_ref().map(|reversals| reversals[joint])
     }
 
@@ -166,7 +166,7 @@ impl BatchProblem {
         &self,
         joint: usize,
         motion: &Motion,
-        reversals: &[Turn],
+        reversals: &[ReversalModel],
     ) -> Vec<Vec<f64>> {
         let kind = self.arm().joints[joint].kind;
         let Some(law) = BASELINE.iter().find(|law| jumps(**law)) else { return Vec::new() };

@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    BASELINE, Effect, EffectOnJoint, JointMotion, SublinearViscousFriction, Turn, directions_with,
+    BASELINE, Effect, EffectOnJoint, JointMotion, ReversalModel, SublinearViscousFriction,
+    directions_with,
 };
 use armident_kinematics::InertialParameters;
 use armident_numeric::{Mat, eliminate_in_order};
@@ -41,7 +42,7 @@ pub struct BatchProblem {
     /// Loads with unknowns.
     pub(crate) loads: Vec<KnownLoad>,
     /// How each joint's dry friction reverses; none: regularised below a share of the RMS speed of the motion at hand.
-    pub reversals: Option<Vec<Turn>>,
+    pub reversals: Option<Vec<ReversalModel>>,
     /// Joints whose effort channels have a dead zone.
     pub(crate) has_dead_zone: Vec<bool>,
 }

@@ -10,7 +10,7 @@
 //! models, analysis tools and compensation methods for the control of machines with friction, Automatica 30 (1994); the
 //! choice is own.
 
-use armident_effects::{Place, Turn};
+use armident_effects::{Place, ReversalModel};
 use armident_model::DEFAULT_SPEED_RESOLUTION;
 use armident_motion::Motion;
 use armident_numeric::NumericError;
@@ -40,7 +40,7 @@ impl BatchProblem {
     /// When a motion has no effort or other joints than the arm.
     pub fn choose_reversal_speeds(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
         let mut candidates = ReversalCandidates::of(motions);
-        candidates.tried.retain(|turn| SPEED_SHARES.map(Turn::Speed).contains(turn));
+        candidates.tried.retain(|turn| SPEED_SHARES.map(ReversalModel::regularised).contains(turn));
         self.reversals = candidates.usual();
         let rows = self.rows_with_directions(motions, &candidates);
         if has_folds(&rows) && candidates.tried.len() > 1 {
@@ -68,7 +68,8 @@ impl BatchProblem {
                 let jumping = usual.jumping_columns(joint, motions[index]);
                 let mut columns =
                     usual.columns_beside(joint, motions[index], &moved[index], &jumping);
-                let others: Vec<Turn> = others.iter().map(|of| candidates.on(joint, *of)).collect();
+                let others: Vec<ReversalModel> =
+                    others.iter().map(|of| candidates.on(joint, *of)).collect();
                 columns.extend(usual.direction_columns(joint, motions[index], &others));
                 (columns, effort.to_vec())
             },
@@ -82,7 +83,7 @@ impl BatchProblem {
         &self,
         rows: &JointRows,
         wanted: &BatchProblem,
-        (candidates, least): (&ReversalCandidates, fn(Turn) -> f64),
+        (candidates, least): (&ReversalCandidates, fn(ReversalModel) -> f64),
         settings: &BatchSettings,
     ) -> Result<ChosenReversals, NumericError> {
         let n = self.by_joint.len();
@@ -131,16 +132,18 @@ impl BatchProblem {
 }
 
 /// Number of standard errors by which a reversal must lower the errors of left-out folds against the usual one.
-pub(super) fn least_gain(turn: Turn) -> f64 {
+pub(super) fn least_gain(turn: ReversalModel) -> f64 {
     match turn {
-        Turn::Speed(share) if share < DEFAULT_SPEED_RESOLUTION => LEAST_T_OF_SHARP,
+        ReversalModel::RegularisedSign { below } if below < DEFAULT_SPEED_RESOLUTION => {
+            LEAST_T_OF_SHARP
+        }
         _ => LEAST_T,
     }
 }
 
 /// The reversals of all joints, and the rows that have them.
 pub(super) struct ChosenReversals {
-    pub(super) reversals: Option<Vec<Turn>>,
+    pub(super) reversals: Option<Vec<ReversalModel>>,
     pub(super) rows: JointRows,
 }
 
@@ -148,7 +151,7 @@ pub(super) struct ChosenReversals {
 /// presliding over a share of the standard deviation of its position.
 pub(super) struct ReversalCandidates {
     /// shares; none where velocities are exact
-    tried: Vec<Turn>,
+    tried: Vec<ReversalModel>,
     rms_speed: Vec<f64>,
     deviation: Vec<f64>,
 }
@@ -169,8 +172,9 @@ impl ReversalCandidates {
             root_mean_square(&|m| &m.position[joint], mean)
         };
         let exact = motions.iter().all(|m| m.filter.is_none());
-        let speeds = SPEED_SHARES.into_iter().chain(FAR_SPEED_SHARES).map(Turn::Speed);
-        let all = speeds.chain(Turn::TRAVEL_SHARES.map(Turn::Travel));
+        let speeds =
+            SPEED_SHARES.into_iter().chain(FAR_SPEED_SHARES).map(ReversalModel::regularised);
+        let all = speeds.chain(ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding));
         Self {
             tried: if exact { Vec::new() } else { all.collect() },
             rms_speed: (0..joints).map(rms_speed).collect(),
@@ -179,14 +183,18 @@ impl ReversalCandidates {
     }
 
     /// A share as it is on a joint.
-    fn on(&self, joint: usize, share: Turn) -> Turn {
+    fn on(&self, joint: usize, share: ReversalModel) -> ReversalModel {
         match share {
-            Turn::Speed(share) => Turn::Speed(share * self.rms_speed[joint]),
-            Turn::Travel(share) => Turn::Travel(share * self.deviation[joint]),
+            ReversalModel::RegularisedSign { below } => {
+                ReversalModel::regularised(below * self.rms_speed[joint])
+            }
+            ReversalModel::Presliding { travel } => {
+                ReversalModel::presliding(travel * self.deviation[joint])
+            }
         }
     }
 
-    pub(super) fn usual(&self) -> Option<Vec<Turn>> {
+    pub(super) fn usual(&self) -> Option<Vec<ReversalModel>> {
         let usual = *self.tried.first()?;
         Some((0..self.rms_speed.len()).map(|joint| self.on(joint, usual)).collect())
     }

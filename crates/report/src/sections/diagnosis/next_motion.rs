@@ -31,7 +31,7 @@ impl NextMotionResult {
         found.map_or_else(Self::default, |(file, next)| Self {
             file: Some(file),
             description: Some(next.description),
-            separated: next.told_apart,
+            separated: next.separated,
             pairs: next.pairs,
             separation: Some(next.separation),
         })
