@@ -10,8 +10,9 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("numeric", &[]),
+    ("inference", &["numeric"]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
@@ -19,13 +20,70 @@ const ARROWS: [(&str, &[&str]); 15] = [
     ("motion", &["numeric", "recording"]),
     ("model", &["dynamics", "effects", "kinematics", "motion", "recording"]),
     ("simulation", &["dynamics", "effects", "kinematics", "motion", "recording"]),
-    ("ident", &["dynamics", "effects", "kinematics", "model", "motion", "numeric", "recording", "simulation"]),
-    ("diagnose", &["dynamics", "effects", "ident", "kinematics", "model", "motion", "numeric", "recording"]),
+    (
+        "ident",
+        &[
+            "dynamics",
+            "effects",
+            "inference",
+            "kinematics",
+            "model",
+            "motion",
+            "numeric",
+            "recording",
+            "simulation",
+        ],
+    ),
+    (
+        "diagnose",
+        &[
+            "dynamics",
+            "effects",
+            "ident",
+            "inference",
+            "kinematics",
+            "model",
+            "motion",
+            "numeric",
+            "recording",
+        ],
+    ),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model"]),
     ("page", &["effects", "kinematics", "motion", "recording", "report"]),
-    ("challenge", &["diagnose", "dynamics", "effects", "kinematics", "model", "motion", "recording", "report", "simulation"]),
+    (
+        "challenge",
+        &[
+            "diagnose",
+            "dynamics",
+            "effects",
+            "kinematics",
+            "model",
+            "motion",
+            "recording",
+            "report",
+            "simulation",
+        ],
+    ),
     ("export", &["effects", "kinematics", "model"]),
-    ("", &["challenge", "diagnose", "dynamics", "effects", "export", "ident", "kinematics", "model", "motion", "numeric", "page", "recording", "report", "simulation"]),
+    (
+        "",
+        &[
+            "challenge",
+            "diagnose",
+            "dynamics",
+            "effects",
+            "export",
+            "ident",
+            "kinematics",
+            "model",
+            "motion",
+            "numeric",
+            "page",
+            "recording",
+            "report",
+            "simulation",
+        ],
+    ),
 ];
 
 fn packages() -> Vec<Value> {

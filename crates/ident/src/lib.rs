@@ -26,7 +26,6 @@ mod consistency;
 pub mod estimators;
 pub mod experiment;
 mod identify;
-mod inference;
 mod minimal_set;
 mod regression;
 mod structure;
@@ -39,8 +38,6 @@ pub use identify::{
     Identification, IdentifyError, IdentifyErrors, IdentifyRequest, JointFriction,
     PlannedIdentification, PlannedRequest, Prepared, Stage, identify, identify_planned,
 };
-pub use inference::quantiles::student_t_975;
-pub use inference::whiteness::whiteness;
 pub use minimal_set::{Constant, DroppedConstant, MinimalSet, Quantity, Theorem2, algorithm1};
 pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,

@@ -11,8 +11,8 @@ use armident_recording::{JointChannels, Recording};
 use armident_simulation::{ArmState, ForwardSettings, SimulatedArm, SimulationError, forward};
 use rayon::prelude::*;
 
-use crate::inference::whiteness::whiteness;
 use crate::used_samples::EDGE_PERIODS;
+use armident_inference::whiteness;
 
 /// Length of a replay window \[s\]: long enough for an inertia error to show, short enough for an
 /// unstable arm to stay near its recording.

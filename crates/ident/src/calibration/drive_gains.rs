@@ -17,9 +17,9 @@
 use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
 
-use crate::inference::jackknife::{FEWEST_BLOCKS, leave_one_out, standard_error};
-use crate::inference::quantiles::student_t_975;
 use crate::regression::{BatchProblem, JointRows, KnownLoad, RANK_CUT, Term};
+use armident_inference::student_t_975;
+use armident_inference::{FEWEST_BLOCKS, leave_one_out, standard_error};
 
 const MOST_STEPS: usize = 30;
 /// Steps are done when no gain moves by more of itself.

@@ -1,7 +1,7 @@
 //! Delay between effort and motion, one for the robot.
 
 use super::rows::{ChannelRows, SHIFTS_ASIDE, shifts_s};
-use crate::inference::quantiles::student_t_975;
+use armident_inference::student_t_975;
 
 /// Delay of the efforts behind the motion.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,9 +6,9 @@ use armident_motion::{Motion, QualityReport};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::{Interpolation, Quantity};
 
-use crate::inference::effective_sample_size::correlation_time;
 use crate::regression::{BatchProblem, RANK_CUT, Term};
 use crate::used_samples::EDGE_PERIODS;
+use armident_inference::correlation_time;
 
 /// Effort shifts tried to either side.
 pub(super) const SHIFTS_ASIDE: usize = 16;

@@ -14,11 +14,10 @@ use armident_numeric::AccumulatedQr;
 use armident_simulation::{SimulatedArm, SimulationError, TrackingGains, Trajectory, track};
 
 use super::estimator::{Estimator, EstimatorError, TrainingData};
-use crate::inference::jackknife::{FEWEST_BLOCKS, standard_error};
-use crate::inference::quantiles::student_t_tail;
 use crate::regression::{
     BatchEstimate, BatchProblem, BatchSettings, Endogeneity, EstimateNote, JointRows,
 };
+use armident_inference::{FEWEST_BLOCKS, standard_error, student_t_tail};
 
 /// Bandwidth of the simulated controller, as a share of the cut-off: above the motion, below the noise.
 const LOOP_OVER_CUTOFF: f64 = 0.5;

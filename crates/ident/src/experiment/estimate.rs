@@ -7,9 +7,9 @@ use armident_motion::Motion;
 use armident_numeric::{Mat, NumericError, PseudoInverse};
 
 use super::plan::{Plan, Step};
-use crate::inference::quantiles::student_t_975;
 use crate::minimal_set::MinimalSet;
 use crate::used_samples::EDGE_PERIODS;
+use armident_inference::student_t_975;
 
 /// Relative rank cut of unit columns.
 const RANK_CUT: f64 = 1e-9;

@@ -5,8 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::equations::Equation;
-use crate::minimal_set::MinimalSet;
-use crate::minimal_set::Quantity;
+use crate::minimal_set::{MinimalSet, Quantity};
 
 /// One step of the algorithm, before configurations are chosen. Joints count from 0.
 #[derive(Debug, Clone)]

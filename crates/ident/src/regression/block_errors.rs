@@ -1,6 +1,6 @@
 //! Standard errors of a batch fit from blocks of time.
 //!
-//! Method: delete-a-block jackknife ([`jackknife`](crate::inference::jackknife)) at the noise levels of the estimate, with
+//! Method: delete-a-block jackknife ([`jackknife`](armident_inference)) at the noise levels of the estimate, with
 //! parameters at their bounds held there. What the prior knows is not in the blocks: it joins with its own covariance,
 //! `A⁻¹ P A⁻¹`.
 //!
@@ -13,8 +13,8 @@ use super::estimate::{BatchEstimate, RANK_CUT};
 use super::joint_rows::JointRows;
 use super::prior::{BatchSettings, Regularisation};
 use super::problem::BatchProblem;
-use crate::inference::jackknife::{FEWEST_BLOCKS, deviations, leave_one_out};
-use crate::inference::quantiles::student_t_975;
+use armident_inference::student_t_975;
+use armident_inference::{FEWEST_BLOCKS, deviations, leave_one_out};
 
 impl BatchProblem {
     /// Replaces the covariance of an estimate by that of the block jackknife; without effect where recordings are too

@@ -14,7 +14,7 @@ use super::joint_rows::JointRows;
 use super::prior::{BatchSettings, Regularisation, TermPrior, triangle_of};
 use super::problem::BatchProblem;
 use super::unknown::Term;
-use crate::inference::quantiles::student_t_975;
+use armident_inference::student_t_975;
 
 /// Relative rank cut of unit columns: only what is exactly undetermined is cut, what is badly
 /// determined shows in its standard error.

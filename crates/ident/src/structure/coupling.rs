@@ -10,16 +10,15 @@
 //! References: own; coupled wrists in W. Khalil, E. Dombre, Modeling, Identification and Control of Robots (2002).
 
 use armident_effects::MotionScale;
+use armident_inference::levels::CLEAR_T;
 use armident_numeric::NumericError;
 
 use super::fold_errors::fold_errors;
-use crate::inference::paired_gain::significant_gain;
 use crate::regression::{BatchProblem, BatchSettings, Coupling, JointRows, SHARED, noise_of};
+use armident_inference::significant_gain;
 
 /// Share by which the error of left-out folds must fall (geometric mean of both joints),
 const LEAST_GAIN: f64 = 0.1;
-/// and number of standard errors of that share, from the folds.
-const LEAST_T: f64 = 2.0;
 
 /// A coupling that the recordings show.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +75,7 @@ impl BatchProblem {
                 let with = self.with_couplings(&[&chosen[..], &[coupling]].concat());
                 let after = fold_errors(&with, &rows.select(all, &with), settings)?;
                 let gain = before.as_deref().and_then(|before| {
-                    significant_gain(before, &after, &coupling.joints(), LEAST_T)
+                    significant_gain(before, &after, &coupling.joints(), CLEAR_T)
                 });
                 let Some(gain) = gain else { continue };
                 if gain > LEAST_GAIN && best.is_none_or(|best| gain > best.gain) {

@@ -1,14 +1,14 @@
 //! Errors of a batch fit on folds of time that it was not fitted to.
 //!
-//! Method: leave-one-fold-out cross-validation on triangles ([`folds`](crate::inference::folds)), each joint weighted by the
+//! Method: leave-one-fold-out cross-validation on triangles ([`folds`](armident_inference)), each joint weighted by the
 //! noise that its own columns leave.
 //!
-//! References: in [`folds`](crate::inference::folds).
+//! References: in [`folds`](armident_inference).
 
 use armident_numeric::{AccumulatedQr, NumericError};
 
-use crate::inference::folds::{self, FOLDS};
 use crate::regression::{BatchProblem, BatchSettings, JointRows};
+use armident_inference::{FOLDS, merged, without};
 
 /// Whether every joint has at least as many blocks as there are folds.
 pub(super) fn has_folds(rows: &JointRows) -> bool {
@@ -26,10 +26,10 @@ pub(super) fn fold_errors(
     let blocks = rows.blocks.iter().map(Vec::len).min().unwrap_or(0);
     // by joint
     let of_joints: Vec<Vec<AccumulatedQr>> =
-        rows.blocks.iter().map(|of_joint| folds::merged(of_joint, blocks)).collect();
+        rows.blocks.iter().map(|of_joint| merged(of_joint, blocks)).collect();
     (0..FOLDS)
         .map(|left_out| {
-            let triangles = of_joints.iter().map(|folds| folds::without(folds, left_out)).collect();
+            let triangles = of_joints.iter().map(|folds| without(folds, left_out)).collect();
             let fitted = JointRows { triangles, ..rows.clone_without_rows() };
             let values = problem.weighted(&fitted, &noise, &regularisation)?.answer.solution;
             let error = |(joint, folds): (usize, &Vec<AccumulatedQr>)| {

@@ -11,19 +11,15 @@
 //! choice is own.
 
 use armident_effects::{Place, ReversalModel};
+use armident_inference::levels::{CLEAR_T, EXPECTED_T};
 use armident_model::DEFAULT_SPEED_RESOLUTION;
 use armident_motion::Motion;
 use armident_numeric::NumericError;
 
 use super::fold_errors::{fold_errors, has_folds};
-use crate::inference::paired_gain::significant_gain;
 use crate::regression::{BatchProblem, BatchSettings, JointRows, LAWS, Term};
+use armident_inference::significant_gain;
 
-/// Reversals slower than the usual one must lower the errors of left-out folds by this many standard errors,
-const LEAST_T: f64 = 2.0;
-/// and sharper ones, as the law has it, by so many; also where columns are checked, because a residual of friction must not
-/// look like a fault.
-const LEAST_T_OF_SHARP: f64 = 1.0;
 /// Speeds below which friction may be regularised, as shares of a joint's RMS speed, the usual one first,
 const SPEED_SHARES: [f64; 4] = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1];
 /// and those of drive trains that wind up far.
@@ -45,7 +41,7 @@ impl BatchProblem {
         let rows = self.rows_with_directions(motions, &candidates);
         if has_folds(&rows) && candidates.tried.len() > 1 {
             let settings = BatchSettings::default();
-            let least = |_| LEAST_T_OF_SHARP;
+            let least = |_| EXPECTED_T;
             let chosen = self.choose_reversals(&rows, self, (&candidates, least), &settings)?;
             self.reversals = chosen.reversals;
         }
@@ -134,10 +130,8 @@ impl BatchProblem {
 /// Number of standard errors by which a reversal must lower the errors of left-out folds against the usual one.
 pub(super) fn least_gain(turn: ReversalModel) -> f64 {
     match turn {
-        ReversalModel::RegularisedSign { below } if below < DEFAULT_SPEED_RESOLUTION => {
-            LEAST_T_OF_SHARP
-        }
-        _ => LEAST_T,
+        ReversalModel::RegularisedSign { below } if below < DEFAULT_SPEED_RESOLUTION => EXPECTED_T,
+        _ => CLEAR_T,
     }
 }
 

@@ -7,14 +7,14 @@
 //! the block jackknife, above the 97.5 % quantile of Student's t; and left-out folds must be explained no worse. The folds
 //! of some seconds of motion have little power by themselves, because each has speeds of its own.
 //!
-//! References: block jackknife in [`jackknife`](crate::inference::jackknife); the law in
+//! References: block jackknife in [`jackknife`](armident_inference); the law in
 //! [`SublinearViscousFriction`](armident_effects::SublinearViscousFriction); the rule is own.
 
 use armident_numeric::NumericError;
 
 use super::fold_errors::fold_errors;
-use crate::inference::paired_gain::significant_gain;
 use crate::regression::{BatchProblem, BatchSettings, JointRows};
+use armident_inference::significant_gain;
 
 /// A joint with sublinear viscous friction.
 #[derive(Debug, Clone, Copy, PartialEq)]

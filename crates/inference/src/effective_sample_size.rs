@@ -5,8 +5,10 @@
 //!
 //! References: C. J. Geyer, Practical Markov chain Monte Carlo, Statistical Science 7 (1992).
 
+use armident_numeric::dot;
+
 /// Integrated autocorrelation time of some series about their common mean, at least 1: samples per independent sample.
-pub(crate) fn correlation_time(series: &[Vec<f64>]) -> f64 {
+pub fn correlation_time(series: &[Vec<f64>]) -> f64 {
     let count: usize = series.iter().map(Vec::len).sum();
     let mean = series.iter().flatten().sum::<f64>() / count as f64;
     let product = |lag: usize| -> f64 {
@@ -28,6 +30,28 @@ pub(crate) fn correlation_time(series: &[Vec<f64>]) -> f64 {
         time += 2.0 * sum;
     }
     time.max(1.0)
+}
+
+/// Independent samples per row of residuals: one over its autocorrelation time, joints by their number
+/// of rows. The recordings begin at `starts`, whose last is the end. Model discrepancy has a longer correlation time
+/// than noise in the band.
+pub fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz: f64) -> f64 {
+    // the duration of a motion; beyond, the estimate is noise
+    const LONGEST_S: f64 = 2.0;
+    let mut time = 0.0;
+    for residual in residual {
+        let square = dot(residual, residual).max(f64::MIN_POSITIVE);
+        let correlation = |lag: usize| -> f64 {
+            let pairs = starts.windows(2).map(|p| &residual[p[0]..p[1]]);
+            pairs
+                .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
+                .sum::<f64>()
+                / square
+        };
+        let lags = (1..(LONGEST_S * rows_hz) as usize).map(correlation);
+        time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
+    }
+    residual.len() as f64 / time
 }
 
 #[cfg(test)]

@@ -12,10 +12,10 @@
 use armident_numeric::AccumulatedQr;
 
 /// Fewer blocks than this give no standard errors.
-pub(crate) const FEWEST_BLOCKS: usize = 4;
+pub const FEWEST_BLOCKS: usize = 4;
 
 /// The triangle of all blocks but one, for each one.
-pub(crate) fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
+pub fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
     let empty = AccumulatedQr::new(blocks[0].unknowns());
     let joined = |a: &AccumulatedQr, b: &AccumulatedQr| {
         let mut both = a.clone();
@@ -37,7 +37,7 @@ pub(crate) fn leave_one_out(blocks: &[AccumulatedQr]) -> Vec<AccumulatedQr> {
 }
 
 /// Distance of each estimate (`[block][parameter]`) from the mean of all.
-pub(crate) fn deviations(estimates: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub fn deviations(estimates: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let parameters = estimates.first().map_or(0, Vec::len);
     let count = estimates.len() as f64;
     let mean = |k: usize| estimates.iter().map(|x| x[k]).sum::<f64>() / count;
@@ -46,8 +46,16 @@ pub(crate) fn deviations(estimates: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// Standard error from the sum of squared deviations of `blocks` estimates.
-pub(crate) fn standard_error(sum_of_squares: f64, blocks: usize) -> f64 {
+pub fn standard_error(sum_of_squares: f64, blocks: usize) -> f64 {
     (sum_of_squares * (blocks - 1) as f64 / blocks as f64).sqrt()
+}
+
+/// Variance from the estimates of one parameter, one a left-out block.
+pub fn variance(estimates: &[f64]) -> f64 {
+    let count = estimates.len() as f64;
+    let mean = estimates.iter().sum::<f64>() / count;
+    let squares: f64 = estimates.iter().map(|x| (x - mean).powi(2)).sum();
+    (count - 1.0) / count * squares
 }
 
 #[cfg(test)]

@@ -6,11 +6,19 @@
 //! References: own; the paired comparison is that of T. G. Dietterich, Approximate statistical tests for comparing
 //! supervised classification learning algorithms, Neural Computation 10 (1998).
 
+/// Mean of the gains of folds over its standard error: the paired t statistic.
+pub fn paired_t(gains: &[f64]) -> f64 {
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
+}
+
 /// Share by which the errors of some columns fall (geometric mean over columns and folds); none unless the mean is
 /// positive and above `least_t` of its standard errors.
 ///
 /// `before` and `after` are squared errors as `[fold][column]`.
-pub(crate) fn significant_gain(
+pub fn significant_gain(
     before: &[Vec<f64>],
     after: &[Vec<f64>],
     columns: &[usize],
@@ -24,9 +32,7 @@ pub(crate) fn significant_gain(
         })
         .collect();
     let mean = gains.iter().sum::<f64>() / count;
-    let squares: f64 = gains.iter().map(|g| (g - mean).powi(2)).sum();
-    let error = (squares / (count * (count - 1.0))).sqrt();
-    (mean > 0.0 && mean > least_t * error).then(|| 1.0 - (-mean).exp())
+    (mean > 0.0 && paired_t(&gains) > least_t).then(|| 1.0 - (-mean).exp())
 }
 
 #[cfg(test)]
