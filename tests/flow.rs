@@ -48,7 +48,7 @@ const ARROWS: [(&str, &[&str]); 16] = [
             "recording",
         ],
     ),
-    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model"]),
+    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model", "motion"]),
     ("page", &["effects", "kinematics", "motion", "recording", "report"]),
     (
         "challenge",

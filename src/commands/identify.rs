@@ -1,10 +1,8 @@
 //! `armident identify`.
 
 mod batch;
-mod notes;
 mod payloads;
 mod planned;
-mod report;
 
 use std::path::PathBuf;
 

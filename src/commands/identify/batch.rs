@@ -7,8 +7,9 @@ use armident_ident::{
 };
 use armident_page::Correlation;
 use armident_recording::Recording;
+use armident_report::IdentifyReport;
 
-use super::{Identified, notes, payloads, report};
+use super::{Identified, payloads};
 use crate::args::{CouplingArg, IdentifyArgs, PriorArg, ViscousArg};
 use crate::commands::recordings;
 use crate::failure::Failure;
@@ -56,14 +57,17 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
     drop(stage);
     let mut found = found.map_err(|error| failure(error, [&train, &holdout]))?;
     let [train, holdout] = found.converted.take().unwrap_or([train, holdout]);
-    let mut report = report::of_batch(&found, args.method.name(), &loads);
+    let mut report = IdentifyReport::of_batch(&found, args.method.name(), &loads);
     report.recordings = train.iter().map(|r| r.source.clone()).collect();
     report.holdout_recordings = holdout.iter().map(|r| r.source.clone()).collect();
-    report.notes = recordings::notes(found.train_motions.iter().chain(&found.holdout_motions));
-    report.notes.extend(unused);
-    report.notes.extend(notes::notes(&found));
-    report.warnings = given.chain.warnings.iter().map(ToString::to_string).collect();
-    report.warnings.extend(notes::warnings(&found));
+    let motions = found.train_motions.iter().chain(&found.holdout_motions);
+    let mut notes = recordings::notes(motions);
+    notes.extend(unused);
+    notes.append(&mut report.notes);
+    report.notes = notes;
+    let mut warnings: Vec<String> = given.chain.warnings.iter().map(ToString::to_string).collect();
+    warnings.append(&mut report.warnings);
+    report.warnings = warnings;
     report.warnings.extend(report.consistency.iter().flat_map(|links| links.warnings()));
     let correlation = correlation(&found);
     Ok(Identified {

@@ -6,8 +6,10 @@ use armident_ident::experiment::{PLAN_SCHEMA, Plan};
 use armident_ident::{PlannedIdentification, PlannedRequest, identify_planned};
 use armident_recording::Recording;
 
+use armident_report::IdentifyReport;
+
+use super::Identified;
 use super::batch::failure;
-use super::{Identified, report};
 use crate::args::IdentifyArgs;
 use crate::commands::recordings;
 use crate::failure::Failure;
@@ -53,7 +55,7 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
     let mut found =
         identify_planned(&request).map_err(|error| failure(error, [&recordings, &[]]))?;
     found.model.provenance.push(format!("Algorithm 2 on {}", folder.display()));
-    let mut report = report::of_planned(&found);
+    let mut report = IdentifyReport::of_planned(&found);
     report.recordings = recordings.iter().map(|r| r.source.clone()).collect();
     report.warnings = model.chain.warnings.iter().map(ToString::to_string).collect();
     report.warnings.extend(step_warnings(&found));

@@ -2,7 +2,9 @@
 
 mod check;
 mod diagnosis;
+mod identification;
 mod identify;
+mod identify_notes;
 mod validate;
 
 pub use diagnosis::text_of_sections;

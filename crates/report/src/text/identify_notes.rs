@@ -6,7 +6,7 @@ use armident_ident::{CouplingFound, EstimateNote, Identification, SublinearFound
 const NOT_IDENTIFIED: f64 = 1e-3;
 
 /// What was chosen on the way.
-pub(super) fn notes(found: &Identification) -> Vec<String> {
+pub(crate) fn notes(found: &Identification) -> Vec<String> {
     let joints = found.model.chain.joint_names();
     let mut notes = Vec::new();
     for CouplingFound { coupling, gain } in &found.structure.couplings {
@@ -59,7 +59,7 @@ pub(super) fn notes(found: &Identification) -> Vec<String> {
 }
 
 /// What is doubtful about the estimate; warnings about the links are those of their projection.
-pub(super) fn warnings(found: &Identification) -> Vec<String> {
+pub(crate) fn warnings(found: &Identification) -> Vec<String> {
     let joints = found.model.chain.joint_names();
     let mut warnings = Vec::new();
     if found.drive_gains.as_ref().is_some_and(|gains| !gains.absolute) {
