@@ -34,7 +34,7 @@ impl Finding {
         match (law.and_then(|law| law.operating), index) {
             (Some(OperatingTerm::Gain), Some(j)) => model.channel_gain[j] = before.channel_gain[j],
             (Some(OperatingTerm::EncoderZero), Some(j)) => {
-                model.encoder_offset[j] = before.encoder_offset[j]
+                model.encoder_offset[j] = before.encoder_offset[j];
             }
             (Some(OperatingTerm::Tilt), _) => model.base_tilt_rad = before.base_tilt_rad,
             (Some(OperatingTerm::Delay), _) => model.effort_delay_s = before.effort_delay_s,
