@@ -132,7 +132,7 @@ fn added_law_is_exported_or_lost() {
     let urdf = urdf_in(&library(), &model);
     assert!(urdf.held.is_empty());
     assert_eq!((urdf.lost[0].effect.as_str(), urdf.lost[0].parameters[0]), ("cubic_drag", 2.0));
-    assert_eq!(urdf.lost[0].reason, "not supported");
+    assert_eq!(urdf.lost[0].reason, "not supported by the format");
     assert!(parse_urdf(&urdf.text, "exported").is_ok());
     let mjcf = mjcf_in(&library(), &model);
     assert!(mjcf.lost.is_empty() && mjcf.text.contains("cubicdamping=\"2\""), "{}", mjcf.text);

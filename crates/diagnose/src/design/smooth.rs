@@ -24,13 +24,12 @@ const MARGIN: f64 = 0.1;
 /// prior; and how many times weaker the coefficients themselves are held.
 const ROUGHNESS: f64 = 2.0;
 const LEVEL_OVER_ROUGHNESS: f64 = 10.0;
-/// Most directions of a description.
+/// Most directions of a smooth term.
 const MOST_DIRECTIONS: usize = 40;
-/// Descriptions offered to the search for one joint.
+/// Smooth terms offered to the search for one joint.
 const OFFERED: usize = 2;
 
-/// Places of the laws that these functions contain on their joint: beside the description these
-/// cannot be told apart.
+/// Roles of the laws that these functions contain on their joint: beside the smooth term these are not distinguishable.
 fn places(basis: &SmoothBasis, joint: &str) -> Vec<Role> {
     let mut places = vec![Role::Unnamed];
     let own = |name: &str| name == joint;

@@ -18,7 +18,7 @@ use armident_motion::Signals;
 
 /// Share of the time of the reference in which a joint is no faster than its usual speed,
 const USUAL: f64 = 0.99;
-/// and how many times that it may be for its friction to be known: laws bend over more than a fifth.
+/// and how many times that it may be for its friction to be known: laws are nonlinear over more than a fifth.
 const FASTER: f64 = 1.2;
 
 /// Training recordings and the arm they are compared with.

@@ -47,7 +47,7 @@ pub(crate) enum ScaleCriterion {
 pub(crate) struct SearchState {
     pub(crate) candidates: Vec<Candidate>,
     /// candidates whose constants were refined
-    pub(crate) polished: Vec<Candidate>,
+    pub(crate) refined: Vec<Candidate>,
     /// ripple is not offered on these joints: its order was no whole number
     pub(crate) no_ripple: HashSet<usize>,
     /// prior scale of the last iteration
@@ -61,7 +61,7 @@ impl SearchState {
     pub(crate) fn new(criterion: ScaleCriterion) -> Self {
         Self {
             candidates: Vec::new(),
-            polished: Vec::new(),
+            refined: Vec::new(),
             no_ripple: HashSet::new(),
             scale: None,
             criterion,

@@ -67,8 +67,8 @@ pub(crate) fn with_simulated_candidates(
             let near = nearest(problem, metric, &found.estimate, offered);
             let worth = |n: &Estimate| side == LinkSide::Spring || n.score < found.estimate.score;
             if let Some(near) = near.filter(worth) {
-                let polished = refine(design, at, contact, problem, metric, state, near, one);
-                starts.push(polished.set);
+                let refined = refine(design, at, contact, problem, metric, state, near, one);
+                starts.push(refined.set);
             }
         }
     }
@@ -114,7 +114,7 @@ pub(crate) fn with_simulated_candidates(
     best.unwrap_or(fallback)
 }
 
-/// The best estimate with one of the offered candidates beside what it does not exclude.
+/// The best estimate with one of the offered candidates beside those it does not exclude.
 fn nearest(
     problem: &LinearProblem,
     (scale, inflated): (f64, &[InflatedLink]),
