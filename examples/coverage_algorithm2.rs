@@ -11,7 +11,7 @@
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::MinimalSet;
-use armident_ident::algorithm2::{PlanSettings, algorithm2, plan};
+use armident_ident::experiment::{PlanSettings, algorithm2, plan};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};

@@ -13,12 +13,14 @@
 #![allow(clippy::print_stdout, reason = "the table is the output")]
 
 use armident_effects::EffectOnJoint;
-use armident_ident::{BatchProblem, BatchSettings, Method, MinimalSet, Sought, Term};
+use armident_ident::estimators::{Estimator, by_name};
+use armident_ident::{
+    BatchProblem, BatchSettings, IdentifyRequest, MinimalSet, StructureSearch, Term, identify,
+};
 use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
 use armident_model::ArmModel;
-use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
 use nalgebra::{Matrix3, Matrix4, Vector3};
@@ -38,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let seeds: u64 = arguments.next().map_or(Ok(200), |a| a.parse())?;
     let name = arguments.next().unwrap_or_else(|| "irls".to_owned());
-    let method = Method::ALL.into_iter().find(|m| m.name() == name).ok_or("no such method")?;
+    let estimator = by_name(&name).ok_or("no such method")?;
 
     let prior = arguments.next().unwrap_or_else(|| "urdf".to_owned());
     let (settings, of_prior) = match prior.as_str() {
@@ -70,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ),
     };
 
-    let study = study(seeds, method, &settings, arms)?;
+    let study = study(seeds, estimator, &settings, arms)?;
     let Study { count, labels, true_values, inside, inside_white, .. } = &study;
     let Study { from_prior, off, off_squares, cutoffs, .. } = &study;
     let count = *count;
@@ -144,17 +146,17 @@ pub(crate) enum Arms {
 /// Identifies so many recordings, each with a seed of its own.
 pub(crate) fn study(
     seeds: u64,
-    method: Method,
+    estimator: &dyn Estimator,
     settings: &BatchSettings,
     arms: Arms,
 ) -> Result<Study, Box<dyn std::error::Error>> {
     let robot = load_urdf("urdf/ur5.urdf".as_ref())?;
     let chain = SerialChain::from_description(&robot, &ChainSelection::default())?;
-    let believed = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
-    let names: Vec<String> = believed.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let given = ArmModel::from_chain(DrivingAxisChain::from_chain(&chain));
+    let names: Vec<String> = given.chain.joints.iter().map(|j| j.name.clone()).collect();
     let joints: Vec<&str> = names.iter().map(String::as_str).collect();
     let effects = friction(&names);
-    let rigid = believed.rigid_arm();
+    let rigid = given.rigid_arm();
     let set = MinimalSet::of(&rigid)?;
     let problem = BatchProblem::new(&rigid, &set);
     let values_of = |truth: &ArmModel| true_values(&problem, &set, truth, &effects, &names);
@@ -165,19 +167,24 @@ pub(crate) fn study(
     let mut cutoffs = Vec::new();
     let mut sums = vec![0.0; count];
     for seed in 0..seeds {
-        let truth = true_arm(&believed, arms, seed)?;
+        let truth = true_arm(&given, arms, seed)?;
         let arm = SimulatedArm::new(truth.rigid_arm(), &names, &effects)?;
         let true_values = values_of(&truth);
         sums.iter_mut().zip(&true_values).for_each(|(sum, value)| *sum += value);
         let recording = recording(&arm, &names, seed)?;
-        let motion = Motion::from_recording(&recording, &joints, &MotionSettings::default())?;
-        cutoffs.extend(motion.filter.as_ref().map(|f| f.cutoff_hz()));
-        let mut problem = problem.clone();
-        let settings = problem.choose(&[&motion], settings, Sought::NOTHING)?.settings;
-        let (rows, found, _) = problem.solve_by(method, &believed, &[&motion], &settings)?;
-        let white = problem.estimate_with(&rows, &settings)?;
+        let identified = identify(&IdentifyRequest {
+            estimator,
+            settings: *settings,
+            search: StructureSearch::NOTHING,
+            decimate: false,
+            project: false,
+            ..IdentifyRequest::new(&given, std::slice::from_ref(&recording))
+        })?;
+        cutoffs.extend(identified.cutoff_hz);
+        let (found, settings) = (&identified.estimate, &identified.structure.settings);
+        let white = identified.problem.estimate_with(&identified.rows, settings)?;
         for k in 0..count {
-            from_prior[k] += found.from_prior[k];
+            from_prior[k] += found.prior_share[k];
             let hit = |error: Option<f64>, value: f64, quantile: f64| {
                 error.is_none_or(|e| (value - true_values[k]).abs() <= quantile * e)
             };
@@ -212,11 +219,11 @@ const DRAWN_ERROR: f64 = 0.3;
 
 /// The links, as the URDF does not know them.
 fn true_arm(
-    believed: &ArmModel,
+    given: &ArmModel,
     arms: Arms,
     seed: u64,
 ) -> Result<ArmModel, Box<dyn std::error::Error>> {
-    let mut truth = believed.clone();
+    let mut truth = given.clone();
     match arms {
         Arms::HeavierForearm => {
             let forearm = &mut truth.chain.joints[2].link;
@@ -281,7 +288,7 @@ fn friction(names: &[String]) -> Vec<EffectOnJoint> {
 
 /// True value of every unknown, merged rotors included.
 fn true_values(
-    problem: &BatchProblem<'_>,
+    problem: &BatchProblem,
     set: &MinimalSet,
     truth: &ArmModel,
     effects: &[EffectOnJoint],

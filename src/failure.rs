@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::path::Path;
 
 use armident_diagnose::{DiagnoseError, Unusable};
-use armident_ident::algorithm2::Algorithm2Error;
+use armident_ident::experiment::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
 use armident_model::ModelError;
 use armident_recording::RecordingError;
@@ -138,15 +138,16 @@ impl From<armident_ident::ConsistencyError> for Failure {
     }
 }
 
-impl From<armident_ident::MethodError> for Failure {
-    fn from(error: armident_ident::MethodError) -> Self {
+impl From<armident_ident::estimators::EstimatorError> for Failure {
+    fn from(error: armident_ident::estimators::EstimatorError) -> Self {
+        use armident_ident::estimators::EstimatorError;
         match error {
-            armident_ident::MethodError::Numeric(error) => error.into(),
-            other => Self::new(
-                other,
-                "--method iv",
-                Some("use --method wls, or --prior urdf: a link without mass cannot be simulated"),
-            ),
+            EstimatorError::Numeric(error) => error.into(),
+            EstimatorError::Unsuitable { estimator, ref hint, .. } => {
+                let hint = hint.clone();
+                Self::new(error, format!("--method {estimator}"), Some(hint))
+            }
+            other => Self::new(other, "--method", None::<String>),
         }
     }
 }

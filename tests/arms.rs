@@ -45,7 +45,7 @@ fn rotation_of([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
     )
 }
 
-/// Turn by an angle about a unit axis (Rodrigues).
+/// ReversalModel by an angle about a unit axis (Rodrigues).
 fn turn(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
     let k = axis.cross_matrix();
     Matrix3::identity() + k * angle.sin() + k * k * (1.0 - angle.cos())

@@ -1,6 +1,7 @@
 //! A small fixed sample of the study in `docs/studies/batch_coverage.md`.
 
-use armident_ident::{BatchSettings, Method};
+use armident_ident::BatchSettings;
+use armident_ident::estimators::Huber;
 
 #[allow(dead_code, reason = "its table is not printed here")]
 #[path = "../examples/coverage_batch.rs"]
@@ -14,7 +15,7 @@ fn intervals_have_nominal_coverage() {
     let recordings = 8;
     for arms in [study::Arms::HeavierForearm, study::Arms::Drawn] {
         let settings = BatchSettings::default();
-        let found = study::study(recordings, Method::Irls, &settings, arms).unwrap();
+        let found = study::study(recordings, &Huber, &settings, arms).unwrap();
         let cases = recordings * found.count as u64;
         let inside: u64 = found.inside.iter().sum();
         let share = inside as f64 / cases as f64;

@@ -10,8 +10,9 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("numeric", &[]),
+    ("inference", &["numeric"]),
     ("kinematics", &[]),
     ("dynamics", &["kinematics"]),
     ("effects", &["dynamics", "kinematics"]),
@@ -24,6 +25,7 @@ const ARROWS: [(&str, &[&str]); 15] = [
         &[
             "dynamics",
             "effects",
+            "inference",
             "kinematics",
             "model",
             "motion",
@@ -34,7 +36,17 @@ const ARROWS: [(&str, &[&str]); 15] = [
     ),
     (
         "diagnose",
-        &["dynamics", "effects", "ident", "kinematics", "model", "motion", "numeric", "recording"],
+        &[
+            "dynamics",
+            "effects",
+            "ident",
+            "inference",
+            "kinematics",
+            "model",
+            "motion",
+            "numeric",
+            "recording",
+        ],
     ),
     ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model"]),
     ("page", &["effects", "kinematics", "motion", "recording", "report"]),

@@ -43,6 +43,8 @@ mod diagnose;
 mod export;
 /// a law added from outside the crates
 mod extend;
+/// an estimator from outside the library
+mod extend_estimator;
 /// a log format of another crate
 mod extend_format;
 /// MCAP compared with CSV

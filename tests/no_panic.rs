@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use armident_ident::algorithm2::{Plan, algorithm2};
+use armident_ident::experiment::{Plan, algorithm2};
 use armident_ident::{BatchProblem, MinimalSet};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf_bytes};
 use armident_model::ArmModel;

@@ -5,14 +5,13 @@ use std::error::Error;
 use std::path::Path;
 
 use armident_diagnose::{DiagnoseError, DiagnoseRequest, Diagnosis, Finding, Placebo, diagnose};
-use armident_ident::{
-    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
-};
+use armident_ident::estimators::{Estimator, Ols, TrainingData};
+use armident_ident::{BatchProblem, BatchSettings, IdentifyRequest, MinimalSet, identify};
 use armident_model::{ArmModel, BandPrediction, PredictError};
 use armident_recording::Recording;
 use armident_report::unit_after_number;
 
-use crate::estimators::{STRETCHES, in_errors};
+use crate::estimators::{BLOCKS, in_errors};
 use crate::sets::{Data, KeptOut, SETS, part};
 
 /// Share of a recording that is fitted where there is only one; it is cut in two.
@@ -27,7 +26,7 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         "RMS effort error (unfiltered, all samples) on hold-out motion: the last {:.0} % of a single recording; \
          the two halves of the rest are the training recordings. *Plain* is plain least squares as above, \
          *identified* the model saved by `identify` with default options, on the same training recordings with \
-         the same low-pass. In brackets: mean logarithm of the ratio over {STRETCHES} blocks of the hold-out, \
+         the same low-pass. In brackets: mean logarithm of the ratio over {BLOCKS} blocks of the hold-out, \
          in standard errors. The hold-out is not used for the findings. Joints whose column fails the input \
          check are excluded.\n",
         100.0 * (1.0 - TRAINING_SHARE)
@@ -206,7 +205,7 @@ impl Judged {
                 identified.rmse,
                 diagnosed.rmse,
                 diagnosed.rmse / plain.rmse,
-                in_errors(&diagnosed.stretches, &plain.stretches),
+                in_errors(&diagnosed.block_rms, &plain.block_rms),
             );
         }
     }
@@ -221,7 +220,7 @@ fn halves(whole: &Recording) -> Result<Vec<Recording>, Box<dyn Error>> {
 /// Of one joint on the hold-out.
 struct JointError {
     rmse: f64,
-    stretches: Vec<f64>,
+    block_rms: Vec<f64>,
 }
 
 /// Errors of predicted efforts, `[recording][joint][sample]`.
@@ -239,8 +238,8 @@ fn errors(
         }
         squares.retain(|s| !s.is_nan());
         let rms = |s: &[f64]| (s.iter().sum::<f64>() / s.len() as f64).sqrt();
-        let stretches = squares.chunks(squares.len().div_ceil(STRETCHES)).map(rms).collect();
-        Ok(JointError { rmse: rms(&squares), stretches })
+        let block_rms = squares.chunks(squares.len().div_ceil(BLOCKS)).map(rms).collect();
+        Ok(JointError { rmse: rms(&squares), block_rms })
     };
     joints.iter().enumerate().map(of_joint).collect()
 }
@@ -269,14 +268,16 @@ fn plain_errors(
     let problem = BatchProblem::new(&arm, &minimal);
     let motions = data.motions(train)?;
     let all: Vec<_> = motions.iter().collect();
-    let (_, found, _) = problem.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
+    let rows = problem.accumulate(&all);
+    let training = TrainingData { model, motions: &all, rows: &rows };
+    let found = Ols.fit(&problem, &training, &BatchSettings::PLAIN)?;
     errors_with(data, &problem, &minimal, &found.values, holdout)
 }
 
 /// With the values of an estimate, through the low-pass of the set's baseline.
 fn errors_with(
     data: &Data,
-    problem: &BatchProblem<'_>,
+    problem: &BatchProblem,
     minimal: &MinimalSet,
     values: &[f64],
     holdout: &[Recording],
@@ -322,33 +323,12 @@ fn identified_errors(
 ) -> Result<Vec<JointError>, Box<dyn Error>> {
     let model = &data.model;
     let names = model.chain.joint_names();
-    let arm = model.rigid_arm();
-    let minimal = MinimalSet::of(&arm)?;
-    let is_unreported = unreported(train, &names).iter().map(Option::is_some).collect();
-    let mut problem = BatchProblem::new(&arm, &minimal).with_unreported(is_unreported);
-    let motions = data.motions(train)?;
-    let chosen = problem.choose(
-        &motions.iter().collect::<Vec<_>>(),
-        &BatchSettings::default(),
-        Sought::ALL,
-    )?;
-    let none = Recorded { recordings: &[], motions: &[] };
-    let fitted = BatchFit::of(
-        &problem,
-        model,
-        Method::Irls,
-        &chosen.settings,
-        Recorded { recordings: train, motions: &motions },
-        none,
-    )?;
-    let real = problem.nearest_consistent(&fitted.estimate)?;
-    let found = ArmModel {
-        effects: problem.consistent_effects(&real, &names),
-        recorded_velocities: fitted.velocity_gain.is_some(),
-        reversals: problem.turns.clone(),
-        shown: Some(problem.shown(&fitted.rows, &real.estimated)),
-        ..model.clone().with_links(&real.links)
+    let request = IdentifyRequest {
+        cutoff_hz: Some(data.cutoff_hz),
+        decimate: false,
+        ..IdentifyRequest::new(model, train)
     };
+    let found = identify(&request)?.model;
     let predicted = |recording: &Recording| -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
         let motions = data.motions(std::slice::from_ref(recording))?;
         let motion = motions.into_iter().next().ok_or("no motion")?;

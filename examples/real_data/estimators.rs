@@ -3,17 +3,19 @@
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::check::with_drive_signals;
+use armident_ident::checks::with_drive_signals;
+use armident_ident::estimators::{ALL, Estimator, Ols, TrainingData};
 use armident_ident::{
-    BatchFit, BatchProblem, BatchSettings, Method, MinimalSet, Recorded, Sought, unreported,
-    used_samples,
+    BatchProblem, BatchSettings, IdentifyRequest, MinimalSet, Prepared, used_samples,
 };
-use armident_motion::{Motion, with_recorded_velocity};
+use armident_motion::Motion;
 
 use crate::sets::{Data, KeptOut, SETS, Set};
 
-/// Stretches that a hold-out is cut into, for the scatter of the difference of two errors.
-pub(crate) const STRETCHES: usize = 8;
+/// Blocks that a hold-out is divided into, for the standard error of the difference of two errors.
+pub(crate) const BLOCKS: usize = 8;
+/// The estimator of `identify` unless another is given.
+const DEFAULT: &str = "irls";
 /// Share of a recording that is fitted where there is only one.
 const TRAINING_SHARE: f64 = 2.0 / 3.0;
 
@@ -31,20 +33,20 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
          counted: the column differs from the joint's effort, and predictions are scaled by the share of the \
          effort that it shows in the training motion.\n"
     );
-    println!("| set | joint | plain | {} |", Method::ALL.map(Method::name).join(" | "));
-    println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
-    let mut gains = vec![Vec::new(); Method::ALL.len()];
+    println!("| set | joint | plain | {} |", ALL.map(Estimator::name).join(" | "));
+    println!("| --- | --- |{}", " ---: |".repeat(1 + ALL.len()));
+    let mut gains = vec![Vec::new(); ALL.len()];
     let mut notes = Vec::new();
     for set in &SETS {
         table(set, folder, &mut gains, &mut notes)?;
     }
     println!("\nError relative to *plain*, geometric mean over all counted joints:\n");
-    for (method, logs) in Method::ALL.iter().zip(&gains) {
+    for (estimator, logs) in ALL.iter().zip(&gains) {
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
         let above = logs.iter().filter(|log| **log > 0.0).count();
         println!(
             "* `{}`: {:.3}, above *plain* on {above} of {}",
-            method.name(),
+            estimator.name(),
             mean.exp(),
             logs.len()
         );
@@ -75,14 +77,20 @@ fn table(
     let plain = BatchProblem::new(&arm, &minimal);
     let rows = plain.accumulate(&all);
     let judged = plain.accumulate(&holdout_motions.iter().collect::<Vec<_>>());
-    let mut default_stretches = None;
-    let (_, found, _) = plain.solve_by(Method::Ols, model, &all, &BatchSettings::PLAIN)?;
-    let plain_stretches = stretches(&plain, &holdout_motions, &found.values);
+    let mut default_blocks = None;
+    let training = TrainingData { model, motions: &all, rows: &rows };
+    let found = Ols.fit(&plain, &training, &BatchSettings::PLAIN)?;
+    let plain_blocks = block_errors(&plain, &holdout_motions, &found.values);
     let mut columns = vec![(plain.fit(&judged, &found.values), plain.fit(&rows, &found.values))];
-    let unreported = unreported(&train, &names);
-    let is_unreported: Vec<bool> = unreported.iter().map(Option::is_some).collect();
-    let mut problem = BatchProblem::new(&arm, &minimal).with_unreported(is_unreported);
-    for (name, share) in names.iter().zip(&unreported) {
+    let request = IdentifyRequest {
+        holdout: &holdout,
+        cutoff_hz: Some(data.cutoff_hz),
+        decimate: false,
+        ..IdentifyRequest::new(model, &train)
+    };
+    let prepared = Prepared::of(&request)?;
+    let dead_zone_shares = prepared.dead_zone_shares();
+    for (name, share) in names.iter().zip(dead_zone_shares) {
         let Some(share) = share else { continue };
         notes.push(format!(
             "{}: the effort column of {name} has a dead zone (one value in {:.0} % of the moving samples), not counted",
@@ -90,7 +98,7 @@ fn table(
             100.0 * share
         ));
     }
-    let chosen = problem.choose(&all, &BatchSettings::default(), Sought::ALL)?;
+    let chosen = prepared.structure();
     for found in &chosen.couplings {
         let [a, b] = found.coupling.joints().map(|joint| names[joint]);
         notes.push(format!(
@@ -103,43 +111,25 @@ fn table(
     if let Some(relative) = chosen.settings.link_prior {
         notes.push(format!("{}: prior scale {:.0} %", set.folder, 100.0 * relative));
     }
-    for method in Method::ALL {
-        let fitted = BatchFit::of(
-            &problem,
-            model,
-            method,
-            &chosen.settings,
-            Recorded { recordings: &train, motions: &train_motions },
-            Recorded { recordings: &holdout, motions: &holdout_motions },
-        );
-        match fitted {
-            Ok(fitted) => {
-                let judged = fitted.holdout_rows.as_ref().ok_or("no hold-out")?;
-                if let Some(found) = fitted.endogeneity {
-                    let term = problem.label(&problem.terms[found.term], &names);
+    for estimator in ALL {
+        match prepared.fit(estimator) {
+            Ok(found) => {
+                let judged = found.errors.holdout.clone().ok_or("no hold-out")?;
+                if let Some(tested) = found.estimate.endogeneity() {
+                    let term = found.problem.label(&found.problem.terms[tested.term], &names);
                     notes.push(format!(
                         "{}: Durbin-Wu-Hausman p = {:.2} (largest shift: {term}, {:+.1} standard errors)",
-                        set.folder, found.p, found.t
+                        set.folder, tested.p, tested.t
                     ));
                 }
-                let links = problem.nearest_consistent(&fitted.estimate)?;
-                if method == Method::Irls {
-                    let with_recorded = |(m, r)| with_recorded_velocity(m, r);
-                    let recorded = holdout_motions.iter().zip(&holdout).map(with_recorded);
-                    let motions = match fitted.velocity_gain {
-                        Some(_) => recorded.collect::<Option<Vec<_>>>().ok_or("no velocities")?,
-                        None => holdout_motions.clone(),
-                    };
-                    default_stretches = Some(stretches(&problem, &motions, &links.estimated));
+                if estimator.name() == DEFAULT {
+                    default_blocks =
+                        Some(block_errors(&found.problem, &found.holdout_motions, found.values()));
                 }
-                let shown = problem.shown(&fitted.rows, &links.estimated);
-                columns.push((
-                    problem.fit_as_shown(judged, &links.estimated, &shown),
-                    problem.fit_as_shown(&fitted.rows, &links.estimated, &shown),
-                ));
+                columns.push((judged, found.errors.train.clone()));
             }
             Err(error) => {
-                notes.push(format!("{}, {}: {error}", set.folder, method.name()));
+                notes.push(format!("{}, {}: {error}", set.folder, estimator.name()));
                 columns.push((Vec::new(), Vec::new()));
             }
         }
@@ -158,12 +148,12 @@ fn table(
             })
             .collect();
         println!("| {} | {joint} | {} |", set.folder, cells.join(" | "));
-        if unreported[j].is_some() {
+        if dead_zone_shares[j].is_some() {
             continue;
         }
-        let place = 1 + Method::ALL.iter().position(|m| *m == Method::Irls).unwrap_or(0);
+        let place = 1 + ALL.iter().position(|estimator| estimator.name() == DEFAULT).unwrap_or(0);
         if let (Some(found), Some(plain), Some(of_default)) =
-            (error(place), error(0), &default_stretches)
+            (error(place), error(0), &default_blocks)
             && found > plain
         {
             notes.push(format!(
@@ -171,8 +161,8 @@ fn table(
                  blocks of the hold-out (logarithms of the errors)",
                 set.folder,
                 100.0 * (found / plain - 1.0),
-                in_errors(&of_default[j], &plain_stretches[j]),
-                plain_stretches[j].len(),
+                in_errors(&of_default[j], &plain_blocks[j]),
+                plain_blocks[j].len(),
             ));
         }
         for (k, gains) in gains.iter_mut().enumerate() {
@@ -184,10 +174,10 @@ fn table(
     Ok(())
 }
 
-/// Per joint, the errors on stretches of motions.
-fn stretches(problem: &BatchProblem<'_>, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
+/// Per joint, the errors on blocks of motions.
+fn block_errors(problem: &BatchProblem, motions: &[Motion], values: &[f64]) -> Vec<Vec<f64>> {
     let mut errors = vec![Vec::new(); problem.arm().dof()];
-    let each = STRETCHES.div_ceil(motions.len());
+    let each = BLOCKS.div_ceil(motions.len());
     for motion in motions {
         let used = used_samples(motion);
         let at = |k: usize| used.start + k * used.len() / each;

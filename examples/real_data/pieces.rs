@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use armident_ident::check::{Check, Topic, Verdict, check, with_drive_signals};
+use armident_ident::checks::{Check, Topic, Verdict, check, with_drive_signals};
 use armident_model::ArmModel;
 use armident_motion::{Motion, MotionSettings, common_cutoff_hz};
 use armident_recording::Recording;

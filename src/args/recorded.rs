@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use armident_ident::Method;
+use armident_ident::estimators::Estimator;
 use clap::{Args, ValueEnum};
 
 use super::arm::recordings;
-use super::value::{PayloadArg, parse_payload, parse_positive};
+use super::value::{PayloadArg, estimators, parse_payload, parse_positive};
 use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -31,29 +31,6 @@ pub(crate) enum ViscousArg {
     Auto,
     /// proportional to speed, as URDF and MJCF require
     Linear,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodArg {
-    /// ordinary least squares
-    Ols,
-    /// weighted least squares, weights from each joint's noise
-    Wls,
-    /// robust weighted least squares (Huber)
-    Irls,
-    /// instrumental variables from the simulated arm, with an endogeneity test
-    Iv,
-}
-
-impl MethodArg {
-    pub(crate) fn method(self) -> Method {
-        match self {
-            Self::Ols => Method::Ols,
-            Self::Wls => Method::Wls,
-            Self::Irls => Method::Irls,
-            Self::Iv => Method::Iv,
-        }
-    }
 }
 
 /// Estimate inertia and friction parameters from recordings
@@ -83,8 +60,8 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
     /// Estimator (ignored with a plan)
-    #[arg(long, value_name = "METHOD", default_value = "irls")]
-    pub(crate) method: MethodArg,
+    #[arg(long, value_name = "METHOD", default_value = "irls", value_parser = estimators())]
+    pub(crate) method: &'static dyn Estimator,
     /// Leave-one-recording-out cross-validation
     #[arg(long)]
     pub(crate) cross_validate: bool,

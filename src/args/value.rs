@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use armident_ident::estimators::{self, Estimator};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
 /// Level of effort noise.
 #[derive(Clone, Copy)]
 pub(crate) enum Noise {
@@ -9,6 +12,14 @@ pub(crate) enum Noise {
     Absolute(f64),
     /// Share of each joint's effort variation.
     Relative(f64),
+}
+
+/// The estimators of the library, by their names.
+pub(super) fn estimators() -> impl TypedValueParser<Value = &'static dyn Estimator> {
+    let values = estimators::ALL
+        .map(|estimator| PossibleValue::new(estimator.name()).help(estimator.description()));
+    PossibleValuesParser::new(values)
+        .try_map(|name| estimators::by_name(&name).ok_or("there is no such estimator"))
 }
 
 pub(super) fn parse_number(text: &str) -> Result<f64, String> {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armident_ident::check::{check, with_drive_signals};
+use armident_ident::checks::{check, with_drive_signals};
 use armident_model::ArmModel;
 use armident_page::Role;
 use armident_report::CheckReport;

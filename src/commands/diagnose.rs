@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use armident_diagnose::{
     DiagnoseError, DiagnoseRequest, Diagnosis, NextMotion, WrongColumns, diagnose,
 };
-use armident_ident::validate::{REPLAY_WINDOW_S, replay};
+use armident_ident::validation::{REPLAY_WINDOW_S, replay};
 use armident_model::{ArmModel, PreparedRecording};
 use armident_motion::common_cutoff_hz;
 use armident_page::Role;

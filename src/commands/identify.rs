@@ -1,15 +1,17 @@
 //! `armident identify`.
 
 mod batch;
+mod notes;
+mod payloads;
 mod planned;
+mod report;
 
 use std::path::PathBuf;
 
-use armident_ident::{Consistent, JointFit, MinimalSet};
 use armident_model::ArmModel;
 use armident_page::{Correlation, Drawing, Role};
 use armident_recording::Recording;
-use armident_report::{ByJoint, ConstantRow, FitRows, IdentifyReport};
+use armident_report::IdentifyReport;
 
 use super::recordings;
 use crate::args::IdentifyArgs;
@@ -58,57 +60,11 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
 }
 
-/// What an identification leaves: the result, the model, and what a page draws.
+/// The result of an identification: the report, the model, and what a page draws.
 struct Identified {
     report: IdentifyReport,
     model: ArmModel,
     /// training and hold-out recordings
     read: [Vec<Recording>; 2],
     correlation: Option<Correlation>,
-}
-
-fn constant_row(
-    set: &MinimalSet,
-    k: usize,
-    joints: &[&str],
-    urdf: f64,
-    found: Option<(f64, f64, f64)>,
-    undetermined: f64,
-    prior_share: f64,
-) -> ConstantRow {
-    let constant = &set.constants[k];
-    ConstantRow {
-        label: constant.label(),
-        joint: joints[constant.joint].to_owned(),
-        unit: constant.unit().to_owned(),
-        value: found.map(|(value, _, _)| value),
-        standard_error: found.map(|(_, error, _)| error),
-        interval_95: found.map(|(value, error, t)| [value - t * error, value + t * error]),
-        urdf,
-        consistent: None,
-        prior_share,
-        undetermined,
-    }
-}
-
-/// Adds the physically consistent values to the estimates, in the order of the set.
-fn add_consistent(rows: &mut [ConstantRow], set: &MinimalSet, found: Option<&Consistent>) {
-    let Some(found) = found else { return };
-    for (k, constant) in set.constants.iter().enumerate() {
-        let label = constant.label();
-        if let Some(row) = rows.iter_mut().find(|row| row.label == label) {
-            row.consistent = Some(found.estimated[k]);
-        }
-    }
-}
-
-fn fit_rows(fits: &[JointFit], joints: &[&str]) -> FitRows {
-    let pick = |value: fn(&JointFit) -> f64| {
-        joints.iter().zip(fits).map(|(j, fit)| ((*j).to_owned(), value(fit))).collect()
-    };
-    FitRows { rmse: pick(|f| f.rmse), relative: pick(|f| f.relative) }
-}
-
-fn by_joint(values: &[f64], joints: &[&str]) -> ByJoint {
-    joints.iter().zip(values).map(|(j, v)| ((*j).to_owned(), *v)).collect()
 }

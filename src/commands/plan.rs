@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use armident_ident::MinimalSet;
-use armident_ident::algorithm2::{Dither, Plan, PlanSettings, plan};
+use armident_ident::experiment::{Dither, Plan, PlanSettings, plan};
 use armident_recording::{JointChannels, Recording, write_csv_to};
 use armident_report::plan_text;
 
@@ -62,7 +62,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
 /// The planned motion of one experiment as a recording without efforts.
 pub(crate) fn trajectory(
     plan: &Plan,
-    experiment: &armident_ident::algorithm2::Experiment,
+    experiment: &armident_ident::experiment::Experiment,
 ) -> Result<Recording, Failure> {
     let planned = plan.trajectory(experiment);
     let joints = plan

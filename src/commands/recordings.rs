@@ -157,21 +157,26 @@ pub(crate) fn motions_with_effort(
                         recording.joint(j).is_none_or(|c| c.channel(Quantity::Effort).is_none())
                     })
                     .collect();
-                let hint = without.iter().find_map(|joint| misspelt_effort(recording, joint));
-                return Err(Failure::new(
-                    format!("no effort column for {}", without.join(", ")),
-                    &recording.source,
-                    Some(hint.unwrap_or_else(|| {
-                        "provide <joint>/effort in N m or N for every chain joint (convert currents and \
-                         voltages with --mapping FILE, see docs/mapping.md), or lock joints without \
-                         one with --lock JOINT=VALUE"
-                            .to_owned()
-                    })),
-                ));
+                return Err(no_effort(recording, &without));
             }
             Ok(motion)
         })
         .collect()
+}
+
+/// A recording lacks the effort of some joints.
+pub(crate) fn no_effort(recording: &Recording, joints: &[&str]) -> Failure {
+    let hint = joints.iter().find_map(|joint| misspelt_effort(recording, joint));
+    Failure::new(
+        format!("no effort column for {}", joints.join(", ")),
+        &recording.source,
+        Some(hint.unwrap_or_else(|| {
+            "provide <joint>/effort in N m or N for every chain joint (convert currents and \
+             voltages with --mapping FILE, see docs/mapping.md), or lock joints without \
+             one with --lock JOINT=VALUE"
+                .to_owned()
+        })),
+    )
 }
 
 /// Hint for an ignored column whose name is close to the effort of a joint.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use armident_ident::validate::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
+use armident_ident::validation::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
 use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_page::Role;

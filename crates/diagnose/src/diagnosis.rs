@@ -4,7 +4,7 @@ use crate::checks::effort_columns::InputChecks;
 use crate::design::known_effort::KnownModel;
 use std::collections::BTreeMap;
 
-use armident_ident::validate::whiteness;
+use armident_inference::whiteness;
 use armident_model::{ArmModel, PreparedRecording};
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! The door: what a diagnosis is asked, and its steps.
 
 use armident_effects::{Effect, TorqueScale};
-use armident_ident::check::Topic;
+use armident_ident::checks::Topic;
 use armident_model::ArmModel;
 use armident_recording::Recording;
 

@@ -6,50 +6,42 @@
 //!
 //! | question | answer |
 //! | --- | --- |
-//! | which constants `x` can be known at all | [`MinimalSet`] (Theorem 2 and Algorithm M) |
-//! | which experiments find them one joint at a time | [`algorithm2::plan`] |
-//! | what do such recordings say | [`algorithm2::algorithm2`] |
-//! | what do ordinary motions say, friction included | [`BatchProblem`] |
-//! | which real links have such constants, or nearly | [`ConsistencyProblem`] |
-//! | the same by another method, with honest errors, judged on hold-outs | [`BatchFit`] |
-//! | do the recordings and their books fit the arm | [`check::check`] |
-//! | the arm with what was found, to predict and to keep | [`armident_model::ArmModel`] |
+//! | which constants `x` the efforts depend on | [`MinimalSet`] (Theorem 2 and Algorithm M) |
+//! | which experiments determine them one joint at a time | [`experiment::plan`] |
+//! | their values from such experiments | [`identify_planned`] (Algorithm 2) |
+//! | their values from ordinary motion, friction included | [`identify`] |
+//! | the same step by step | [`BatchProblem`], [`estimators`] |
+//! | the physically consistent links nearest to an estimate | [`ConsistencyProblem`] |
+//! | whether the columns of recordings are what their headers say | [`checks::check`] |
+//! | how good a model is on a hold-out | [`validation`] |
+//! | the arm with its effects, to predict and to save | [`armident_model::ArmModel`] |
+//!
+//! Rooms from low to high, each using only those before it: `inference` (statistics that know no robot), `used_samples`,
+//! `minimal_set`, `consistency`, `experiment`,
+//! `regression`, `estimators`, `structure`, `calibration`, `checks`, `validation`, `identify`.
 
-mod algorithm1;
-pub mod algorithm2;
-mod batch;
-mod bending;
-pub mod check;
+mod calibration;
+pub mod checks;
 mod consistency;
-mod consistent_estimate;
-mod constant;
-mod coupling;
-mod fit;
-mod gains;
-mod left_out;
-mod link_prior;
-mod methods;
+pub mod estimators;
+pub mod experiment;
+mod identify;
 mod minimal_set;
-mod payload;
-mod quantiles;
-mod rows;
-mod theorem2;
-mod unreported;
-pub mod validate;
+mod regression;
+mod structure;
+mod used_samples;
+pub mod validation;
 
-pub use algorithm1::algorithm1;
-pub use batch::{BatchEstimate, BatchProblem, BatchSettings, JointFit, LAWS, MergedTerm, Term};
-pub use bending::BendFound;
+pub use calibration::{DriveGain, DriveGains, dead_zone_shares};
 pub use consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
-pub use constant::{Constant, Quantity};
-pub use coupling::{Coupling, CouplingFound};
-pub use fit::{BatchFit, Recorded};
-pub use gains::{DriveGain, DriveGains};
-pub use left_out::{Chosen, Sought};
-pub use methods::{Endogeneity, Method, MethodError};
-pub use minimal_set::{DroppedConstant, MinimalSet};
-pub use payload::{KnownLoad, without_loads};
-pub use quantiles::student_t_975;
-pub use rows::{JointRows, used_samples};
-pub use theorem2::Theorem2;
-pub use unreported::unreported;
+pub use identify::{
+    Identification, IdentifyError, IdentifyErrors, IdentifyRequest, JointFriction,
+    PlannedIdentification, PlannedRequest, Prepared, Stage, identify, identify_planned,
+};
+pub use minimal_set::{Constant, DroppedConstant, MinimalSet, Quantity, Theorem2, algorithm1};
+pub use regression::{
+    BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,
+    JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,
+};
+pub use structure::{CouplingFound, Structure, StructureSearch, SublinearFound};
+pub use used_samples::used_samples;

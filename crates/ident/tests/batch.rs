@@ -5,12 +5,13 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_effects::{EVERYDAY, ReversalModel};
+use armident_effects::{BASELINE, ReversalModel};
 use armident_ident::{
-    BatchEstimate, BatchProblem, BatchSettings, Quantity, Sought, Term, unreported, used_samples,
+    BatchEstimate, BatchProblem, BatchSettings, Quantity, StructureSearch, Term, dead_zone_shares,
+    used_samples,
 };
 use armident_kinematics::InertialParameters;
-use armident_model::{ArmModel, Shown};
+use armident_model::{ArmModel, DeadZone};
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};
 use rand::{RngExt, SeedableRng};
@@ -52,7 +53,7 @@ impl Bench {
     }
 
     /// True values of all terms: those of the URDF and the effects, merged ones added on.
-    fn truth(&self, problem: &BatchProblem<'_>, effects: &[[f64; 4]; 6]) -> Vec<f64> {
+    fn truth(&self, problem: &BatchProblem, effects: &[[f64; 4]; 6]) -> Vec<f64> {
         let constants = self.set.values(&self.arm.constants());
         // every law of the library has one parameter
         let value = |term: &Term| match *term {
@@ -78,7 +79,7 @@ fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
 }
 
 #[test]
-fn exact_motion_gives_exact_values_whatever_is_believed() {
+fn exact_motion_gives_exact_values_with_any_prior() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let rows = problem.accumulate(&[&bench.motion(&EFFECTS, None)]);
@@ -88,7 +89,7 @@ fn exact_motion_gives_exact_values_whatever_is_believed() {
         assert_eq!(found.rank, problem.terms.len());
         assert_close(&found.values, &truth, 1e-8);
         assert!(found.at_bound.iter().all(|held| !held));
-        assert!(found.from_prior.iter().all(|share| *share < 1e-12));
+        assert!(found.prior_share.iter().all(|share| *share < 1e-12));
     }
     assert_eq!(
         problem.estimate(&rows).unwrap().values,
@@ -96,9 +97,9 @@ fn exact_motion_gives_exact_values_whatever_is_believed() {
     );
 }
 
-/// The arm is believed to be what the URDF says, but it is another one: the recordings decide.
+/// The prior is about another arm: the recordings decide.
 #[test]
-fn a_wrong_description_does_not_move_what_the_recordings_determine() {
+fn wrong_prior_does_not_bias_identified_parameters() {
     let bench = Bench::new();
     let mut wrong = bench.arm.clone();
     for link in &mut wrong.links {
@@ -111,20 +112,20 @@ fn a_wrong_description_does_not_move_what_the_recordings_determine() {
     assert_close(&found.values, &bench.truth(&problem, &EFFECTS), 1e-8);
 }
 
-/// A drive that rounds its current to zero seems to say without noise that the wrist weighs nothing.
+/// A drive that rounds its current to zero looks like a wrist without mass, and without noise.
 #[test]
-fn a_column_that_leaves_small_efforts_out_does_not_speak_for_the_links() {
+fn dead_zone_channel_does_not_bias_link_inertias() {
     let bench = Bench::new();
     let wrist = 3;
     let sines = Sines::new(1000, 0.0);
-    let heard = bench.motion(&EFFECTS, Some((0.5, 3)));
-    let mut effort = heard.effort.unwrap();
+    let unrounded = bench.motion(&EFFECTS, Some((0.5, 3)));
+    let mut effort = unrounded.effort.unwrap();
     // the last digit is all that is left
     effort[wrist].iter_mut().for_each(|e| *e *= 1e-5);
     let motion = bench.recorded("rounded", &sines, &effort);
     let plain = BatchProblem::new(&bench.arm, &bench.set);
     let truth = bench.truth(&plain, &EFFECTS);
-    let worst = |problem: &BatchProblem<'_>| -> f64 {
+    let worst = |problem: &BatchProblem| -> f64 {
         let found = problem.estimate_with(&problem.accumulate(&[&motion]), &SIGNS_ONLY).unwrap();
         let constants = (0..problem.terms.len())
             .filter(|&k| matches!(problem.terms[k], Term::Constant(_)))
@@ -132,14 +133,14 @@ fn a_column_that_leaves_small_efforts_out_does_not_speak_for_the_links() {
         constants.fold(0.0, f64::max)
     };
     assert!(worst(&plain) > 100.0, "{}", worst(&plain));
-    let deaf = plain.with_unreported((0..6).map(|joint| joint == wrist).collect());
-    assert!(worst(&deaf) < 4.0, "{}", worst(&deaf));
+    let down_weighted = plain.with_dead_zones((0..6).map(|joint| joint == wrist).collect());
+    assert!(worst(&down_weighted) < 4.0, "{}", worst(&down_weighted));
 }
 
-/// What such a column shows of the effort is what a model predicts of it: by the triangle, by sample after sample, and after
-/// a model file.
+/// The share and offset of a dead zone are estimated from the triangle, predicted sample by sample, and kept in a model
+/// file.
 #[test]
-fn what_a_column_shows_of_an_effort_is_predicted() {
+fn prediction_goes_through_dead_zone() {
     let (share, offset) = (0.08, 0.3);
     let bench = Bench::new();
     let wrist = 3;
@@ -148,21 +149,21 @@ fn what_a_column_shows_of_an_effort_is_predicted() {
     effort[wrist].iter_mut().for_each(|e| *e = share * *e + offset);
     let motion = bench.recorded("rounded", &sines, &effort);
     let problem = BatchProblem::new(&bench.arm, &bench.set)
-        .with_unreported((0..6).map(|joint| joint == wrist).collect());
+        .with_dead_zones((0..6).map(|joint| joint == wrist).collect());
     let rows = problem.accumulate(&[&motion]);
     let truth = bench.truth(&problem, &EFFECTS);
-    let shown = problem.shown(&rows, &truth);
-    assert_eq!(shown.iter().map(Option::is_some).position(|of| of), Some(wrist));
-    let Shown { share: found, offset: beside } = shown[wrist].unwrap();
+    let dead_zones = problem.dead_zones(&rows, &truth);
+    assert_eq!(dead_zones.iter().map(Option::is_some).position(|of| of), Some(wrist));
+    let DeadZone { share: found, offset: beside } = dead_zones[wrist].unwrap();
     assert!((found - share).abs() < 1e-9 && (beside - offset).abs() < 1e-9, "{found} {beside}");
     assert!(problem.fit(&rows, &truth)[wrist].relative > 10.0);
-    let fit = problem.fit_as_shown(&rows, &truth, &shown);
+    let fit = problem.fit_through_dead_zones(&rows, &truth, &dead_zones);
     assert!(fit.iter().all(|joint| joint.relative < 1e-8), "{fit:?}");
 
     let names = bench.model.chain.joint_names();
     let model = ArmModel {
         effects: problem.effects(&truth, &names),
-        shown: Some(shown),
+        shown: Some(dead_zones),
         ..bench.set.applied_to(bench.model.clone(), &problem.constants(&truth))
     };
     let read = ArmModel::parse(&model.to_json().unwrap(), "model.json").unwrap();
@@ -178,27 +179,27 @@ fn what_a_column_shows_of_an_effort_is_predicted() {
 }
 
 #[test]
-fn columns_that_leave_small_efforts_out_are_found_beside_others() {
+fn detects_dead_zone_among_normal_channels() {
     let sines = Sines::new(1000, 0.0);
-    let names = ["silent", "spoken"];
-    let of = |silent: [bool; 2]| {
+    let names = ["dead", "live"];
+    let of = |dead: [bool; 2]| {
         let channels = (0..2).map(|j| JointChannels {
             position: Some(sines.q[j].clone()),
-            effort: Some(sines.q[j].iter().map(|q| if silent[j] { 0.0 } else { *q }).collect()),
+            effort: Some(sines.q[j].iter().map(|q| if dead[j] { 0.0 } else { *q }).collect()),
             ..JointChannels::new(names[j])
         });
         let recording = Recording::new("log", sines.time_s.clone(), channels.collect()).unwrap();
-        unreported(&[recording], &names).iter().map(Option::is_some).collect::<Vec<_>>()
+        dead_zone_shares(&[recording], &names).iter().map(Option::is_some).collect::<Vec<_>>()
     };
     assert_eq!(of([false, false]), [false, false]);
     assert_eq!(of([true, false]), [true, false]);
-    // what there is, is all there is
+    // no channel without a dead zone would remain
     assert_eq!(of([true, true]), [false, false]);
 }
 
 /// The rotor of joint 1 turns with link 1: one constant.
 #[test]
-fn rotor_inertia_of_the_first_joint_is_part_of_a_constant() {
+fn first_rotor_inertia_is_merged_into_constant() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let names: Vec<String> =
@@ -214,7 +215,7 @@ fn rotor_inertia_of_the_first_joint_is_part_of_a_constant() {
 }
 
 #[test]
-fn a_wrong_sign_is_held_at_zero_and_has_no_error() {
+fn inadmissible_sign_is_held_at_zero_without_error() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let mut effects = EFFECTS;
@@ -237,7 +238,7 @@ fn a_wrong_sign_is_held_at_zero_and_has_no_error() {
     }
     for (k, term) in problem.terms.iter().enumerate() {
         if let Term::Effect { effect, .. } = *term
-            && EVERYDAY[effect].law().slug != "torque_offset"
+            && BASELINE[effect].law().slug != "torque_offset"
         {
             assert!(held.values[k] >= 0.0);
         }
@@ -265,7 +266,7 @@ fn a_wrong_sign_is_held_at_zero_and_has_no_error() {
 }
 
 #[test]
-fn bounds_that_hold_nothing_change_no_bit() {
+fn inactive_bounds_change_no_bit() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let rows = problem.accumulate(&[&bench.motion(&EFFECTS, Some((0.02, 7)))]);
@@ -277,10 +278,10 @@ fn bounds_that_hold_nothing_change_no_bit() {
     assert_eq!(plain.covariance, bound.covariance);
 }
 
-/// A motion of one joint leaves the others' constants open: they are the description's then, and the
-/// error says how little is known.
+/// A motion of one joint does not identify the others' constants: they equal the prior then, with its large
+/// standard error.
 #[test]
-fn what_the_recordings_leave_open_comes_from_the_prior() {
+fn unidentified_parameters_equal_prior() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let whole = bench.motion(&EFFECTS, Some((0.05, 3)));
@@ -297,7 +298,7 @@ fn what_the_recordings_leave_open_comes_from_the_prior() {
         &still.acceleration,
     );
     let constants = bench.set.values(&bench.arm.constants());
-    // exact or with noise: the description is right here, and what is left to it says so
+    // exact or with noise: the prior is right here
     for level in [0.0, 0.05] {
         let normal = Normal::new(0.0, level).unwrap();
         let mut random = Pcg64::seed_from_u64(11);
@@ -314,39 +315,43 @@ fn what_the_recordings_leave_open_comes_from_the_prior() {
             }
         }
         if level > 0.0 {
-            let open = (0..constants.len()).filter(|&k| found.from_prior[k] > 0.9).count();
-            assert!(open > 10, "{:?}", found.from_prior);
+            let open = (0..constants.len()).filter(|&k| found.prior_share[k] > 0.9).count();
+            assert!(open > 10, "{:?}", found.prior_share);
         }
     }
-    // a moving arm leaves less to it, and the less the less noise there is
-    let believed = |motion: &Motion| -> f64 {
+    // the prior share is smaller of a moving arm, and smaller with less noise
+    let prior_share = |motion: &Motion| -> f64 {
         let found = problem.estimate_with(&problem.accumulate(&[motion]), &PRIOR_ONLY).unwrap();
-        found.from_prior.iter().sum::<f64>() / constants.len() as f64
+        found.prior_share.iter().sum::<f64>() / constants.len() as f64
     };
-    let [rests, moves, quiet] =
-        [believed(&still), believed(&whole), believed(&bench.motion(&EFFECTS, Some((5e-4, 3))))];
+    let [rests, moves, quiet] = [
+        prior_share(&still),
+        prior_share(&whole),
+        prior_share(&bench.motion(&EFFECTS, Some((5e-4, 3)))),
+    ];
     assert!(moves < 0.6 * rests && quiet < 0.1, "{rests} {moves} {quiet}");
 }
 
-/// How far the description is believed is how far its links are off.
+/// The prior scale is how far the links differ from the URDF.
 #[test]
-fn the_recordings_say_how_wrong_the_description_is() {
+fn prior_scale_tracks_urdf_error() {
     let bench = Bench::new();
     let motion = bench.motion(&EFFECTS, Some((0.05, 3)));
-    let doubt = |factor: fn(usize) -> f64| {
+    let prior_scale = |factor: fn(usize) -> f64| {
         let mut described = bench.arm.clone();
         for (k, link) in described.links.iter_mut().enumerate() {
             *link = InertialParameters::from_array(&link.to_array().map(|x| factor(k) * x));
         }
         let mut problem = BatchProblem::new(&described, &bench.set);
-        let chosen =
-            problem.choose(&[&motion], &BatchSettings::default(), Sought::NOTHING).unwrap();
+        let chosen = problem
+            .choose_structure(&[&motion], &BatchSettings::default(), StructureSearch::NOTHING)
+            .unwrap();
         chosen.settings.link_prior.unwrap()
     };
-    assert!(doubt(|_| 1.0) < 0.15, "0.1 is the least that is tried");
+    assert!(prior_scale(|_| 1.0) < 0.15, "0.1 is the least that is tried");
     // links heavier and lighter by a share: of ten independent errors of a link four have its size
-    let third = doubt(|k| if k % 2 == 0 { 4.0 / 3.0 } else { 2.0 / 3.0 });
-    let two_thirds = doubt(|k| if k % 2 == 0 { 5.0 / 3.0 } else { 1.0 / 3.0 });
+    let third = prior_scale(|k| if k % 2 == 0 { 4.0 / 3.0 } else { 2.0 / 3.0 });
+    let two_thirds = prior_scale(|k| if k % 2 == 0 { 5.0 / 3.0 } else { 1.0 / 3.0 });
     for (found, share) in [(third, 1.0 / 3.0), (two_thirds, 2.0 / 3.0)] {
         let expected = share * 0.4_f64.sqrt();
         assert!((found / expected).ln().abs() < 1.5_f64.ln(), "{found} {expected}");
@@ -355,30 +360,30 @@ fn the_recordings_say_how_wrong_the_description_is() {
 
 /// Two joints have friction that grows with the root of their speed: these are found, and no others.
 #[test]
-fn friction_that_bends_is_told_from_a_line() {
-    const BENDS: [(usize, f64); 2] = [(1, 6.0), (3, 1.5)];
+fn distinguishes_sublinear_from_linear_viscous_friction() {
+    const SUBLINEAR: [(usize, f64); 2] = [(1, 6.0), (3, 1.5)];
     let bench = Bench::new();
     for seed in 0..4 {
         let mut motion = bench.motion(&EFFECTS, Some((0.3, seed)));
         let velocity = motion.velocity.clone();
         let effort = motion.effort_filtered.as_mut().unwrap();
-        for (joint, coefficient) in BENDS {
-            let bend = velocity[joint].iter().map(|v| coefficient * v / (v.abs() + 1e-3).sqrt());
-            effort[joint].iter_mut().zip(bend).for_each(|(e, b)| *e += b);
+        for (joint, coefficient) in SUBLINEAR {
+            let added = velocity[joint].iter().map(|v| coefficient * v / (v.abs() + 1e-3).sqrt());
+            effort[joint].iter_mut().zip(added).for_each(|(e, b)| *e += b);
         }
         let mut problem = BatchProblem::new(&bench.arm, &bench.set);
-        let everyday = problem.terms.len();
-        let sought = Sought { couplings: false, bends: true };
+        let baseline = problem.terms.len();
+        let search = StructureSearch { couplings: false, sublinear: true };
         let settings = BatchSettings::default();
-        let chosen = problem.choose(&[&motion], &settings, sought).unwrap();
-        let joints: Vec<usize> = chosen.bends.iter().map(|found| found.joint).collect();
-        assert!(BENDS.iter().all(|(joint, _)| joints.contains(joint)), "{seed}: {joints:?}");
+        let chosen = problem.choose_structure(&[&motion], &settings, search).unwrap();
+        let joints: Vec<usize> = chosen.sublinear.iter().map(|found| found.joint).collect();
+        assert!(SUBLINEAR.iter().all(|(joint, _)| joints.contains(joint)), "{seed}: {joints:?}");
         // of four others one in forty by chance
-        assert!(joints.len() <= BENDS.len() + 1, "{seed}: {joints:?}");
+        assert!(joints.len() <= SUBLINEAR.len() + 1, "{seed}: {joints:?}");
         let found = problem.estimate(&problem.accumulate(&[&motion])).unwrap();
-        assert_eq!(problem.terms.len(), everyday + joints.len());
-        for (k, joint) in (everyday..).zip(&joints) {
-            let of_joint = BENDS.iter().find(|(j, _)| j == joint);
+        assert_eq!(problem.terms.len(), baseline + joints.len());
+        for (k, joint) in (baseline..).zip(&joints) {
+            let of_joint = SUBLINEAR.iter().find(|(j, _)| j == joint);
             let (value, error) = (found.values[k], found.standard_error(k).unwrap());
             let off = value - of_joint.map_or(0.0, |(_, c)| *c);
             assert!(off.abs() < 4.0 * error, "{seed}, {joint}: {value} +- {error}");
@@ -386,9 +391,9 @@ fn friction_that_bends_is_told_from_a_line() {
     }
 }
 
-/// Of two joints without other friction one turns it over a travel, the other at once; a model file keeps which.
+/// Of joints with dry friction only, one has presliding friction, the others Coulomb friction; a model file keeps which.
 #[test]
-fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
+fn distinguishes_presliding_from_coulomb_friction() {
     const TRAVELS: usize = 1;
     const TRAVEL_RAD: f64 = 0.01;
     const LEVEL: f64 = 9.0;
@@ -417,8 +422,8 @@ fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
     let motion = Motion::from_recording(&recording, &names, &MotionSettings::default()).unwrap();
     let mut problem = BatchProblem::new(&bench.arm, &bench.set);
     let settings = BatchSettings::default();
-    problem.choose(&[&motion], &settings, Sought::NOTHING).unwrap();
-    let turns = problem.turns.clone().unwrap();
+    problem.choose_structure(&[&motion], &settings, StructureSearch::NOTHING).unwrap();
+    let turns = problem.reversals.clone().unwrap();
     let travels: Vec<usize> =
         (0..6).filter(|&joint| turns[joint].presliding_travel() > 0.0).collect();
     assert_eq!(travels, [TRAVELS], "{turns:?}");
@@ -446,7 +451,7 @@ fn friction_that_builds_up_over_a_travel_is_told_from_one_that_turns_at_once() {
 }
 
 #[test]
-fn intervals_cover_the_truth_as_often_as_they_say() {
+fn intervals_have_nominal_coverage() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let truth = bench.truth(&problem, &EFFECTS);
@@ -472,7 +477,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
 
 /// The samples of a filtered motion, dealt out to any number of accumulators in any order.
 #[test]
-fn any_partition_of_the_filtered_samples_gives_the_same_answer() {
+fn estimate_is_invariant_to_row_partition() {
     let bench = Bench::new();
     let sines = Sines::new(1500, 0.0);
     let effort = inverse_dynamics_of_motion(&bench.arm, &sines.q, &sines.dq, &sines.ddq);

@@ -57,7 +57,7 @@ fn assert_consistent(found: &Consistent, effects: &[EffectUnknown]) {
 /// Every arm's own constants are consistent, also those with links that no real body has: the
 /// minimal constants of the Stanford arm of the paper are those of other, real links.
 #[test]
-fn true_constants_are_returned_as_they_are() {
+fn consistent_constants_are_returned_unchanged() {
     for name in ARMS {
         let arm = arm(name);
         let set = MinimalSet::of(&arm).unwrap();
@@ -90,7 +90,7 @@ fn true_constants_are_returned_as_they_are() {
 /// `g + λ d` of other consistent links is never smaller, and their distance is never below the
 /// certified bound: mixtures with random bodies and with the URDF, near and far.
 #[test]
-fn no_other_consistent_set_is_nearer() {
+fn projection_is_nearest_consistent_set() {
     let mut random = Pcg64::seed_from_u64(5);
     for (name, noise) in [("scara", 0.4), ("ur5", 0.1), ("irb140", 0.05), ("xarm7", 0.1)] {
         let case = estimated(name, true, noise, 11);
@@ -134,7 +134,7 @@ fn no_other_consistent_set_is_nearer() {
 
 /// The weight changes what is reported by less than anyone can measure.
 #[test]
-fn the_weight_is_far_below_the_data() {
+fn regularising_weight_is_negligible() {
     for (name, noise) in [("ur5", 0.1), ("irb140", 0.03), ("iiwa14", 0.1), ("panda", 0.1)] {
         let case = estimated(name, false, noise, 2);
         let found = case.problem.nearest(&case.values, &case.root).unwrap();
@@ -149,7 +149,7 @@ fn the_weight_is_far_below_the_data() {
 }
 
 #[test]
-fn absent_and_negative_effects() {
+fn negative_effects_are_projected_to_zero() {
     let arm = arm("planar_2r");
     let set = MinimalSet::of(&arm).unwrap();
     let rows = set.len();
@@ -201,7 +201,7 @@ fn nearest_with_fixed(root: &Mat<f64>, entry: usize, shift: f64) -> f64 {
 }
 
 #[test]
-fn massless_links_of_the_urdf_are_allowed() {
+fn massless_urdf_links_are_allowed() {
     for massless in 0..7 {
         let arm = arm("panda");
         let mut links = arm.links.clone();
@@ -225,7 +225,7 @@ fn massless_links_of_the_urdf_are_allowed() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn mismatched_inputs_are_rejected() {
     let case = estimated("planar_2r", false, 0.1, 1);
     let short = case.problem.nearest(&case.values[1..], &case.root);
     assert!(matches!(short, Err(ConsistencyError::Size { found: 5, expected: 6, .. })));
@@ -245,7 +245,7 @@ fn what_does_not_fit_is_refused() {
 /// Rotor inertia that only adds to a constant of the links is left out where the links alone have the
 /// constant, and is there where they cannot.
 #[test]
-fn merged_rotor_inertia_is_used_only_where_it_must_be() {
+fn merged_rotor_inertia_is_used_only_if_needed() {
     let arm = arm("planar_2r");
     let set = MinimalSet::of(&arm).unwrap();
     let rotor =
@@ -267,7 +267,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1992), ..ProptestConfig::default() })]
     /// Any priors, any estimate, any information: an answer, real links, a finite certificate.
     #[test]
-    fn always_ends_with_real_links(
+    fn projection_always_ends_with_consistent_links(
         name in prop::sample::select(vec!["planar_2r", "scara", "cylindrical", "stanford", "panda"]),
         seed in any::<u64>(),
         log_error in -4.0..1.0_f64,
@@ -316,7 +316,7 @@ proptest! {
 
 /// The same problems by CVXPY with Clarabel (tests/judges/consistency.py).
 #[test]
-fn an_independent_solver_finds_the_same() {
+fn independent_solver_agrees_with_projection() {
     let answers: Value =
         serde_json::from_str(&std::fs::read_to_string(judges().join("consistency.json")).unwrap())
             .unwrap();

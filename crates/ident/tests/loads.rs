@@ -5,8 +5,9 @@
 mod bench;
 
 use armident_dynamics::inverse_dynamics_of_motion;
+use armident_ident::estimators::{Estimator, TrainingData, Wls};
 use armident_ident::{
-    BatchProblem, BatchSettings, Coupling, KnownLoad, Method, Sought, without_loads,
+    BatchEstimate, BatchProblem, BatchSettings, Coupling, KnownLoad, StructureSearch, without_loads,
 };
 use armident_kinematics::InertialParameters;
 use armident_model::ArmModel;
@@ -87,11 +88,23 @@ const EMPTY: Case = Case {
 };
 const HEAVY: Case = Case { name: "heavy", loaded: true, seed: 2, ..EMPTY };
 
+/// Weighted least squares with standard errors from blocks.
+fn weighted(
+    bench: &Bench,
+    problem: &BatchProblem,
+    motions: &[&Motion],
+    settings: &BatchSettings,
+) -> BatchEstimate {
+    let rows = problem.accumulate(motions);
+    let data = TrainingData { model: &bench.model, motions, rows: &rows };
+    Wls.fit(problem, &data, settings).unwrap()
+}
+
 /// Values of the constants, their true ones, and the factor of the 95 % interval with their errors.
-fn constants(bench: &Bench, problem: &BatchProblem<'_>, motions: &[Motion]) -> Vec<[f64; 3]> {
+fn constants(bench: &Bench, problem: &BatchProblem, motions: &[Motion]) -> Vec<[f64; 3]> {
     let all: Vec<&Motion> = motions.iter().collect();
     let settings = BatchSettings { link_prior: None, ..BatchSettings::default() };
-    let (_, found, _) = problem.solve_by(Method::Wls, &bench.model, &all, &settings).unwrap();
+    let found = weighted(bench, problem, &all, &settings);
     let truth = bench.set.values(&bench.arm.constants());
     (0..bench.set.len())
         .map(|k| {
@@ -108,23 +121,23 @@ fn share_inside(rows: &[[f64; 3]]) -> f64 {
 }
 
 #[test]
-fn a_known_load_is_taken_off() {
+fn known_load_does_not_bias_constants() {
     let bench = Bench::new();
     let motions = [bench.motion(&EMPTY), bench.motion(&HEAVY)];
     let problem = BatchProblem::new(&bench.arm, &bench.set);
-    // without a word on the load the constants would be those of neither arm
+    // with the load ignored the constants would be those of neither arm
     let off = |rows: &[[f64; 3]]| rows.iter().map(|r| (r[0] - r[1]).powi(2)).sum::<f64>().sqrt();
-    let silent = off(&constants(&bench, &problem, &motions));
+    let ignored = off(&constants(&bench, &problem, &motions));
     let load = bench.load(Some(CENTRE_M), 0.0);
     let without = motions.map(|m| without_loads(&bench.arm, m, std::slice::from_ref(&load)));
     let found = constants(&bench, &problem, &without);
     let share = share_inside(&found);
     assert!(share > 0.85, "{share}");
-    assert!(off(&found) < 0.1 * silent, "{} {silent}", off(&found));
+    assert!(off(&found) < 0.1 * ignored, "{} {ignored}", off(&found));
 }
 
 #[test]
-fn an_unknown_centre_is_found() {
+fn unknown_load_centre_is_estimated() {
     let bench = Bench::new();
     let loads = [bench.load(None, 0.0)];
     let motions =
@@ -133,8 +146,7 @@ fn an_unknown_centre_is_found() {
     let share = share_inside(&constants(&bench, &problem, &motions));
     assert!(share > 0.85, "{share}");
     let all: Vec<&Motion> = motions.iter().collect();
-    let (_, found, _) =
-        problem.solve_by(Method::Wls, &bench.model, &all, &BatchSettings::default()).unwrap();
+    let found = weighted(&bench, &problem, &all, &BatchSettings::default());
     let centre = Vector3::from(problem.centre_of(&loads[0], &found.values));
     let to_link = bench.model.chain.joints[5].child_link_in_e.inverse();
     let off = to_link.transform_point(&centre.into()).coords - Vector3::from(CENTRE_M);
@@ -143,7 +155,7 @@ fn an_unknown_centre_is_found() {
 
 /// Six gains in ten recordings: their 95 % intervals hold all but a few of the sixty true ones.
 #[test]
-fn gains_of_drives_are_inside_their_intervals() {
+fn drive_gain_intervals_have_nominal_coverage() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let load = bench.load(Some(CENTRE_M), 0.0);
@@ -170,7 +182,7 @@ fn gains_of_drives_are_inside_their_intervals() {
 }
 
 #[test]
-fn without_anything_known_only_ratios_are() {
+fn gain_ratios_are_identified_without_known_load() {
     let bench = Bench::new();
     let problem = BatchProblem::new(&bench.arm, &bench.set);
     let motions = [Case { in_currents: true, ..EMPTY }, Case { in_currents: true, ..HEAVY }]
@@ -216,7 +228,7 @@ fn without_anything_known_only_ratios_are() {
 }
 
 #[test]
-fn a_shared_transmission_is_found_where_there_is_one() {
+fn detects_coupled_transmission_only_where_present() {
     let bench = Bench::new();
     let settings = BatchSettings::default();
     for (shared, expected) in
@@ -225,12 +237,11 @@ fn a_shared_transmission_is_found_where_there_is_one() {
         let motion = bench.motion(&Case { shared, noise: 0.05, ..EMPTY });
         let mut problem = BatchProblem::new(&bench.arm, &bench.set);
         let before = problem.terms.len();
-        let chosen = problem.choose(&[&motion], &settings, Sought::ALL).unwrap();
+        let chosen = problem.choose_structure(&[&motion], &settings, StructureSearch::ALL).unwrap();
         let found: Vec<Coupling> = chosen.couplings.iter().map(|c| c.coupling).collect();
         assert_eq!(found, expected);
         assert_eq!(problem.terms.len(), before + 2 * expected.len());
-        let (_, estimate, _) =
-            problem.solve_by(Method::Wls, &bench.model, &[&motion], &chosen.settings).unwrap();
+        let estimate = weighted(&bench, &problem, &[&motion], &chosen.settings);
         for (k, truth) in (before..problem.terms.len()).zip(shared) {
             let error = estimate.quantile_95 * estimate.standard_error(k).unwrap();
             assert!((estimate.values[k] - truth).abs() < 1.5 * error, "{k}");

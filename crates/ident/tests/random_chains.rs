@@ -220,14 +220,14 @@ fn translations_before_r_count_in_condition_b() {
 }
 
 #[test]
-fn condition_c_looks_at_all_rotations_before_and_not_at_the_last_alone() {
+fn condition_c_checks_all_previous_rotations() {
     let beside_then_coincident =
         arm(&[('R', FIRST), ('R', [0.3, 0.0, 0.0, 0.0]), ('R', FIRST)], DOWN);
     assert_eq!(size(&beside_then_coincident), 7);
 }
 
 #[test]
-fn condition_c_looks_at_accumulated_offsets_and_not_at_the_last_b() {
+fn condition_c_checks_accumulated_offsets() {
     let offset_before_slide = arm(&[('R', FIRST), ('P', [0.3, 0.0, 0.0, 0.0]), ('R', FIRST)], DOWN);
     assert_eq!(size(&offset_before_slide), 5);
 }
@@ -247,7 +247,7 @@ fn absent_gravity_counts_as_parallel() {
 }
 
 #[test]
-fn meeting_axes_without_gravity_lose_a_first_moment() {
+fn meeting_axes_without_gravity_lose_first_moment() {
     for d in [0.4, 0.0] {
         let meeting = arm(&[('R', FIRST), ('R', [0.0, d, FRAC_PI_3, 0.7])], NONE);
         let set = set_of(&meeting);
@@ -274,7 +274,7 @@ fn meeting_axes_without_gravity_lose_a_first_moment() {
 
 /// Arms at zero gravity that look like the rule's but keep all of Theorem 2.
 #[test]
-fn theorem_2_is_exact_without_gravity_where_no_fixed_point_exists() {
+fn theorem_2_is_exact_without_gravity_or_fixed_point() {
     let skew = arm(&[('R', FIRST), ('R', [0.2, 0.1, FRAC_PI_3, 0.0])], NONE);
     // the slide moves the point where the two rotations meet
     let slide_first = arm(
@@ -292,7 +292,7 @@ fn theorem_2_is_exact_without_gravity_where_no_fixed_point_exists() {
 }
 
 #[test]
-fn a_slide_along_the_axis_keeps_the_first_moment_behind_it() {
+fn axial_translation_keeps_first_moment() {
     // R R P R, slide along axis 4, axes 1, 2, 4 through one point
     let joints = [
         ('R', FIRST),
@@ -308,7 +308,7 @@ fn a_slide_along_the_axis_keeps_the_first_moment_behind_it() {
 }
 
 #[test]
-fn an_arm_of_slides_alone_has_its_masses() {
+fn translational_arm_has_only_masses() {
     let slides = arm(
         &[('P', FIRST), ('P', [0.1, 0.0, FRAC_PI_2, 0.0]), ('P', [0.0, 0.2, FRAC_PI_3, 0.4])],
         DOWN,

@@ -7,7 +7,7 @@ use armident_motion::{Motion, with_recorded_velocity};
 use armident_recording::Recording;
 use serde::{Deserialize, Serialize};
 
-use crate::dead_zone::Shown;
+use crate::dead_zone::DeadZone;
 use crate::operating_point::OperatingPoint;
 use crate::reversal::SHARP;
 use crate::smooth_term::SmoothTerm;
@@ -34,7 +34,7 @@ pub struct ArmModel {
     pub effort_noise: Option<Vec<f64>>,
     /// What columns show that leave small efforts out, by joint; predictions of these columns follow it, the links and
     /// effects do not.
-    pub shown: Option<Vec<Option<Shown>>>,
+    pub shown: Option<Vec<Option<DeadZone>>>,
     /// The links before the fit, those of the URDF; none for a URDF itself.
     pub prior_links: Option<Vec<InertialParameters>>,
     /// Where the numbers come from, one sentence each.

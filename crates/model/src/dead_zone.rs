@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 ///
 /// A model says what the body needs; this is what such a column will show of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Shown {
+pub struct DeadZone {
     /// 0 to 1.
     pub share: f64,
     /// \[N m or N\]
     pub offset: f64,
 }
 
-impl Shown {
+impl DeadZone {
     /// What the column shows of efforts.
-    pub fn of(self, effort: &mut [f64]) {
+    pub fn apply(self, effort: &mut [f64]) {
         effort.iter_mut().for_each(|e| *e = self.share * *e + self.offset);
     }
 

@@ -12,7 +12,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::arm_model::{ArmModel, BandPrediction};
-use crate::dead_zone::Shown;
+use crate::dead_zone::DeadZone;
 use crate::smooth_term::SmoothTerm;
 use crate::transmission::TransmissionTerm;
 
@@ -146,7 +146,7 @@ struct ModelFile {
     #[serde(default)]
     effort_noise: Option<Vec<f64>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    shown: Option<Vec<Option<Shown>>>,
+    shown: Option<Vec<Option<DeadZone>>>,
     /// ten parameters a link, as in the joints
     #[serde(default)]
     prior_links: Option<Vec<[f64; 10]>>,
@@ -334,8 +334,9 @@ impl ModelFile {
                 |s: &Vec<f64>| s.len() == count && s.iter().all(|x| x.is_finite() && *x >= 0.0);
             sizes.as_ref().is_none_or(fit)
         };
-        let is_sound =
-            |s: &Vec<Option<Shown>>| s.len() == count && s.iter().flatten().all(Shown::is_sound);
+        let is_sound = |s: &Vec<Option<DeadZone>>| {
+            s.len() == count && s.iter().flatten().all(DeadZone::is_sound)
+        };
         if !self.shown.as_ref().is_none_or(is_sound) {
             return bad(
                 "shown must have one entry per joint, null or a share from 0 to 1 and an offset"

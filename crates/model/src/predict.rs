@@ -118,7 +118,7 @@ impl ArmModel {
         }
         for (effort, shown) in effort.iter_mut().zip(self.shown.iter().flatten()) {
             if let Some(shown) = shown {
-                shown.of(effort);
+                shown.apply(effort);
             }
         }
         Ok(effort)

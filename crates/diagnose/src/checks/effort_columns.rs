@@ -1,7 +1,7 @@
 //! Input checks: a column in another unit, of another joint or with another sign is no physics.
 
 use armident_dynamics::inverse_dynamics_of_motion;
-use armident_ident::check::{
+use armident_ident::checks::{
     ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
 };
 use armident_model::ArmModel;
@@ -53,7 +53,7 @@ pub struct InputChecks {
 }
 
 impl InputChecks {
-    /// Checks the effort columns of recordings against an arm ([`armident_ident::check`]).
+    /// Checks the effort columns of recordings against an arm ([`armident_ident::checks`]).
     ///
     /// # Errors
     /// Recordings that a diagnosis refuses.

@@ -4,7 +4,7 @@
 //! symmetry of the residual excludes most look-alikes before anything is fitted.
 
 use armident_dynamics::RigidArm;
-use armident_ident::validate::whiteness;
+use armident_inference::whiteness;
 use armident_motion::differentiate;
 use armident_numeric::dot;
 use armident_recording::RecordingError;

@@ -7,6 +7,7 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::observations::JointColumns;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::marginalised::Marginalised;
+use armident_inference::time_blocks;
 use armident_numeric::dot;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -63,15 +64,6 @@ pub(crate) fn folds_of(problem: &LinearProblem, starts: &[usize], blocks: usize)
         predicted: problem.of_rows(|row| inside.contains(&row)),
     };
     time_blocks(starts, blocks).into_par_iter().map(fold).collect()
-}
-
-/// Observations of so many blocks of each recording.
-pub(crate) fn time_blocks(starts: &[usize], blocks: usize) -> Vec<Range<usize>> {
-    let of_recording = |pair: &[usize]| {
-        let (from, length) = (pair[0], pair[1] - pair[0]);
-        (0..blocks).map(move |k| from + k * length / blocks..from + (k + 1) * length / blocks)
-    };
-    starts.windows(2).flat_map(of_recording).collect()
 }
 
 /// The training part of every fold, in a metric.

@@ -10,8 +10,9 @@
 
 use armident_dynamics::RigidArm;
 use armident_ident::MinimalSet;
+use armident_inference::levels::SPECIFICATION_ERROR;
+use armident_inference::{f_quantile, independent_share};
 use armident_numeric::dot;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::design::contact::ContactColumns;
 use crate::design::rebuild::recreate;
@@ -19,12 +20,9 @@ use crate::design::training::Design;
 use crate::regression::consistent_links::ConsistentEstimate;
 use crate::selection::cross_validation::Predictor;
 use crate::selection::solution::Selection;
-use crate::selection::weights::independent_share;
 
 /// The narrower band \[Hz\]: an octave below the other.
 pub(crate) const NARROW_HZ: f64 = 5.0;
-/// Significance level of the test.
-const CHANCE: f64 = 1e-3;
 /// Least difference of the two on some joint, in noise levels: 2 % more prediction error. A narrow band determines springs,
 /// gaps and reversals worse, which a smaller difference does not justify.
 const WORTH: f64 = 0.2;
@@ -83,6 +81,6 @@ fn contradicts(narrow: &Design<'_>, selection: &Selection, best: &Predictor) -> 
         return None;
     }
     let ratio = squares / coefficients * (1.0 - coefficients / samples);
-    let law = FisherSnedecor::new(coefficients, samples - coefficients).ok()?;
-    Some(largest > WORTH && ratio > law.inverse_cdf(1.0 - CHANCE))
+    let quantile = f_quantile(1.0 - SPECIFICATION_ERROR, coefficients, samples - coefficients)?;
+    Some(largest > WORTH && ratio > quantile)
 }

@@ -4,10 +4,10 @@
 //! statistic of its coefficients with their block-jackknife covariance, one family-wise level over all candidates (Bonferroni).
 //! References: G. A. F. Seber, A. J. Lee, Linear regression analysis, 2003 (F test); own (the reference).
 
-use crate::selection::levels::CHANCE;
 use armident_effects::BASELINE;
+use armident_inference::f_tail;
+use armident_inference::levels::CHANGE_ERROR;
 use armident_numeric::Cholesky;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
@@ -51,7 +51,7 @@ pub(crate) fn certain(
     }
     let candidates = &metric.problem.candidates;
     let open = ReferenceUncertainty::of(design, at, metric, &of);
-    let most = CHANCE / candidates.len() as f64;
+    let most = CHANGE_ERROR / candidates.len() as f64;
     loop {
         let mut inconclusive = open.p_values(metric, &of, point);
         inconclusive.retain(|(p_value, _)| *p_value > most);
@@ -234,7 +234,7 @@ fn p_value(
     let samples = samples_before(metric.problem, candidate);
     let tail = |squares: f64, freedom: usize| -> Option<f64> {
         let freedom = freedom as f64;
-        Some(FisherSnedecor::new(freedom, samples).ok()?.sf(squares / freedom))
+        f_tail(squares / freedom, freedom, samples)
     };
     let together = cholesky.forward(&coefficients).iter().map(|x| x * x).sum();
     let largest =

@@ -4,6 +4,8 @@
 //! References: own; folds as in [`crate::regression::folds`].
 
 use crate::regression::folds::{SHORT_BLOCKS, all_errors, folds, folds_of, metrics};
+use armident_inference::levels::{CHANGE_ERROR, CLEAR_T, EXPECTED_T};
+use armident_inference::paired_t;
 
 use armident_effects::BASELINE;
 
@@ -12,7 +14,6 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::observations::JointColumns;
 use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use crate::regression::marginalised::Marginalised;
-use crate::selection::levels::CHANCE;
 use crate::selection::materiality::{estimate_without, held, set_without};
 use armident_model::{OperatingPoint, is_sublinear};
 
@@ -45,7 +46,7 @@ pub(crate) fn confirm(
             if gains.len() < 2 {
                 continue;
             }
-            let mut ratio = in_standard_errors(&gains);
+            let mut ratio = paired_t(&gains);
             if metric.problem.observations.comparison.seeks_change() {
                 let least = least_log_bayes_factor(
                     metric.problem.candidates.len(),
@@ -85,16 +86,13 @@ fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]
 /// much.
 pub(crate) fn surely_less(errors: &[Vec<f64>], than: &[Vec<f64>]) -> bool {
     let gains = gains_on(None, than, errors);
-    gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT
+    gains.len() > 1 && paired_t(&gains) > CLEAR_T
 }
 
 /// Whether a candidate loads joints other than those of its location.
 fn acts_everywhere(candidate: &Candidate) -> bool {
     candidate.location.joints.is_empty() || candidate.transform.is_some()
 }
-
-/// Standard errors by which the gain in the folds must exceed zero.
-const CONSISTENT: f64 = 2.0;
 
 /// Twice the log likelihood ratio of a candidate on the left-out blocks of a change.
 fn log_bayes_factor(problem: &LinearProblem, gains: &[f64]) -> f64 {
@@ -105,7 +103,7 @@ fn log_bayes_factor(problem: &LinearProblem, gains: &[f64]) -> f64 {
 
 /// Least value of that for a candidate chosen from so many.
 fn least_log_bayes_factor(choices: usize, problem: &LinearProblem, candidate: &Candidate) -> f64 {
-    2.0 * (choices as f64 / CHANCE).ln() + problem.price_of_onset(candidate)
+    2.0 * (choices as f64 / CHANGE_ERROR).ln() + problem.price_of_onset(candidate)
 }
 
 /// Adds the changes that raise the likelihood of left-out blocks clearly, the largest first. The search prices every
@@ -139,7 +137,7 @@ pub(crate) fn with_changes(metric: &Marginalised<'_>, mut of: Estimate) -> Estim
             let gains = gains(candidate, &without, &errors(&[set, &[id]].concat()));
             let log_factor = log_bayes_factor(problem, &gains);
             let least = least_log_bayes_factor(candidates.len(), problem, candidate);
-            let sure = gains.len() > 1 && in_standard_errors(&gains) > CONSISTENT;
+            let sure = gains.len() > 1 && paired_t(&gains) > CLEAR_T;
             if !sure
                 || log_factor < least
                 || best.as_ref().is_some_and(|b| b.0 >= log_factor - least)
@@ -263,7 +261,7 @@ pub(crate) fn predictor(metric: &Marginalised<'_>, named: &Estimate) -> Predicto
         }
         let better = best
             .as_ref()
-            .is_none_or(|(_, before)| in_standard_errors(&gains(before, &found.1, None)) > 1.0);
+            .is_none_or(|(_, before)| paired_t(&gains(before, &found.1, None)) > EXPECTED_T);
         if better {
             best = Some((Predictor { estimate: found.0, scale }, found.1));
         }
@@ -297,15 +295,7 @@ pub(crate) fn usefulness(
         })
         .filter(|gain| gain.is_finite())
         .collect();
-    (gains.len() > 1).then(|| in_standard_errors(&gains))
-}
-
-/// Mean of some numbers over its standard error.
-pub(crate) fn in_standard_errors(gains: &[f64]) -> f64 {
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-    mean / (variance / count).sqrt().max(f64::MIN_POSITIVE)
+    (gains.len() > 1).then(|| paired_t(&gains))
 }
 
 /// Residual of an estimate with baseline terms beside it.

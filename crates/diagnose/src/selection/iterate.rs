@@ -11,6 +11,7 @@ use crate::regression::relinearise::{
 use crate::selection::change_significance::{REFERENCE_SCALE, certain};
 use crate::selection::solution::Selection;
 use armident_effects::Role;
+use armident_inference::independent_share;
 use armident_numeric::dot;
 
 use crate::design::candidate::Candidate;
@@ -31,7 +32,7 @@ use crate::selection::reversal::with_reversal_models;
 use crate::selection::rivals::{baseline_first, load_first};
 use crate::selection::simulated_candidates::with_simulated_candidates;
 use crate::selection::weights::{
-    discrepancies, discrepancies_after, independent_share, initial_discrepancies, stuck_weights,
+    discrepancies, discrepancies_after, initial_discrepancies, stuck_weights,
 };
 use armident_model::OperatingPoint;
 

@@ -5,7 +5,6 @@ pub(crate) mod beam_search;
 pub(crate) mod change_significance;
 pub(crate) mod cross_validation;
 pub(crate) mod iterate;
-pub(crate) mod levels;
 pub(crate) mod materiality;
 pub(crate) mod prior_scale;
 pub(crate) mod refine_shape;

@@ -9,6 +9,8 @@
 //! References: P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18), 1968; own (the choice).
 
 use armident_effects::{MotionScale, ReversalModel, Role, Scope};
+use armident_inference::levels::{CLEAR_T, EXPECTED_T};
+use armident_inference::paired_t;
 use armident_model::{OperatingPoint, SHARP};
 
 use crate::design::candidate::Candidate;
@@ -19,17 +21,13 @@ use crate::design::rebuild::recreate;
 use crate::design::training::Design;
 use crate::regression::fit_set::fit_set;
 use crate::regression::folds::fold_errors;
-use crate::selection::cross_validation::{confirm, in_standard_errors, with_baseline_terms_of};
+use crate::selection::cross_validation::{confirm, with_baseline_terms_of};
 use crate::selection::materiality::prune;
 use crate::selection::solution::Selection;
 
 /// Speeds below which the sign is regularised that are tried, as shares of the root mean square speed; travels are
 /// [`ReversalModel::TRAVEL_SHARES`].
 const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
-/// Least cross-validated gain of a reversal model, in standard errors; more on joints with standstills, whose friction is
-/// known to hold them, and to be sharp at breakaway.
-const LEAST_GAIN_IN_ERRORS: f64 = 1.0;
-const LEAST_GAIN_WITH_RESTS: f64 = 2.0;
 
 /// The selection with other reversal models where these explain more; none where they do on no joint.
 pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Option<Selection> {
@@ -99,7 +97,7 @@ fn reversals_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<ReversalMo
                 continue;
             }
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            if mean > best[j].0 && in_standard_errors(&gains) > least_gain(design, j) {
+            if mean > best[j].0 && paired_t(&gains) > least_gain(design, j) {
                 best[j] = (mean, reversals[j]);
             }
         }
@@ -112,8 +110,8 @@ fn reversals_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<ReversalMo
 /// Least cross-validated gain of a reversal model on a joint, in standard errors.
 fn least_gain(design: &Design<'_>, joint: usize) -> f64 {
     match design.signals.iter().any(|s| s.rests(joint)) {
-        true => LEAST_GAIN_WITH_RESTS,
-        false => LEAST_GAIN_IN_ERRORS,
+        true => CLEAR_T,
+        false => EXPECTED_T,
     }
 }
 

@@ -8,14 +8,15 @@
 //! References: own.
 
 use armident_effects::{Baseline, SublinearViscousFriction};
-use armident_ident::student_t_975;
+use armident_inference::student_t_975;
+use armident_inference::time_blocks;
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::Design;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
-use crate::regression::folds::{LEFT_OUT_PER_RECORDING, fold_errors, time_blocks};
+use crate::regression::folds::{LEFT_OUT_PER_RECORDING, fold_errors};
 use crate::regression::marginalised::Marginalised;
 use crate::selection::cross_validation::Predictor;
 use crate::selection::solution::Selection;

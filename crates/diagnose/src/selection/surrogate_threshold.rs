@@ -8,14 +8,14 @@
 //! method of surrogate data, Physica D 58, 1992.
 
 use armident_effects::Baseline;
+use armident_inference::chi_square_quantile;
 use armident_numeric::dot;
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
-use crate::selection::levels::CHANCE;
+use armident_inference::levels::CHANGE_ERROR;
 
 /// Surrogate terms a joint: their mean is then known to a fifth.
 const TERMS: usize = 40;
@@ -82,9 +82,9 @@ impl SurrogateThreshold {
 
     /// 99 % threshold of a candidate of so many columns on a joint, family-wise over all candidates; in noise levels.
     pub(crate) fn least(&self, joint: usize, columns: usize) -> f64 {
-        let tail = CHANCE / self.choices as f64;
-        let law = ChiSquared::new(columns.max(1) as f64).ok();
-        (self.square[joint] * law.map_or(0.0, |law| law.inverse_cdf(1.0 - tail))).sqrt()
+        let tail = CHANGE_ERROR / self.choices as f64;
+        let quantile = chi_square_quantile(1.0 - tail, columns.max(1) as f64).unwrap_or(0.0);
+        (self.square[joint] * quantile).sqrt()
     }
 }
 

@@ -83,28 +83,6 @@ pub(crate) fn initial_discrepancies(
     left_by_all(problem).into_iter().enumerate().map(discrepancy).collect()
 }
 
-/// Independent samples per row of a residual: one over its autocorrelation time, joints by their number
-/// of rows. The recordings begin at `starts`, whose last is the end. Model discrepancy has a longer correlation time
-/// than noise in the band.
-pub(crate) fn independent_share(residual: &[Vec<f64>], starts: &[usize], rows_hz: f64) -> f64 {
-    // the duration of a motion; beyond, the estimate is noise
-    const LONGEST_S: f64 = 2.0;
-    let mut time = 0.0;
-    for residual in residual {
-        let square = dot(residual, residual).max(f64::MIN_POSITIVE);
-        let correlation = |lag: usize| -> f64 {
-            let pairs = starts.windows(2).map(|p| &residual[p[0]..p[1]]);
-            pairs
-                .map(|r| dot(&r[..r.len().saturating_sub(lag)], &r[lag.min(r.len())..]))
-                .sum::<f64>()
-                / square
-        };
-        let lags = (1..(LONGEST_S * rows_hz) as usize).map(correlation);
-        time += 1.0 + 2.0 * lags.take_while(|c| *c > 0.0).sum::<f64>();
-    }
-    residual.len() as f64 / time
-}
-
 /// Model discrepancy of each joint, in units of its noise, where that is clearly more than noise.
 pub(crate) fn discrepancies(metric: &Marginalised<'_>, found: &Estimate) -> Vec<f64> {
     let residual = metric.residual(&found.fit);

@@ -5,8 +5,9 @@
 //! References: H. R. Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17(3),
 //! 1989.
 
-use crate::regression::folds::{LEFT_OUT_PER_RECORDING, time_blocks};
+use crate::regression::folds::LEFT_OUT_PER_RECORDING;
 use armident_effects::{LinkSide, OperatingTerm};
+use armident_inference::time_blocks;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -51,17 +52,21 @@ impl Jackknife {
                 metric.fit(metric.columns_of(&ids))
             })
             .collect();
-        let count = fits.len() as f64;
-        let mut variance = BTreeMap::new();
+        let mut variances = BTreeMap::new();
         for (column, here) in pairs_of_columns(problem, of, &small) {
             let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
-            let mean = values.iter().sum::<f64>() / count;
-            let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-            variance.insert(column, (count - 1.0) / count * squares);
+            variances.insert(column, armident_inference::variance(&values));
         }
         let residual_ratio = (of.fit.sum_of_squares / rows.effective()).sqrt();
         let (by_lag, by_reference) = (BTreeMap::new(), BTreeMap::new());
-        Self { variance, residual_ratio, late: None, by_lag, by_reference, shapes: Vec::new() }
+        Self {
+            variance: variances,
+            residual_ratio,
+            late: None,
+            by_lag,
+            by_reference,
+            shapes: Vec::new(),
+        }
     }
 
     /// Of the coefficients of an estimate. `step_s` is the sample interval \[s\]: the order of

@@ -6,6 +6,7 @@
 //! models, Econometrica 50(1), 1982.
 
 use armident_effects::Effect;
+use armident_inference::time_blocks;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -17,7 +18,7 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::{continuous, formed};
 use crate::design::training::Design;
 use crate::regression::fit_set::Estimate;
-use crate::regression::folds::{LEFT_OUT_PER_RECORDING, time_blocks};
+use crate::regression::folds::LEFT_OUT_PER_RECORDING;
 use crate::regression::marginalised::{LeastSquaresFit, Marginalised};
 
 /// Steps towards a standard deviation; near enough to the curvature once the first one was that.

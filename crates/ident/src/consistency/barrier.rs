@@ -22,16 +22,13 @@
 //! `d` is 1, so a step is a damped least-squares problem without any ill-conditioned matrix, and
 //! eigenvalues of 1e-12 keep their relative accuracy.
 
-mod scaled;
-
 use armident_kinematics::InertialParameters;
 use armident_numeric::{DampedLeastSquares, Mat, NumericError};
 use nalgebra::Matrix4;
 
-use scaled::{Direction, ENTRIES, Pair, Scaled, coordinates, symmetric};
+use super::point::{FREE, Point, TEN};
+use super::scaled::{Direction, ENTRIES, Pair, Scaled, coordinates, symmetric};
 
-/// Standard parameters of a link, and coordinates of a symmetric 4x4 matrix.
-pub(super) const TEN: usize = InertialParameters::COUNT;
 /// Predictors that reach less far than this share of the way to the end say that the path turns.
 const TURNS: f64 = 0.3;
 /// A step longer than this has led to the path.
@@ -56,8 +53,6 @@ const MOST_STEPS: usize = 150;
 const SMALLEST_SHARE: f64 = 1e-7;
 /// Share of the way to the boundary that a step may take.
 const TO_BOUNDARY: f64 = 0.999;
-/// Scale of unknowns without a bound: they follow the data.
-const FREE: f64 = 1e4;
 /// The certificate covers points this many times as large as the answer.
 const CERTIFIED_SIZE: f64 = 10.0;
 /// Weight of the data, relative to its largest column, when they are to be met exactly.
@@ -92,15 +87,6 @@ pub(super) struct Barrier {
     pub(super) target: Vec<f64>,
 }
 
-/// A point inside the cone.
-#[derive(Debug, Clone)]
-pub(super) struct Point {
-    /// `L` of every link
-    factors: Vec<Matrix4<f64>>,
-    /// the scaled effects
-    pub(super) effects: Vec<f64>,
-}
-
 /// A minimiser of `g + μ d`.
 #[derive(Debug, Clone)]
 pub(super) struct Centre {
@@ -126,22 +112,6 @@ pub(super) struct DualityGap {
     pub(super) at_least: f64,
     /// `Σ tr X + Σ t` up to which it holds.
     pub(super) size: f64,
-}
-
-impl Point {
-    /// Pseudo-inertias `Λ X Λᵀ` as links.
-    pub(super) fn links(&self, roots: &[Matrix4<f64>]) -> Vec<InertialParameters> {
-        let of = |(factor, root): (&Matrix4<f64>, &Matrix4<f64>)| {
-            let half = root * factor;
-            InertialParameters::from_pseudo_inertia(&(half * half.transpose()))
-        };
-        self.factors.iter().zip(roots).map(of).collect()
-    }
-
-    /// `Σ tr X` of the links.
-    pub(super) fn size_of_links(&self) -> f64 {
-        self.factors.iter().map(Matrix4::norm_squared).sum()
-    }
 }
 
 impl Barrier {

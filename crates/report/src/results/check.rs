@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_ident::check::{self, ChannelKind, RecordingCheck};
+use armident_ident::checks::{self as check, ChannelKind, RecordingCheck};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

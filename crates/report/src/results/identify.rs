@@ -228,11 +228,8 @@ impl IdentifyReport {
     /// Method or estimator in words.
     pub fn method_in_words(&self) -> &str {
         match self.estimator.as_deref() {
-            Some("ols") => "ordinary least squares",
-            Some("wls") => "weighted least squares",
-            Some("irls") => "robust weighted least squares (Huber)",
-            Some("iv") => "instrumental variables",
-            Some(other) => other,
+            // an estimator that is not in the library goes by its name
+            Some(name) => armident_ident::estimators::by_name(name).map_or(name, |e| e.title()),
             None if self.method == "algorithm2" => "Algorithm 2",
             None => &self.method,
         }

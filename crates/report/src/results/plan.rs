@@ -1,6 +1,6 @@
 //! `armident plan`: the experiment list as text. Its JSON is the plan itself.
 
-use armident_ident::algorithm2::Plan;
+use armident_ident::experiment::Plan;
 
 use crate::layout::{aligned, significant};
 

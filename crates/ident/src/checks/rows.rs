@@ -1,0 +1,255 @@
+//! The rows of all checks: one triangle a joint, with the columns of the model, the
+//! URDF's gravity, the efforts of all joints, and the joint's own effort at other times.
+
+use armident_dynamics::{ArmMotion, RigidArm, inverse_dynamics_of_motion};
+use armident_motion::{Motion, QualityReport};
+use armident_numeric::{AccumulatedQr, NumericError};
+use armident_recording::{Interpolation, Quantity};
+
+use crate::regression::{BatchProblem, RANK_CUT, Term};
+use crate::used_samples::EDGE_PERIODS;
+use armident_inference::correlation_time;
+
+/// Effort shifts tried to either side.
+pub(super) const SHIFTS_ASIDE: usize = 16;
+/// Longest delay looked for \[s\]: drives and field buses have been seen to take some tens of
+/// milliseconds.
+pub(super) const LONGEST_DELAY_S: f64 = 0.06;
+/// Samples per period of the cut-off at which the correlation of residuals is looked at.
+const SAMPLES_PER_CUTOFF: f64 = 4.0;
+
+/// Rows of one joint, reduced.
+///
+/// Columns: the joint's terms, the URDF's gravity effort, the effort of every joint, the joint's own
+/// effort at each of [`shifts_s`], which also stands on the right-hand side.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelRows {
+    pub(super) triangle: AccumulatedQr,
+    /// number of the joint's terms
+    pub(super) terms: usize,
+    /// number of joints
+    pub(super) joints: usize,
+    /// samples
+    pub(super) samples: f64,
+    /// effective sample size of the residual of the joint's terms
+    pub(super) effective: f64,
+    /// the same for the error of laws that are not quite those of the robot: noise is as independent as above, a
+    /// function of the motion only as much as the residual of friction alone
+    pub(super) effective_of_model_error: f64,
+    /// standard deviation of the recorded noise after the low-pass \[N m or N\]: no model leaves less
+    pub(super) noise: f64,
+    /// root mean square of the residual \[N m or N\]
+    pub(super) residual_rms: f64,
+    /// standard deviation of the filtered effort \[N m or N\]
+    pub(super) effort_sd: f64,
+    /// standard deviation of the URDF's effort \[N m or N\]
+    pub(super) urdf_sd: f64,
+}
+
+impl ChannelRows {
+    pub(super) fn gravity(&self) -> usize {
+        self.terms
+    }
+
+    pub(super) fn effort_of(&self, joint: usize) -> usize {
+        self.terms + 1 + joint
+    }
+
+    pub(super) fn shifted(&self, shift: usize) -> usize {
+        self.terms + 1 + self.joints + shift
+    }
+
+    /// Size and effective sample size of the residual.
+    fn measure_residual(
+        &mut self,
+        problem: &BatchProblem,
+        joint: usize,
+        motions: &[Motion],
+        moved: &[ArmMotion<'_>],
+    ) -> Result<(), NumericError> {
+        // all terms, and those of friction alone
+        let own: Vec<usize> = (0..self.terms).collect();
+        let is_friction = |place: &usize| {
+            !matches!(problem.terms[problem.terms_of_joint(joint)[*place]], Term::Constant(_))
+        };
+        let friction: Vec<usize> = own.iter().copied().filter(is_friction).collect();
+        let fitted = |places: &[usize]| self.triangle.with_unknowns(places).solve(RANK_CUT);
+        let fits = [(fitted(&own)?, own), (fitted(&friction)?, friction)];
+        let mut thinned = [Vec::new(), Vec::new()];
+        let mut squares = 0.0;
+        for (motion, moved) in motions.iter().zip(moved) {
+            let Some(effort) = &motion.effort_filtered else { continue };
+            let columns = model_columns(problem, joint, motion, moved);
+            let edge = edge(motion);
+            let stride = motion.filter.as_ref().map_or(1.0, |filter| {
+                (motion.rate_hz / (SAMPLES_PER_CUTOFF * filter.cutoff_hz())).floor().max(1.0)
+            });
+            for (k, (fit, places)) in fits.iter().enumerate() {
+                let left: Vec<f64> = (0..motion.len() - 2 * edge)
+                    .map(|t| {
+                        let pairs = places.iter().zip(&fit.solution);
+                        let fitted: f64 = pairs.map(|(&c, x)| columns[c][t] * x).sum();
+                        effort[joint][edge + t] - fitted
+                    })
+                    .collect();
+                if k == 0 {
+                    squares += left.iter().map(|r| r * r).sum::<f64>();
+                }
+                thinned[k]
+                    .push(left.iter().step_by(stride as usize).copied().collect::<Vec<f64>>());
+            }
+        }
+        // the low-pass passes no more, whatever the residual of many terms looks like
+        let most: f64 = motions.iter().map(|m| m.independent_share() * m.len() as f64).sum();
+        let independent = |of: &[Vec<f64>]| {
+            let count: usize = of.iter().map(Vec::len).sum();
+            (count as f64 / correlation_time(of)).min(most).max(1.0)
+        };
+        self.residual_rms = (squares / self.samples).sqrt();
+        self.effective = independent(&thinned[0]);
+        // the residual is noise to this share, and otherwise a function of the motion
+        let noisy = (self.noise / self.residual_rms).powi(2).min(1.0);
+        let of_motion = independent(&thinned[1]).min(self.effective);
+        // as many terms as independent samples leave no residual, which looks like noise
+        let free = (1.0 - self.terms as f64 / most).max(0.0);
+        self.effective_of_model_error = of_motion + noisy.max(free) * (self.effective - of_motion);
+        Ok(())
+    }
+}
+
+/// Times by which the effort is read later \[s\]: positive finds an effort that lags.
+pub(super) fn shifts_s() -> Vec<f64> {
+    let steps = SHIFTS_ASIDE as f64;
+    (0..=2 * SHIFTS_ASIDE).map(|k| (k as f64 - steps) / steps * LONGEST_DELAY_S).collect()
+}
+
+/// The motion with its efforts read `delay_s` later.
+pub(super) fn with_effort_from(motion: &Motion, delay_s: f64) -> Motion {
+    let later: Vec<f64> = motion.time_s.iter().map(|t| t + delay_s).collect();
+    let at = Interpolation::new(&motion.time_s, &later, 2.0 / motion.rate_hz);
+    let mut moved = motion.clone();
+    for efforts in [&mut moved.effort, &mut moved.effort_filtered].into_iter().flatten() {
+        efforts.iter_mut().for_each(|effort| *effort = at.apply(effort));
+    }
+    moved
+}
+
+/// Samples left out at both ends, of the filter and of the shifts.
+fn edge(motion: &Motion) -> usize {
+    let of_filter = motion.filter.as_ref().map_or(0.0, |filter| EDGE_PERIODS / filter.cutoff_hz());
+    let edge = (motion.rate_hz * of_filter.max(LONGEST_DELAY_S)).ceil() as usize;
+    edge.min(motion.len() / 4)
+}
+
+/// Model columns of one joint over one motion, without the ends.
+fn model_columns(
+    problem: &BatchProblem,
+    joint: usize,
+    motion: &Motion,
+    moved: &ArmMotion<'_>,
+) -> Vec<Vec<f64>> {
+    let edge = edge(motion);
+    let jumping = problem.jumping_columns(joint, motion);
+    let mut columns = problem.columns_beside(joint, motion, moved, &jumping);
+    for column in &mut columns {
+        column.truncate(motion.len() - edge);
+        column.drain(..edge);
+    }
+    columns
+}
+
+/// Standard deviation of the recorded noise of each joint's effort after the low-pass \[N m or N\].
+pub(super) fn noise_in_band(
+    names: &[&str],
+    motions: &[Motion],
+    reports: &[QualityReport],
+) -> Vec<f64> {
+    let samples: f64 = motions.iter().map(|m| m.len() as f64).sum();
+    let of_joint = |name: &&str| {
+        let squares: f64 = motions
+            .iter()
+            .zip(reports)
+            .map(|(motion, report)| {
+                let effort = report
+                    .channels
+                    .iter()
+                    .find(|c| c.joint == **name && c.quantity == Quantity::Effort);
+                let sigma = effort.and_then(|c| c.noise).unwrap_or(0.0);
+                sigma * sigma * motion.independent_share() * motion.len() as f64
+            })
+            .sum();
+        (squares / samples).sqrt()
+    };
+    names.iter().map(of_joint).collect()
+}
+
+/// Reduces all motions, joint by joint. Memory: the columns of one joint of one recording.
+pub(super) fn accumulate(
+    problem: &BatchProblem,
+    arm: &RigidArm,
+    motions: &[Motion],
+    noise: &[f64],
+) -> Result<Vec<ChannelRows>, NumericError> {
+    let n = arm.dof();
+    let shifts = shifts_s();
+    let mut gravity: Vec<Vec<Vec<f64>>> = Vec::new();
+    let mut of_urdf = vec![(0.0, 0.0, 0.0); n];
+    let moved = problem.arm_motions(&motions.iter().collect::<Vec<_>>());
+    for (motion, moved) in motions.iter().zip(&moved) {
+        let still = vec![vec![0.0; motion.len()]; n];
+        let mut of_motion = inverse_dynamics_of_motion(arm, &motion.position, &still, &still);
+        motion.filter_columns(&mut of_motion);
+        gravity.push(of_motion);
+        let rigid = moved.efforts(arm);
+        let edge = edge(motion);
+        for (moments, effort) in of_urdf.iter_mut().zip(&rigid) {
+            for e in &effort[edge..effort.len() - edge] {
+                *moments = (moments.0 + 1.0, moments.1 + e, moments.2 + e * e);
+            }
+        }
+    }
+    let mut all = Vec::with_capacity(n);
+    for joint in 0..n {
+        let terms = problem.terms_of_joint(joint).len();
+        let mut rows = ChannelRows {
+            triangle: AccumulatedQr::new(terms + 1 + n + shifts.len()),
+            terms,
+            joints: n,
+            samples: 0.0,
+            effective: 0.0,
+            effective_of_model_error: 0.0,
+            noise: noise[joint],
+            residual_rms: 0.0,
+            effort_sd: 0.0,
+            urdf_sd: 0.0,
+        };
+        let mut effort_moments = (0.0, 0.0);
+        for ((motion, moved), gravity) in motions.iter().zip(&moved).zip(&gravity) {
+            let Some(effort) = &motion.effort_filtered else { continue };
+            let edge = edge(motion);
+            let kept = edge..motion.len() - edge;
+            let mut columns = model_columns(problem, joint, motion, moved);
+            columns.push(gravity[joint][kept.clone()].to_vec());
+            columns.extend(effort.iter().map(|e| e[kept.clone()].to_vec()));
+            for shift in &shifts {
+                let later: Vec<f64> =
+                    motion.time_s[kept.clone()].iter().map(|t| t + shift).collect();
+                let longest_s = 2.0 / motion.rate_hz;
+                let at = Interpolation::new(&motion.time_s, &later, longest_s);
+                columns.push(at.apply(&effort[joint]));
+            }
+            let own = &effort[joint][kept];
+            rows.triangle.push_columns(&columns, own);
+            rows.samples += own.len() as f64;
+            effort_moments.0 += own.iter().sum::<f64>();
+            effort_moments.1 += own.iter().map(|e| e * e).sum::<f64>();
+        }
+        let mean = effort_moments.0 / rows.samples;
+        rows.effort_sd = (effort_moments.1 / rows.samples - mean * mean).max(0.0).sqrt();
+        let (count, sum, of_squares) = of_urdf[joint];
+        rows.urdf_sd = (of_squares / count - (sum / count).powi(2)).max(0.0).sqrt();
+        rows.measure_residual(problem, joint, motions, &moved)?;
+        all.push(rows);
+    }
+    Ok(all)
+}

@@ -1,0 +1,100 @@
+//! What is checked, and the verdicts.
+
+use serde::Serialize;
+
+/// Outcome of one check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Right; the recordings would show a fault.
+    Ok,
+    /// The recordings would not show a fault.
+    CannotTell,
+    /// More likely wrong than not, or of little use.
+    Doubtful,
+    /// Wrong beyond a thousand to one.
+    Wrong,
+}
+
+/// A fault less likely than this is none, one more likely than its complement is one.
+pub(super) const SURE: f64 = 1e-3;
+/// Probability of what a header says above which a column is right.
+pub(super) const PROBABLY_RIGHT: f64 = 0.99;
+
+impl Verdict {
+    /// On something that is right with this probability.
+    pub(super) fn of_probability(p: f64) -> Self {
+        match p {
+            p if p >= PROBABLY_RIGHT => Self::Ok,
+            p if p >= 0.5 => Self::CannotTell,
+            p if p > SURE => Self::Doubtful,
+            _ => Self::Wrong,
+        }
+    }
+
+    /// Name in texts.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::CannotTell => "inconclusive",
+            Self::Doubtful => "doubtful",
+            Self::Wrong => "wrong",
+        }
+    }
+}
+
+/// What was checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Topic {
+    /// Sample rate against the bandwidth of the motion.
+    Rate,
+    /// Noise of a channel.
+    Noise,
+    /// Which effort channel a column is.
+    Channel,
+    /// Which joint each effort column belongs to.
+    Order,
+    /// Delay between effort and motion.
+    Delay,
+    /// Whether the motion determines the constants.
+    Excitation,
+    /// Properties of the samples that need no model.
+    Quality,
+}
+
+impl Topic {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rate => "rate",
+            Self::Noise => "noise",
+            Self::Channel => "effort column",
+            Self::Order => "joint order",
+            Self::Delay => "delay",
+            Self::Excitation => "excitation",
+            Self::Quality => "quality",
+        }
+    }
+}
+
+/// One check with its verdict.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// What was checked.
+    pub topic: Topic,
+    /// The joint; none for the robot as a whole.
+    pub joint: Option<String>,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The number it rests on.
+    pub value: Option<f64>,
+    /// Unit of the number.
+    pub unit: &'static str,
+    /// 95 % interval of the number.
+    pub interval_95: Option<[f64; 2]>,
+    /// One sentence.
+    pub message: String,
+    /// What to do.
+    pub advice: Option<String>,
+}

@@ -1,0 +1,11 @@
+//! Which structure the recordings call for: reversal of dry friction, shared transmissions, sublinear viscous friction.
+
+mod choose;
+mod coupling;
+mod fold_errors;
+mod reversal;
+mod sublinear;
+
+pub use choose::{Structure, StructureSearch};
+pub use coupling::CouplingFound;
+pub use sublinear::SublinearFound;
