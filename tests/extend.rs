@@ -6,7 +6,7 @@ use armident_challenge::{Arm, CaseKind, CaseRequest, generate, generate_in};
 use armident_diagnose::{DiagnoseRequest, diagnose};
 use armident_effects::{
     Draw, DrawContext, DrawnEffect, Effect, EffectOnJoint, Export, JointMotion, JointState, Law,
-    Library, Naming, Parameter, Role, Scan, directions_with,
+    LawRole, Library, Naming, Parameter, Scan, directions_with,
 };
 use armident_export::{mjcf_in, urdf_in};
 use armident_kinematics::{
@@ -24,7 +24,7 @@ const LAW: Law = Law {
     slug: "cubic_drag",
     title: "cubic drag",
     formula: "f = c v^3",
-    roles: &[Role::Drag],
+    roles: &[LawRole::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m s3/rad3", "N s3/m3").main()],
     export: Export { urdf: None, mjcf: Some("cubicdamping") },
     ..Law::BLANK

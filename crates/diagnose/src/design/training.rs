@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix};
-use armident_effects::{BASELINE, Effect, EffectOnJoint, Library, MotionScale, Role, Scope};
+use armident_effects::{BASELINE, Effect, EffectOnJoint, LawRole, Library, MotionScale, Scope};
 use armident_kinematics::DrivingAxisChain;
 use rayon::prelude::*;
 
@@ -415,7 +415,7 @@ impl<'a> Design<'a> {
         for law in self.library.named() {
             let joints = match law.law().scope {
                 Scope::ThroughJoint => self.joints(),
-                Scope::Arm if law.law().roles != [Role::Contact] => 1,
+                Scope::Arm if law.law().roles != [LawRole::Contact] => 1,
                 _ => continue,
             };
             for j in 0..joints {
@@ -423,7 +423,7 @@ impl<'a> Design<'a> {
                     .iter()
                     .zip(efforts)
                     .map(|(at, effort)| {
-                        if law.law().roles != [Role::Time] {
+                        if law.law().roles != [LawRole::Time] {
                             return at.recorded_arm_columns(law, j, self.chain);
                         }
                         // the clock shifts all that is recorded, not the rigid body alone

@@ -10,7 +10,7 @@ use crate::regression::relinearise::{
 };
 use crate::selection::change_significance::{REFERENCE_SCALE, certain};
 use crate::selection::solution::Selection;
-use armident_effects::Role;
+use armident_effects::LawRole;
 use armident_inference::independent_share;
 use armident_numeric::dot;
 
@@ -199,7 +199,7 @@ fn iterate<'a>(
         state.no_ripple.extend(fractional);
         if again {
             state.candidates.retain(|g| {
-                !g.has(|law| law.has_role(Role::Ripple))
+                !g.has(|law| law.has_role(LawRole::Ripple))
                     || !state.no_ripple.contains(&g.location.joints[0])
             });
         }

@@ -4,7 +4,7 @@
 //! errors, decides.
 //! References: D. J. C. MacKay, Bayesian interpolation, Neural Computation 4(3), 1992.
 
-use armident_effects::{Law, LinkInertiaError, Role};
+use armident_effects::{Law, LawRole, LinkInertiaError};
 use std::collections::HashSet;
 
 use rayon::prelude::*;
@@ -212,7 +212,7 @@ fn banned(problem: &LinearProblem, state: &SearchState, scale: f64) -> HashSet<u
     (0..problem.candidates.len())
         .filter(|&g| {
             let candidate = &problem.candidates[g];
-            (candidate.has(|law| law.has_role(Role::Ripple))
+            (candidate.has(|law| law.has_role(LawRole::Ripple))
                 && state.no_ripple.contains(&candidate.location.joints[0]))
                 || (scale > 0.0
                     && !problem.observations.comparison.seeks_change()

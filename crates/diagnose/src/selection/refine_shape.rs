@@ -6,7 +6,7 @@
 
 use crate::design::rebuild::{continuous, known, recreate};
 use crate::design::transmission::push_transmission;
-use armident_effects::{Role, ShapeStep};
+use armident_effects::{LawRole, ShapeStep};
 use std::collections::{HashMap, HashSet};
 
 use crate::design::candidate::Candidate;
@@ -207,7 +207,7 @@ pub(crate) fn fractional_ripples(
         .iter()
         .map(|g| &problem.candidates[*g])
         .filter(|g| {
-            g.has(|law| law.has_role(Role::Ripple))
+            g.has(|law| law.has_role(LawRole::Ripple))
                 && design.chain.joints[g.location.joints[0]].kind.is_rotational()
         })
         .filter(|g| (g.shape[0] - g.shape[0].round()).abs() > WHOLE_ORDER)

@@ -3,7 +3,7 @@
 //! Method: transmissions on joints with a residual or an inertia of their own; smooth terms where no law explains the residual.
 //! References: own.
 
-use armident_effects::{LinkSide, Role};
+use armident_effects::{LawRole, LinkSide};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
@@ -159,7 +159,7 @@ fn suspects(problem: &LinearProblem, found: &ScaleFit, residual: &[Vec<f64>]) ->
         .set
         .iter()
         .map(|g| &problem.candidates[*g])
-        .filter(|g| g.places == [Role::Inertia] || (links_changed && g.is_of_link()))
+        .filter(|g| g.places == [LawRole::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.location.joints[0])
         .collect();
     // link-side motion affects the neighbours nearly as much
