@@ -6,7 +6,7 @@ use armident_diagnose::{Diagnosis, Finding};
 use armident_kinematics::DrivingAxisChain;
 use armident_model::{ArmModel, PreparedRecording};
 use armident_page::{
-    Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, Role,
+    Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, RecordingRole,
 };
 use armident_recording::Recording;
 use serde::Serialize;
@@ -108,7 +108,7 @@ fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
 fn compared<'a>(
     models: &[&ArmModel],
     recordings: &'a [Recording],
-    role: Role,
+    role: RecordingRole,
     cutoff_hz: Option<f64>,
     edge_s: f64,
 ) -> Result<Vec<Compared<'a>>, Failure> {
@@ -130,7 +130,7 @@ pub(crate) fn of_models<'a>(
     pages: &PageArgs,
     chain: &DrivingAxisChain,
     models: &[(&str, &ArmModel)],
-    recorded: &[(&[Recording], Role)],
+    recorded: &[(&[Recording], RecordingRole)],
     cutoff_hz: Option<f64>,
     files: impl IntoIterator<Item = &'a PathBuf>,
 ) -> Result<Option<Drawing>, Failure> {
@@ -158,8 +158,8 @@ pub(crate) fn of_diagnosis(
     let before = &diagnosis.believed;
     let models = [before, &diagnosis.rigid, &diagnosis.model];
     let mut all = Vec::new();
-    let kept_out = holdout.iter().map(|seen| (seen, Role::Holdout));
-    for (seen, role) in train.iter().map(|seen| (seen, Role::Training)).chain(kept_out) {
+    let kept_out = holdout.iter().map(|seen| (seen, RecordingRole::Holdout));
+    for (seen, role) in train.iter().map(|seen| (seen, RecordingRole::Training)).chain(kept_out) {
         let predicted =
             models.iter().map(|m| m.predict_prepared(seen)).collect::<Result<_, _>>()?;
         all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armident_ident::checks::{check, with_drive_signals};
 use armident_model::ArmModel;
-use armident_page::Role;
+use armident_page::RecordingRole;
 use armident_report::CheckReport;
 
 use super::recordings;
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
     let report = CheckReport::new(&robot, sources, names, cutoff_hz, &found, warnings, notes);
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
-    let recorded = [(recorded.as_slice(), Role::Training)];
+    let recorded = [(recorded.as_slice(), RecordingRole::Training)];
     let models: [(&str, &ArmModel); 1] = [("given", &model)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text();

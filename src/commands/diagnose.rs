@@ -8,7 +8,7 @@ use armident_diagnose::{
 use armident_ident::validation::{REPLAY_WINDOW_S, replay};
 use armident_model::{ArmModel, PreparedRecording};
 use armident_motion::common_cutoff_hz;
-use armident_page::Role;
+use armident_page::RecordingRole;
 use armident_recording::Recording;
 use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 
@@ -136,7 +136,7 @@ fn write_failed_checks(
     let joints = model.chain.joint_names();
     let cutoff_hz = common_cutoff_hz(&wrong.recordings, &joints, None)?;
     let models: [(&str, &ArmModel); 1] = [("given", model)];
-    let recorded = [(wrong.recordings.as_slice(), Role::Training)];
+    let recorded = [(wrong.recordings.as_slice(), RecordingRole::Training)];
     let used = files.training.iter().chain([&args.robot]).chain(&args.reading.mapping);
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, used)?;
     let text = report.text(output::bars());

@@ -9,7 +9,7 @@ mod report;
 use std::path::PathBuf;
 
 use armident_model::ArmModel;
-use armident_page::{Correlation, Drawing, Role};
+use armident_page::{Correlation, Drawing, RecordingRole};
 use armident_recording::Recording;
 use armident_report::IdentifyReport;
 
@@ -47,7 +47,8 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     }
     output::say_all(&args.output, "note", &report.notes);
     let [train, holdout] = &read;
-    let recorded = [(train.as_slice(), Role::Training), (holdout.as_slice(), Role::Holdout)];
+    let recorded =
+        [(train.as_slice(), RecordingRole::Training), (holdout.as_slice(), RecordingRole::Holdout)];
     let before = model.before();
     let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
     let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);

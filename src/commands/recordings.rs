@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use armident_kinematics::nearest;
 use armident_motion::{Motion, MotionSettings, findings};
 use armident_recording::{
-    Action, Encoded, FindingKind, Formats, Mapping, Quantity, ReadSettings, Recording, encode,
+    Action, Encoded, Formats, Mapping, QualityIssueKind, Quantity, ReadSettings, Recording, encode,
     read_recording,
 };
 
@@ -83,10 +83,10 @@ pub(crate) fn read_all(
     let mut doubts = Vec::new();
     for recording in &recordings {
         let worth_saying = [
-            FindingKind::Stuck,
-            FindingKind::Saturated,
-            FindingKind::Gap,
-            FindingKind::SuspectedUnit,
+            QualityIssueKind::Stuck,
+            QualityIssueKind::Saturated,
+            QualityIssueKind::Gap,
+            QualityIssueKind::SuspectedUnit,
         ];
         for finding in findings(recording) {
             if finding.action == Action::Kept && worth_saying.contains(&finding.kind) {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use armident_ident::validation::{EffortError, REPLAY_WINDOW_S, effort_errors, replay};
 use armident_model::ArmModel;
 use armident_motion::Motion;
-use armident_page::Role;
+use armident_page::RecordingRole;
 use armident_report::{ByJoint, EffortErrorRow, ReplayReport, ValidateReport};
 
 use super::{predict, recordings};
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     };
     output::say_all(&args.output, "note", &report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);
-    let recorded = [(recorded.as_slice(), Role::Holdout)];
+    let recorded = [(recorded.as_slice(), RecordingRole::Holdout)];
     let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
     let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, files)?;
     let text = report.text(output::bars());

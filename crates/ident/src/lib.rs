@@ -38,7 +38,7 @@ pub use identify::{
     Identification, IdentifyError, IdentifyErrors, IdentifyRequest, JointFriction,
     PlannedIdentification, PlannedRequest, Prepared, Stage, identify, identify_planned,
 };
-pub use minimal_set::{Constant, DroppedConstant, MinimalSet, Quantity, Theorem2, algorithm1};
+pub use minimal_set::{Constant, ConstantKind, DroppedConstant, MinimalSet, Theorem2, algorithm1};
 pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,

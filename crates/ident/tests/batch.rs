@@ -7,8 +7,8 @@ mod bench;
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{BASELINE, ReversalModel};
 use armident_ident::{
-    BatchEstimate, BatchProblem, BatchSettings, Quantity, StructureSearch, Term, dead_zone_shares,
-    used_samples,
+    BatchEstimate, BatchProblem, BatchSettings, ConstantKind, StructureSearch, Term,
+    dead_zone_shares, used_samples,
 };
 use armident_kinematics::InertialParameters;
 use armident_model::{ArmModel, DeadZone};
@@ -210,7 +210,7 @@ fn first_rotor_inertia_is_merged_into_constant() {
     let [(k, factor)] = first.into[..] else { unreachable!("{:?}", first.into) };
     let Term::Constant(constant) = problem.terms[k] else { unreachable!("an effect") };
     let constant = &bench.set.constants[constant];
-    assert_eq!((constant.joint, constant.quantity), (0, Quantity::U33));
+    assert_eq!((constant.joint, constant.quantity), (0, ConstantKind::U33));
     assert!((factor - 1.0).abs() < 1e-9, "{factor}");
 }
 

@@ -9,7 +9,7 @@ use armident_dynamics::{
     BodyConstants, CompositeBody, JointGeometry, RigidArm, gravity_effort, inertia_matrix,
     inertia_matrix_of, inverse_dynamics, varying_parts,
 };
-use armident_ident::{MinimalSet, Quantity};
+use armident_ident::{ConstantKind, MinimalSet};
 use armident_kinematics::{DrivingAxisFrame, InertialParameters, JointKind};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -161,8 +161,8 @@ proptest! {
             let p = undetermined.iter().find(|(j, _)| *j == joint).map(|&(_, p)| p);
             prop_assert!(p.is_some(), "{}", dropped.constant);
             let goes_to = match dropped.constant.quantity {
-                Quantity::Kx => Quantity::U13,
-                Quantity::Ky => Quantity::U23,
+                ConstantKind::Kx => ConstantKind::U13,
+                ConstantKind::Ky => ConstantKind::U23,
                 other => panic!("dropped {other:?}"),
             };
             let mut coefficient = 0.0;

@@ -9,7 +9,7 @@
 //! the motion of the link.
 
 use armident_dynamics::gravity_effort;
-use armident_motion::{Kind, Series, Signals, differentiate, kinematics_filter, low_pass};
+use armident_motion::{ChannelSeries, Kind, Signals, differentiate, kinematics_filter, low_pass};
 use armident_recording::RecordingError;
 
 use crate::FittedTransmission;
@@ -210,7 +210,8 @@ impl Motor {
         let recorded = &signals.recorded_position[joint];
         let goes_on = signals.goes_on[joint];
         let (long, margin) =
-            Series::of(recorded, Kind::Position, goes_on, signals.stands, &low_passed).whole();
+            ChannelSeries::of(recorded, Kind::Position, goes_on, signals.stands, &low_passed)
+                .whole();
         let smooth = low_pass(MOTOR_HZ, signals.rate_hz)?.filter(&long);
         let rate = differentiate(&smooth, signals.rate_hz);
         let inner = margin..margin + signals.len();

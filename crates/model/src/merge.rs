@@ -33,13 +33,12 @@ impl ArmModel {
         all.smooth_terms = [self.smooth_terms.clone(), all.smooth_terms].concat();
         all.effort_delay_s += self.effort_delay_s;
         all.band.clone_from(&self.band);
-        let own = self.reversals.iter().flatten();
-        if let Some(reversals) = &mut all.reversals {
-            for (reversal, own) in
-                reversals.iter_mut().zip(own).filter(|(reversal, _)| **reversal == SHARP)
-            {
-                *reversal = *own;
-            }
+        if let Some(own) = &self.reversals {
+            // where the change says nothing of how friction reverses, it does as before
+            let of_change = all.reversals.unwrap_or_else(|| vec![SHARP; own.len()]);
+            let both = of_change.into_iter().zip(own);
+            all.reversals =
+                Some(both.map(|(new, own)| if new == SHARP { *own } else { new }).collect());
         }
         for (now, then) in all.encoder_offset.iter_mut().zip(&self.encoder_offset) {
             *now += then;

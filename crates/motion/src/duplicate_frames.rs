@@ -6,7 +6,7 @@
 //! speeds by half or whole, which no arm can do.
 
 use armident_numeric::order_statistic;
-use armident_recording::{Action, Finding, FindingKind, Recording, Span, percent};
+use armident_recording::{Action, QualityIssue, QualityIssueKind, Recording, Span, percent};
 
 /// Frames before and after in which the arm must move steadily.
 const STEADY: usize = 3;
@@ -89,13 +89,13 @@ impl RepeatedFrames {
     }
 
     /// The finding on them.
-    pub(crate) fn finding(&self, time_s: &[f64]) -> Finding {
+    pub(crate) fn finding(&self, time_s: &[f64]) -> QualityIssue {
         let share = self.frames.len() as f64 / time_s.len() as f64;
         let action = match self.meaning {
             Meaning::Unknown => Action::Kept,
             _ => Action::Repaired,
         };
-        let mut finding = Finding::of_stamps(FindingKind::RepeatedFrames, action, share);
+        let mut finding = QualityIssue::of_stamps(QualityIssueKind::RepeatedFrames, action, share);
         let runs: Vec<(usize, usize)> = self.frames.iter().map(|k| (*k, *k)).collect();
         finding.spans = Span::of_runs(time_s, &runs);
         let action = match self.meaning {

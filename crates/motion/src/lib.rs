@@ -80,4 +80,4 @@ pub use quality::{
 };
 pub use recorded_velocity::with_recorded_velocity;
 pub use signals::Signals;
-pub use standstill::{Kind, Series, Stop, continued, filter_between};
+pub use standstill::{ChannelSeries, Kind, Stop, continued, filter_between};

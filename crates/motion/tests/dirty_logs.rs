@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use armident_motion::{QualityReport, differences, quality};
-use armident_recording::{Action, FindingKind, Quantity, Recording, read_csv, read_csv_from};
+use armident_recording::{Action, QualityIssueKind, Quantity, Recording, read_csv, read_csv_from};
 
 #[path = "../../../tests/shared.rs"]
 #[allow(dead_code, clippy::unwrap_used, reason = "a test file: each binary uses its part")]
@@ -299,7 +299,7 @@ fn repairs_bring_back_the_values() {
 fn places_and_shares() {
     let stuck = with(|log| log.tau[600..900].fill(1.25));
     let report = quality(&read(&stuck));
-    let finding = report.findings.iter().find(|f| f.kind == FindingKind::Stuck).unwrap();
+    let finding = report.findings.iter().find(|f| f.kind == QualityIssueKind::Stuck).unwrap();
     assert_eq!(
         (finding.joint.as_deref(), finding.quantity),
         (Some("elbow"), Some(Quantity::Effort))
@@ -379,32 +379,32 @@ fn recordings_that_differ_among_each_other() {
 fn known_defects_of_shared_recordings() {
     let Some(data) = shared::shared("known_defects_of_shared_recordings", "data") else { return };
     let of = |file: &str| quality(&read_csv(data.join(file)).unwrap());
-    let kinds = |report: &QualityReport, kind: FindingKind| -> Vec<String> {
+    let kinds = |report: &QualityReport, kind: QualityIssueKind| -> Vec<String> {
         let named = report.findings.iter().filter(|f| f.kind == kind);
         named.map(|f| f.joint.clone().unwrap_or_default()).collect()
     };
     // drives that filter the velocity over 0.2 s, and currents that are mostly one step or none
     let tiago = of("tiago-arm/train.csv");
-    assert_eq!(kinds(&tiago, FindingKind::VelocityDelay).len(), 8, "{}", told(&tiago));
+    assert_eq!(kinds(&tiago, QualityIssueKind::VelocityDelay).len(), 8, "{}", told(&tiago));
     assert_eq!(
-        kinds(&tiago, FindingKind::Stuck),
+        kinds(&tiago, QualityIssueKind::Stuck),
         ["arm_5_joint", "arm_6_joint", "arm_7_joint"],
         "{}",
         told(&tiago)
     );
     let servo = of("bam-xl330/sin_sin_kp400.csv");
-    assert_eq!(kinds(&servo, FindingKind::Saturated), ["servo"], "{}", told(&servo));
+    assert_eq!(kinds(&servo, QualityIssueKind::Saturated), ["servo"], "{}", told(&servo));
     assert!(told(&servo).contains("at its limit of -7.4"), "{}", told(&servo));
     assert!((servo.channels[0].step.unwrap() - 1.534e-3).abs() < 1e-6);
     // the bridge is off
     let dropped = of("bam-xl330/lift_and_drop_kp100.csv");
-    assert_eq!(kinds(&dropped, FindingKind::Stuck), ["servo"], "{}", told(&dropped));
+    assert_eq!(kinds(&dropped, QualityIssueKind::Stuck), ["servo"], "{}", told(&dropped));
     let staubli = of("staubli-tx40/train.csv");
     assert_eq!(staubli.findings.len(), 1, "{}", told(&staubli));
-    assert_eq!(staubli.findings[0].kind, FindingKind::MissingVelocity);
+    assert_eq!(staubli.findings[0].kind, QualityIssueKind::MissingVelocity);
     for clean in ["ur10-unisa/train.csv", "dfki-simple-pendulum/tracking.csv"] {
         let report = of(clean);
-        let other = report.findings.iter().find(|f| f.kind != FindingKind::UnevenStamps);
+        let other = report.findings.iter().find(|f| f.kind != QualityIssueKind::UnevenStamps);
         assert_eq!(other, None, "{clean}");
     }
 }

@@ -5,8 +5,8 @@ use armident_motion::quality;
 use armident_recording::{Recording, RecordingError};
 
 use crate::drawing::{
-    Channel, Drawing, EffortTraces, JointName, JointResidual, Quality, RecordingTraces, Role,
-    Skeleton,
+    Channel, Drawing, EffortTraces, JointName, JointResidual, Quality, RecordingRole,
+    RecordingTraces, Skeleton,
 };
 use crate::reduce::{rounded, samples_per_pair, smallest_and_largest};
 use crate::sheet::{Compared, Sheet};
@@ -50,7 +50,7 @@ impl<'a> Canvas<'a> {
     /// Recordings that were fitted; all where none was.
     pub(crate) fn fitted(&self) -> Vec<&Sheet> {
         let training: Vec<&Sheet> =
-            self.sheets.iter().filter(|s| s.role == Role::Training).collect();
+            self.sheets.iter().filter(|s| s.role == RecordingRole::Training).collect();
         if training.is_empty() { self.sheets.iter().collect() } else { training }
     }
 
@@ -181,7 +181,7 @@ fn joint_names(chain: &DrivingAxisChain) -> Vec<JointName> {
         .collect()
 }
 
-fn quality_of(recording: &Recording, role: Role) -> Quality {
+fn quality_of(recording: &Recording, role: RecordingRole) -> Quality {
     let found = quality(recording);
     Quality {
         source: found.source,

@@ -37,7 +37,7 @@ pub struct Provenance {
     /// The command line.
     pub command: Vec<String>,
     /// Files read.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<PageInput>,
     /// Seed of the random numbers; none where none are drawn.
     pub seed: Option<u64>,
 }
@@ -45,7 +45,7 @@ pub struct Provenance {
 /// A file that was read.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Input {
+pub struct PageInput {
     /// Path as given.
     pub path: String,
     /// Size in bytes.
@@ -71,7 +71,7 @@ pub struct JointName {
 /// Whether a recording was fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Role {
+pub enum RecordingRole {
     /// Fitted, or looked at where nothing is fitted.
     #[default]
     Training,
@@ -86,7 +86,7 @@ pub struct RecordingTraces {
     /// Where it comes from.
     pub source: String,
     /// Whether it was fitted.
-    pub role: Role,
+    pub role: RecordingRole,
     /// Length \[s\].
     pub duration_s: f64,
     /// Time between two values of a series \[s\].
@@ -124,11 +124,11 @@ pub struct JointResidual {
     /// Root mean square residual by time; rows are the models.
     pub time: Map,
     /// Amplitude spectral density by frequency \[Hz\], one series a model.
-    pub spectrum: Series,
+    pub spectrum: PlotSeries,
     /// Amplitude by cycles a turn (or a metre), one series a model.
-    pub orders: Series,
+    pub orders: PlotSeries,
     /// Autocorrelation by lag \[s\], one series a model.
-    pub autocorrelation: Series,
+    pub autocorrelation: PlotSeries,
     /// Largest autocorrelation that white noise shows in 95 of 100 lags.
     pub white_bound: f64,
 }
@@ -148,7 +148,7 @@ pub struct Map {
 /// Several series over the same abscissa.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Series {
+pub struct PlotSeries {
     /// Abscissa.
     pub x: Vec<f64>,
     /// `values[series][point]`.
@@ -218,7 +218,7 @@ pub struct Quality {
     /// Where it comes from.
     pub source: String,
     /// Whether it was fitted.
-    pub role: Role,
+    pub role: RecordingRole,
     /// Number of samples.
     pub samples: usize,
     /// Samples per second.

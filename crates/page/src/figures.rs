@@ -4,7 +4,8 @@
 use serde_json::{Value, json};
 
 use crate::drawing::{
-    Correlation, Drawing, FindingTraces, JointResidual, RecordingTraces, Role, Series, Skeleton,
+    Correlation, Drawing, FindingTraces, JointResidual, PlotSeries, RecordingRole, RecordingTraces,
+    Skeleton,
 };
 
 /// One figure with the views a reader chooses among.
@@ -64,7 +65,7 @@ fn figure(id: String, title: String, legend: String, height: u32, views: Vec<Val
 pub(crate) fn efforts(
     drawing: &Drawing,
     joint: usize,
-    role: Role,
+    role: RecordingRole,
     noise: Option<f64>,
 ) -> Option<Figure> {
     let recordings: Vec<&RecordingTraces> = drawing
@@ -126,8 +127,8 @@ pub(crate) fn efforts(
         "shapes": shapes,
     });
     let (role_name, slug) = match role {
-        Role::Training => ("Training", "training"),
-        Role::Holdout => ("Hold-out", "holdout"),
+        RecordingRole::Training => ("Training", "training"),
+        RecordingRole::Holdout => ("Hold-out", "holdout"),
     };
     let reduced = recordings.iter().map(|r| r.samples_per_pair).max().unwrap_or(1);
     let mut legend = format!(
@@ -255,7 +256,7 @@ fn hovering(mut layout: Value) -> Value {
     layout
 }
 
-fn lines(drawing: &Drawing, series: &Series) -> Vec<Value> {
+fn lines(drawing: &Drawing, series: &PlotSeries) -> Vec<Value> {
     let models = drawing.models.len();
     (drawing.models.iter().zip(&series.values).enumerate())
         .map(|(m, (name, y))| {

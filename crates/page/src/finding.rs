@@ -7,7 +7,7 @@ use armident_kinematics::JointKind;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::canvas::Canvas;
-use crate::drawing::{FindingTraces, FindingView, Role};
+use crate::drawing::{FindingTraces, FindingView, RecordingRole};
 use crate::reduce::{rounded, rounded_some};
 use crate::residual_maps::Classes;
 use crate::sheet::{Sheet, less};
@@ -101,7 +101,7 @@ impl Canvas<'_> {
     /// What the recordings show of a finding. `without[k]` is the prediction, at the stamps of the k-th
     /// recording given to the canvas, of the last model without the finding; empty where it is not known.
     pub fn finding(&self, place: &FindingPlace, without: &[Vec<Vec<f64>>]) -> FindingTraces {
-        let fitted = self.sheets.iter().any(|s| s.role == Role::Training);
+        let fitted = self.sheets.iter().any(|s| s.role == RecordingRole::Training);
         let pairs: Vec<Pair<'_>> = self
             .sheets
             .iter()
@@ -111,7 +111,7 @@ impl Canvas<'_> {
                     let source = std::path::Path::new(&sheet.motion.source);
                     source.file_stem().is_some_and(|s| s.to_string_lossy() == *name)
                 });
-                !without.is_empty() && named && (sheet.role == Role::Training || !fitted)
+                !without.is_empty() && named && (sheet.role == RecordingRole::Training || !fitted)
             })
             .filter_map(|(sheet, without)| Pair::new(sheet, without))
             .map(|pair| match (place.window_s, place.force_n) {

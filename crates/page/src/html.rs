@@ -4,7 +4,7 @@ use armident_report::{DiagnosisSection, percent, standard_sections};
 use askama::Template;
 use serde_json::Value;
 
-use crate::drawing::{Drawing, Quality, Role};
+use crate::drawing::{Drawing, Quality, RecordingRole};
 use crate::error::PageError;
 use crate::figures::Figure;
 use crate::kinds;
@@ -104,10 +104,10 @@ fn page(mut view: View, document: &Value, drawing: &Drawing) -> Result<String, P
     Ok(page.render()?)
 }
 
-fn role(role: Role) -> &'static str {
+fn role(role: RecordingRole) -> &'static str {
     match role {
-        Role::Training => "training",
-        Role::Holdout => "hold-out",
+        RecordingRole::Training => "training",
+        RecordingRole::Holdout => "hold-out",
     }
 }
 

@@ -33,8 +33,9 @@ mod view;
 
 pub use canvas::Canvas;
 pub use drawing::{
-    Channel, Correlation, Drawing, EffortTraces, FindingTraces, FindingView, Input, JointName,
-    JointResidual, Map, Provenance, Quality, RecordingTraces, Role, Series, Skeleton,
+    Channel, Correlation, Drawing, EffortTraces, FindingTraces, FindingView, JointName,
+    JointResidual, Map, PageInput, PlotSeries, Provenance, Quality, RecordingRole, RecordingTraces,
+    Skeleton,
 };
 pub use error::PageError;
 pub use finding::FindingPlace;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::drawing::{Input, Provenance};
+use crate::drawing::{PageInput, Provenance};
 
 impl Provenance {
     /// Of a command line and the files it read; a file that cannot be read any more has no digest.
@@ -16,7 +16,11 @@ impl Provenance {
             } else {
                 Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect()
             };
-            Input { path: path.display().to_string(), bytes: bytes.len() as u64, sha256: digest }
+            PageInput {
+                path: path.display().to_string(),
+                bytes: bytes.len() as u64,
+                sha256: digest,
+            }
         };
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),

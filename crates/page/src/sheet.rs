@@ -5,7 +5,7 @@ use std::ops::Range;
 use armident_motion::{HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, default_cutoff_hz};
 use armident_recording::{Quantity, Recording, RecordingError};
 
-use crate::drawing::Role;
+use crate::drawing::RecordingRole;
 
 /// Lowest cut-off for the speeds and accelerations that residuals are sorted by \[Hz\].
 const LEAST_CUTOFF_HZ: f64 = 10.0;
@@ -16,7 +16,7 @@ pub struct Compared<'a> {
     /// The recording.
     pub recording: &'a Recording,
     /// Whether it was fitted.
-    pub role: Role,
+    pub role: RecordingRole,
     /// `predicted[model][joint]`, at the stamps of the recording \[N m or N\].
     pub predicted: Vec<Vec<Vec<f64>>>,
     /// Time at both ends in which the predictions are those of a low-pass that lacks the samples before
@@ -27,7 +27,7 @@ pub struct Compared<'a> {
 /// One recording on its even grid.
 pub(crate) struct Sheet {
     pub(crate) motion: Motion,
-    pub(crate) role: Role,
+    pub(crate) role: RecordingRole,
     /// samples that count in residuals
     pub(crate) kept: Range<usize>,
     /// empty for a joint without recorded effort

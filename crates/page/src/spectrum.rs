@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use armident_kinematics::JointKind;
 use realfft::RealFftPlanner;
 
-use crate::drawing::Series;
+use crate::drawing::PlotSeries;
 use crate::reduce::{rounded, rounded_some};
 use crate::sheet::Sheet;
 
@@ -26,13 +26,13 @@ const CORRELATED: usize = 100_000;
 
 /// Amplitude spectral density \[N m/√Hz or N/√Hz\] after Welch (1967): Hann windows, half overlapping.
 /// Of several frequencies that fall on one drawn point the strongest is kept.
-pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
-    let Some(first) = sheets.first() else { return Series::default() };
+pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> PlotSeries {
+    let Some(first) = sheets.first() else { return PlotSeries::default() };
     let rate_hz = first.motion.rate_hz;
     let shortest = sheets.iter().map(|s| s.kept.len()).min().unwrap_or(0);
     let n = ((STRETCH_S * rate_hz) as usize).min(shortest) / 2 * 2;
     if n < 16 {
-        return Series::default();
+        return PlotSeries::default();
     }
     let window: Vec<f64> =
         (0..n).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n as f64).cos()).collect();
@@ -75,7 +75,7 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> Series {
             .collect();
         significant(&values)
     };
-    Series { values: densities.iter().map(strongest).collect(), x: rounded(&x) }
+    PlotSeries { values: densities.iter().map(strongest).collect(), x: rounded(&x) }
 }
 
 /// Four significant digits: spectra span decades.
@@ -85,8 +85,8 @@ fn significant(values: &[Option<f64>]) -> Vec<Option<f64>> {
 
 /// Amplitude of the residual at every order of the position, every piece of the path weighing by its
 /// length: gear and motor ripple are lines here at any speed.
-pub(crate) fn orders(sheets: &[&Sheet], joint: usize, kind: JointKind) -> Series {
-    let Some(first) = sheets.first() else { return Series::default() };
+pub(crate) fn orders(sheets: &[&Sheet], joint: usize, kind: JointKind) -> PlotSeries {
+    let Some(first) = sheets.first() else { return PlotSeries::default() };
     let cycle = if kind.is_rotational() { TAU } else { 1.0 };
     let all = || sheets.iter().flat_map(|s| &s.motion.position[joint]);
     let from = all().copied().fold(f64::MAX, f64::min);
@@ -94,7 +94,7 @@ pub(crate) fn orders(sheets: &[&Sheet], joint: usize, kind: JointKind) -> Series
     let cells = ((to - from) / cycle * POSITIONS) as usize + 1;
     // less than a hundredth of a turn holds no order
     if !(20..1 << 20).contains(&cells) {
-        return Series::default();
+        return PlotSeries::default();
     }
     let count = (HIGHEST_ORDER / ORDER_STEP) as usize;
     let x: Vec<f64> = (1..=count).map(|k| k as f64 * ORDER_STEP).collect();
@@ -131,12 +131,12 @@ pub(crate) fn orders(sheets: &[&Sheet], joint: usize, kind: JointKind) -> Series
             .collect();
         rounded_some(&values)
     };
-    Series { values: (0..first.residual.len()).map(amplitudes).collect(), x }
+    PlotSeries { values: (0..first.residual.len()).map(amplitudes).collect(), x }
 }
 
 /// Autocorrelation by lag of each model's residual, and what 95 of 100 lags of white noise stay below.
-pub(crate) fn autocorrelation(sheets: &[&Sheet], joint: usize) -> (Series, f64) {
-    let Some(first) = sheets.first() else { return (Series::default(), 0.0) };
+pub(crate) fn autocorrelation(sheets: &[&Sheet], joint: usize) -> (PlotSeries, f64) {
+    let Some(first) = sheets.first() else { return (PlotSeries::default(), 0.0) };
     let rate_hz = first.motion.rate_hz;
     let step = ((LONGEST_LAG_S * rate_hz / LAGS as f64).round() as usize).max(1);
     let of = |model: usize| -> Vec<Option<f64>> {
@@ -164,6 +164,6 @@ pub(crate) fn autocorrelation(sheets: &[&Sheet], joint: usize) -> (Series, f64) 
     };
     let count: usize = sheets.iter().map(|s| s.kept.len().min(CORRELATED)).sum();
     let x: Vec<f64> = (0..=LAGS).map(|lag| (lag * step) as f64 / rate_hz).collect();
-    let series = Series { values: (0..first.residual.len()).map(of).collect(), x: rounded(&x) };
+    let series = PlotSeries { values: (0..first.residual.len()).map(of).collect(), x: rounded(&x) };
     (series, 1.96 / (count.max(1) as f64).sqrt())
 }

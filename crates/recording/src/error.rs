@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use crate::finding::Finding;
+use crate::finding::QualityIssue;
 use crate::limits::{MISSING_RUN, MISSING_SHARE};
 use crate::quantity::Quantity;
 
@@ -199,7 +199,7 @@ pub enum Fault {
     },
     /// The signals contradict their names or units.
     #[error("{0}")]
-    Refused(Box<Finding>),
+    Refused(Box<QualityIssue>),
     /// Only white space in the file.
     #[error("empty file")]
     Empty,

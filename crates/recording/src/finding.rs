@@ -10,7 +10,7 @@ use crate::quantity::Quantity;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum FindingKind {
+pub enum QualityIssueKind {
     /// Uneven time stamps.
     UnevenStamps,
     /// Duplicate time stamps.
@@ -106,9 +106,9 @@ impl Span {
 
 /// One defect of one channel, or of the time stamps. `Display` is [`message`](Self::message).
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub struct QualityIssue {
     /// Kind of the defect.
-    pub kind: FindingKind,
+    pub kind: QualityIssueKind,
     /// Action taken.
     pub action: Action,
     /// The joint; none for the time stamps.
@@ -125,15 +125,15 @@ pub struct Finding {
     pub advice: Option<String>,
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for QualityIssue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
     }
 }
 
-impl Finding {
+impl QualityIssue {
     /// A finding on the time stamps of the whole recording; `share` is 0 to 1.
-    pub fn of_stamps(kind: FindingKind, action: Action, share: f64) -> Self {
+    pub fn of_stamps(kind: QualityIssueKind, action: Action, share: f64) -> Self {
         Self {
             kind,
             action,
@@ -148,7 +148,7 @@ impl Finding {
 
     /// A finding on a whole channel; `share` is 0 to 1.
     pub fn of_channel(
-        kind: FindingKind,
+        kind: QualityIssueKind,
         action: Action,
         joint: &str,
         quantity: Quantity,

@@ -1,7 +1,7 @@
 //! From named channels to a checked recording: repairs on reading, and faults.
 
 use crate::error::{Fault, RecordingError, plural};
-use crate::finding::{Action, Finding, FindingKind, Span, percent};
+use crate::finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
 use crate::interpolation::{BRIDGED_STEPS, Interpolation};
 use crate::limits::{
     LONGEST_STEP_S, MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE, SHORTEST_STEP_S,
@@ -36,7 +36,7 @@ pub(crate) struct Import {
     channels: Vec<Channel>,
     pub(crate) notes: Vec<String>,
     pub(crate) ignored: Vec<String>,
-    pub(crate) findings: Vec<Finding>,
+    pub(crate) findings: Vec<QualityIssue>,
     /// Whether a mapping gave the columns their meaning.
     pub(crate) by_mapping: bool,
     /// Whether the unit of the stamps was stated, so that it need not be guarded.
@@ -210,7 +210,8 @@ impl Import {
         );
         let share = count as f64 / total as f64;
         let finding =
-            Finding::of_stamps(FindingKind::UnsortedRows, Action::Repaired, share).at(spans);
+            QualityIssue::of_stamps(QualityIssueKind::UnsortedRows, Action::Repaired, share)
+                .at(spans);
         self.findings.push(finding.with_message(message));
         Ok(())
     }
@@ -265,8 +266,8 @@ impl Import {
                 Span::describe(&spans)
             );
             self.findings.push(
-                Finding::of_channel(
-                    FindingKind::MissingValues,
+                QualityIssue::of_channel(
+                    QualityIssueKind::MissingValues,
                     Action::Repaired,
                     &channel.joint,
                     channel.quantity,
@@ -304,7 +305,8 @@ impl Import {
         }
         self.time_s = kept(&self.time_s);
         let share = count as f64 / total as f64;
-        let finding = Finding::of_stamps(FindingKind::RepeatedStamps, Action::Repaired, share);
+        let finding =
+            QualityIssue::of_stamps(QualityIssueKind::RepeatedStamps, Action::Repaired, share);
         self.findings.push(finding.at(spans).with_message(message));
         Ok(())
     }
@@ -340,8 +342,8 @@ impl Import {
             );
             let share = jumps.len() as f64 / channel.values.len() as f64;
             self.findings.push(
-                Finding::of_channel(
-                    FindingKind::WrappedAngle,
+                QualityIssue::of_channel(
+                    QualityIssueKind::WrappedAngle,
                     Action::Repaired,
                     &channel.joint,
                     channel.quantity,

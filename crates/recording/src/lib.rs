@@ -3,7 +3,7 @@
 //! # From a file to a recording
 //!
 //! [`read_recording`], with a [`Mapping`] for files with names and units of their own, gives a
-//! [`Recording`]: time stamps and joint channels, checked, with notes and [`Finding`]s on repairs
+//! [`Recording`]: time stamps and joint channels, checked, with notes and [`QualityIssue`]s on repairs
 //! and doubtful signals. [`read_csv`] and its siblings read CSV only.
 //!
 //! # Formats
@@ -89,7 +89,7 @@ mod whole_file;
 mod write;
 
 pub use error::{Fault, RecordingError};
-pub use finding::{Action, Finding, FindingKind, Span, percent};
+pub use finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
 pub use formats::{
     ALL as STANDARD_FORMATS, ColumnRequest, Csv, Encoded, FileStart, Format, Formats, Input, Mcap,
     Parquet, ReadSettings, Support, write_csv_to,

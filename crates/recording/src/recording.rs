@@ -1,7 +1,7 @@
 //! Time stamps and joint channels of one recording.
 
 use crate::error::{Fault, RecordingError};
-use crate::finding::Finding;
+use crate::finding::QualityIssue;
 use crate::limits::MIN_SAMPLES;
 use crate::quantity::Quantity;
 
@@ -86,7 +86,7 @@ pub struct Recording {
     pub ignored_columns: Vec<String>,
     /// Defects that reading repaired or kept, with times and share; the quality report of a motion
     /// has more.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<QualityIssue>,
 }
 
 impl Recording {

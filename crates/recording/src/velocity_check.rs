@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use crate::finding::{Action, Finding, FindingKind};
+use crate::finding::{Action, QualityIssue, QualityIssueKind};
 use crate::quantity::Quantity;
 use crate::recording::{JointChannels, Recording};
 use crate::timing::{GAP_STEPS, Timing};
@@ -145,7 +145,11 @@ fn is_near(found: f64, expected: f64) -> bool {
 
 /// A defect that refuses the recording: velocities show that positions are in another unit, or
 /// recorded derivatives that would be used contradict the positions.
-pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) -> Option<Finding> {
+pub(crate) fn refusal(
+    recording: &Recording,
+    timing: &Timing,
+    by_mapping: bool,
+) -> Option<QualityIssue> {
     let step_s = timing.median_step_s;
     recording.joints.par_iter().find_map_first(|joint| {
         let found = of_joint(&recording.time_s, step_s, joint)?;
@@ -153,7 +157,7 @@ pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) 
             return None;
         }
         let refused = |kind, quantity| {
-            Finding::of_channel(kind, Action::Refused, &joint.name, quantity, 1.0)
+            QualityIssue::of_channel(kind, Action::Refused, &joint.name, quantity, 1.0)
         };
         let how = if by_mapping { "in the mapping file" } else { "in a mapping file" };
         let unit = UNITS.iter().find(|unit| is_near(found.scale.abs(), unit.scale));
@@ -165,16 +169,16 @@ pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) 
                 found.scale.abs(),
                 found.correlation.abs()
             );
-            let finding = refused(FindingKind::SuspectedUnit, Quantity::Position);
+            let finding = refused(QualityIssueKind::SuspectedUnit, Quantity::Position);
             let advice = format!("set unit = \"{position}\" for the position {how}");
             return Some(finding.with_message(message).with_advice(advice));
         }
         // recorded derivatives are used where both are there: then they must be right
         joint.acceleration.as_ref()?;
         let (kind, what) = match unit {
-            Some(unit) => (FindingKind::VelocityScale, format!("appears to be in {}", unit.velocity)),
+            Some(unit) => (QualityIssueKind::VelocityScale, format!("appears to be in {}", unit.velocity)),
             None if is_near(found.scale, -1.0) => {
-                (FindingKind::VelocitySign, "has the opposite sign".to_owned())
+                (QualityIssueKind::VelocitySign, "has the opposite sign".to_owned())
             }
             None => return None,
         };
@@ -194,7 +198,7 @@ pub(crate) fn refusal(recording: &Recording, timing: &Timing, by_mapping: bool) 
 
 /// Findings on velocities that are not used: missing ones, and those that contradict the
 /// differentiated position.
-pub fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
+pub fn findings(recording: &Recording, timing: &Timing) -> Vec<QualityIssue> {
     let lacking: Vec<&str> = recording
         .joints
         .iter()
@@ -208,7 +212,8 @@ pub fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
             "no velocity columns ({}); velocities are differentiated from position",
             lacking.join(", ")
         );
-        let finding = Finding::of_stamps(FindingKind::MissingVelocity, Action::Kept, share);
+        let finding =
+            QualityIssue::of_stamps(QualityIssueKind::MissingVelocity, Action::Kept, share);
         findings.push(finding.with_message(message));
     }
     let of_joints = recording.joints.par_iter();
@@ -218,8 +223,9 @@ pub fn findings(recording: &Recording, timing: &Timing) -> Vec<Finding> {
     findings
 }
 
-fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Finding> {
-    let kept = |kind| Finding::of_channel(kind, Action::Kept, &joint.name, Quantity::Velocity, 1.0);
+fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<QualityIssue> {
+    let kept =
+        |kind| QualityIssue::of_channel(kind, Action::Kept, &joint.name, Quantity::Velocity, 1.0);
     let found = of_joint(time_s, step_s, joint)?;
     let (scale, correlation) = (found.scale, found.correlation);
     const NOT_USED: &str = "not used";
@@ -227,7 +233,7 @@ fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Find
         let message = format!(
             "disagrees with the differentiated position (correlation {correlation:.2}); {NOT_USED}"
         );
-        return Some(kept(FindingKind::VelocityMismatch).with_message(message));
+        return Some(kept(QualityIssueKind::VelocityMismatch).with_message(message));
     }
     if correlation.abs() < CORRELATED {
         return None;
@@ -235,7 +241,9 @@ fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Find
     if is_near(scale, -1.0) {
         let message = format!("sign is opposite to the differentiated position; {NOT_USED}");
         let advice = "set sign = -1 for it in a mapping file to use it";
-        return Some(kept(FindingKind::VelocitySign).with_message(message).with_advice(advice));
+        return Some(
+            kept(QualityIssueKind::VelocitySign).with_message(message).with_advice(advice),
+        );
     }
     if !is_near(scale, 1.0) {
         let unit = UNITS.iter().find(|unit| is_near(scale.abs(), unit.scale));
@@ -243,7 +251,9 @@ fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Find
         let message =
             format!("{scale:.4} times the differentiated position (probably {cause}); {NOT_USED}");
         let advice = "set its unit, or the gear ratio, in a mapping file to use it";
-        return Some(kept(FindingKind::VelocityScale).with_message(message).with_advice(advice));
+        return Some(
+            kept(QualityIssueKind::VelocityScale).with_message(message).with_advice(advice),
+        );
     }
     if found.delay_steps.abs() < 1.0 {
         return None;
@@ -254,7 +264,7 @@ fn finding_of(time_s: &[f64], step_s: f64, joint: &JointChannels) -> Option<Find
         1e3 * found.delay_s.abs(),
         found.delay_steps.abs()
     );
-    Some(kept(FindingKind::VelocityDelay).with_message(message))
+    Some(kept(QualityIssueKind::VelocityDelay).with_message(message))
 }
 
 #[cfg(test)]

@@ -31,12 +31,12 @@ pub use layout::{
     unit_after_number,
 };
 pub use results::{
-    Alternative, ByJoint, ChannelRow, Character, CheckReport, CheckRow, ConsistencyReport,
-    ConstantCheckRow, ConstantRow, DiagnoseInputs, DiagnoseReport, DriveGainOfMasses, DriveGainRow,
-    EffectRow, EffortErrorRow, EffortErrors, EndogeneityRow, Estimate, Finding, FindingEvidence,
-    FitReport, FitRows, Fits, IdentifyReport, InputChecks, JointResiduals, MergedRow, MoreData,
-    NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, StepRow,
-    Topic, ValidateReport, VariableShare, Verdict, plan_text,
+    AlternativeRow, ByJoint, ChannelRow, CharacterRow, CheckReport, CheckRow, CheckTopic,
+    CheckVerdict, ConsistencyReport, ConstantCheckRow, ConstantRow, DiagnoseInputs, DiagnoseReport,
+    DriveGainOfMasses, DriveGainRow, EffectRow, EffortErrorRow, EffortErrors, EndogeneityRow,
+    EstimateRow, EvidenceRow, FindingRow, FitReport, FitRows, Fits, IdentifyReport, InputCheckRows,
+    JointResiduals, MergedRow, MoreData, NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor,
+    RegressorBin, ReplayReport, StepRow, ValidateReport, VariableShare, plan_text,
 };
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};

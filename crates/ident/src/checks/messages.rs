@@ -5,7 +5,7 @@ use armident_model::ArmModel;
 use armident_motion::{
     CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, Motion, QualityReport, RESTING_RANGE,
 };
-use armident_recording::{Action, Finding, FindingKind, Quantity};
+use armident_recording::{Action, QualityIssue, QualityIssueKind, Quantity};
 
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::delay::Delay;
@@ -73,23 +73,23 @@ fn gain_and_interval(gain: f64, interval: [f64; 2]) -> (String, String) {
 /// `dead`: joints whose effort columns have a dead zone.
 pub(super) fn quality(
     reports: &[QualityReport],
-    differences: &[Finding],
+    differences: &[QualityIssue],
     dead: &[&str],
 ) -> Vec<Check> {
-    let is_dead = |finding: &Finding| {
+    let is_dead = |finding: &QualityIssue| {
         finding.quantity == Some(Quantity::Effort)
             && finding.joint.as_deref().is_some_and(|joint| dead.contains(&joint))
     };
-    let of = |source: Option<&str>, finding: &Finding| {
+    let of = |source: Option<&str>, finding: &QualityIssue| {
         let verdict = match finding.kind {
-            FindingKind::SuspectedUnit => Verdict::Wrong,
-            FindingKind::Stuck if is_dead(finding) => Verdict::Wrong,
-            FindingKind::MissingVelocity
-            | FindingKind::UnevenStamps
-            | FindingKind::RatesDiffer
-            | FindingKind::VelocityDelay
-            | FindingKind::WrappedAngle => Verdict::Ok,
-            FindingKind::RepeatedFrames if finding.action == Action::Repaired => Verdict::Ok,
+            QualityIssueKind::SuspectedUnit => Verdict::Wrong,
+            QualityIssueKind::Stuck if is_dead(finding) => Verdict::Wrong,
+            QualityIssueKind::MissingVelocity
+            | QualityIssueKind::UnevenStamps
+            | QualityIssueKind::RatesDiffer
+            | QualityIssueKind::VelocityDelay
+            | QualityIssueKind::WrappedAngle => Verdict::Ok,
+            QualityIssueKind::RepeatedFrames if finding.action == Action::Repaired => Verdict::Ok,
             _ => Verdict::Doubtful,
         };
         let message = match source {

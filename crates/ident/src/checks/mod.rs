@@ -29,7 +29,7 @@ use armident_model::ArmModel;
 pub use armident_motion::QualityReport;
 use armident_motion::{Motion, RESTING_RANGE, quality};
 use armident_numeric::NumericError;
-use armident_recording::{Finding, Quantity, Recording};
+use armident_recording::{QualityIssue, Quantity, Recording};
 
 pub use channel::{ChannelEvidence, ChannelKind};
 pub use delay::Delay;
@@ -61,7 +61,7 @@ pub struct RecordingCheck {
     /// Timing, noise and steps of each recording.
     pub quality: Vec<QualityReport>,
     /// What is doubtful between recordings.
-    pub differences: Vec<Finding>,
+    pub differences: Vec<QualityIssue>,
 }
 
 impl RecordingCheck {

@@ -3,7 +3,7 @@
 use armident_dynamics::RigidArm;
 use nalgebra::Vector3;
 
-use crate::minimal_set::{Constant, Quantity};
+use crate::minimal_set::{Constant, ConstantKind};
 
 /// Which equation of the paper a row is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,19 +90,19 @@ pub fn single_motion_row(
     constants
         .iter()
         .map(|constant| match constant.quantity {
-            Quantity::U11MinusU22 => -u.x * u.y * w2,
-            Quantity::U33 => u.z * dw,
-            Quantity::U12 => (u.x * u.x - u.y * u.y) * w2,
-            Quantity::U13 => u.x * dw - u.y * u.z * w2,
-            Quantity::U23 => u.y * dw + u.x * u.z * w2,
-            Quantity::Kx => on_k.x,
-            Quantity::Ky => on_k.y,
-            Quantity::Kz => on_k.z,
+            ConstantKind::U11MinusU22 => -u.x * u.y * w2,
+            ConstantKind::U33 => u.z * dw,
+            ConstantKind::U12 => (u.x * u.x - u.y * u.y) * w2,
+            ConstantKind::U13 => u.x * dw - u.y * u.z * w2,
+            ConstantKind::U23 => u.y * dw + u.x * u.z * w2,
+            ConstantKind::Kx => on_k.x,
+            ConstantKind::Ky => on_k.y,
+            ConstantKind::Kz => on_k.z,
             // (57), (61): the slide carries its composite mass
-            Quantity::Mass => felt.z,
+            ConstantKind::Mass => felt.z,
             // (57), with u constant
-            Quantity::C1(_) => dw,
-            Quantity::C2(_) => -w2,
+            ConstantKind::C1(_) => dw,
+            ConstantKind::C2(_) => -w2,
         })
         .collect()
 }

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::equations::Equation;
-use crate::minimal_set::{MinimalSet, Quantity};
+use crate::minimal_set::{ConstantKind, MinimalSet};
 
 /// One step of the algorithm, before configurations are chosen. Joints count from 0.
 #[derive(Debug, Clone)]
@@ -36,22 +36,22 @@ pub fn tasks(arm: &RigidArm, set: &MinimalSet) -> Vec<Task> {
     let n = arm.dof();
     let trials = Trials::new(arm);
     let turns = |j: usize| arm.joints[j].kind.is_rotational();
-    let of_joint = |joint: usize, wanted: &dyn Fn(&Quantity) -> bool| -> Vec<usize> {
+    let of_joint = |joint: usize, wanted: &dyn Fn(&ConstantKind) -> bool| -> Vec<usize> {
         (0..set.len())
             .filter(|&k| set.constants[k].joint == joint && wanted(&set.constants[k].quantity))
             .collect()
     };
-    let any = |_: &Quantity| true;
-    let not_mass = |q: &Quantity| *q != Quantity::Mass;
+    let any = |_: &ConstantKind| true;
+    let not_mass = |q: &ConstantKind| *q != ConstantKind::Mass;
     let (r, s) = (set.theorem.r, set.theorem.s);
     let mut all = Vec::new();
     let mut add = |step, observed: usize, movers: Vec<usize>, unknowns: Vec<usize>, count| {
         if unknowns.is_empty() || movers.is_empty() {
             return;
         }
-        let seeks_c = unknowns
-            .iter()
-            .any(|&k| matches!(set.constants[k].quantity, Quantity::C1(_) | Quantity::C2(_)));
+        let seeks_c = unknowns.iter().any(|&k| {
+            matches!(set.constants[k].quantity, ConstantKind::C1(_) | ConstantKind::C2(_))
+        });
         let further = (0..observed).filter(|i| !movers.contains(i)).collect();
         all.push(Task {
             step,
@@ -65,7 +65,7 @@ pub fn tasks(arm: &RigidArm, set: &MinimalSet) -> Vec<Task> {
     };
 
     for k in (0..n).filter(|&k| !turns(k)) {
-        add("1", k, vec![k], of_joint(k, &|q| *q == Quantity::Mass), 2);
+        add("1", k, vec![k], of_joint(k, &|q| *q == ConstantKind::Mass), 2);
     }
     let Some(r) = r else { return all };
     let s_start = s.unwrap_or(n);
@@ -73,15 +73,15 @@ pub fn tasks(arm: &RigidArm, set: &MinimalSet) -> Vec<Task> {
         if turns(j) {
             let perpendicular =
                 trials.all(|poses| arm.axis_in_frames(poses, r)[j - r].0.z.abs() <= EXACT);
-            let own = of_joint(j, &|q| *q == Quantity::U33);
+            let own = of_joint(j, &|q| *q == ConstantKind::U33);
             if !perpendicular {
                 add("2.1", j, vec![r], of_joint(j, &any), 5);
             } else if arm.gravity_e0.norm() == 0.0 {
                 // (58) then holds U33 alone, and the other equations need it
                 add("2.1", j, vec![j], own, 2);
-                add("2.1", j, vec![r], of_joint(j, &|q| *q != Quantity::U33), 5);
+                add("2.1", j, vec![r], of_joint(j, &|q| *q != ConstantKind::U33), 5);
             } else {
-                add("2.1", j, vec![r], of_joint(j, &|q| *q != Quantity::U33), 5);
+                add("2.1", j, vec![r], of_joint(j, &|q| *q != ConstantKind::U33), 5);
                 add("2.1", j, vec![j], own, 2);
             }
         } else {
@@ -112,7 +112,7 @@ pub fn tasks(arm: &RigidArm, set: &MinimalSet) -> Vec<Task> {
             })
             .collect();
         if eccentric.is_empty() {
-            add("3.1c", j, vec![r], of_joint(j, &|q| *q == Quantity::U33), 2);
+            add("3.1c", j, vec![r], of_joint(j, &|q| *q == ConstantKind::U33), 2);
             let across: Vec<usize> = (0..j)
                 .filter(|&k| {
                     !turns(k)
@@ -122,7 +122,7 @@ pub fn tasks(arm: &RigidArm, set: &MinimalSet) -> Vec<Task> {
                         })
                 })
                 .collect();
-            add("3.1c", j, across, of_joint(j, &|q| *q != Quantity::U33), 4);
+            add("3.1c", j, across, of_joint(j, &|q| *q != ConstantKind::U33), 4);
         } else {
             add("3.1b", j, eccentric, everything, 4);
         }

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Which number of a composite body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Quantity {
+pub enum ConstantKind {
     /// `m̂` of a translational joint.
     Mass,
     /// `(U)₁₁ - (U)₂₂`.
@@ -38,7 +38,7 @@ pub struct Constant {
     /// Joint, from 0.
     pub joint: usize,
     /// Which number.
-    pub quantity: Quantity,
+    pub quantity: ConstantKind,
 }
 
 impl Constant {
@@ -46,27 +46,29 @@ impl Constant {
     pub fn label(&self) -> String {
         let j = self.joint + 1;
         match self.quantity {
-            Quantity::Mass => format!("m{j}"),
-            Quantity::U11MinusU22 => format!("U{j}_11-U{j}_22"),
-            Quantity::U33 => format!("U{j}_33"),
-            Quantity::U12 => format!("U{j}_12"),
-            Quantity::U13 => format!("U{j}_13"),
-            Quantity::U23 => format!("U{j}_23"),
-            Quantity::Kx => format!("k{j}_x"),
-            Quantity::Ky => format!("k{j}_y"),
-            Quantity::Kz => format!("k{j}_z"),
-            Quantity::C1(_) => format!("k{j}_C1"),
-            Quantity::C2(_) => format!("k{j}_C2"),
+            ConstantKind::Mass => format!("m{j}"),
+            ConstantKind::U11MinusU22 => format!("U{j}_11-U{j}_22"),
+            ConstantKind::U33 => format!("U{j}_33"),
+            ConstantKind::U12 => format!("U{j}_12"),
+            ConstantKind::U13 => format!("U{j}_13"),
+            ConstantKind::U23 => format!("U{j}_23"),
+            ConstantKind::Kx => format!("k{j}_x"),
+            ConstantKind::Ky => format!("k{j}_y"),
+            ConstantKind::Kz => format!("k{j}_z"),
+            ConstantKind::C1(_) => format!("k{j}_C1"),
+            ConstantKind::C2(_) => format!("k{j}_C2"),
         }
     }
 
     /// SI unit.
     pub fn unit(&self) -> &'static str {
         match self.quantity {
-            Quantity::Mass => "kg",
-            Quantity::Kx | Quantity::Ky | Quantity::Kz | Quantity::C1(_) | Quantity::C2(_) => {
-                "kg m"
-            }
+            ConstantKind::Mass => "kg",
+            ConstantKind::Kx
+            | ConstantKind::Ky
+            | ConstantKind::Kz
+            | ConstantKind::C1(_)
+            | ConstantKind::C2(_) => "kg m",
             _ => "kg m2",
         }
     }
@@ -86,17 +88,17 @@ impl Constant {
         let body = &bodies[self.joint];
         let (k, u) = (&body.first_moment_kgm, &body.inertia_origin_kgm2);
         match self.quantity {
-            Quantity::Mass => body.mass_kg,
-            Quantity::U11MinusU22 => u[(0, 0)] - u[(1, 1)],
-            Quantity::U33 => u[(2, 2)],
-            Quantity::U12 => u[(0, 1)],
-            Quantity::U13 => u[(0, 2)],
-            Quantity::U23 => u[(1, 2)],
-            Quantity::Kx => k.x,
-            Quantity::Ky => k.y,
-            Quantity::Kz => k.z,
-            Quantity::C1(axis) => k.dot(&Vector3::z().cross(&axis)),
-            Quantity::C2(axis) => k.dot(&(Vector3::z() - axis * axis.z)),
+            ConstantKind::Mass => body.mass_kg,
+            ConstantKind::U11MinusU22 => u[(0, 0)] - u[(1, 1)],
+            ConstantKind::U33 => u[(2, 2)],
+            ConstantKind::U12 => u[(0, 1)],
+            ConstantKind::U13 => u[(0, 2)],
+            ConstantKind::U23 => u[(1, 2)],
+            ConstantKind::Kx => k.x,
+            ConstantKind::Ky => k.y,
+            ConstantKind::Kz => k.z,
+            ConstantKind::C1(axis) => k.dot(&Vector3::z().cross(&axis)),
+            ConstantKind::C2(axis) => k.dot(&(Vector3::z() - axis * axis.z)),
         }
     }
 
@@ -113,20 +115,20 @@ impl Constant {
             }
         };
         match self.quantity {
-            Quantity::Mass => body.mass_kg += value,
-            Quantity::U11MinusU22 => symmetric(0, 0),
-            Quantity::U33 => symmetric(2, 2),
-            Quantity::U12 => symmetric(0, 1),
-            Quantity::U13 => symmetric(0, 2),
-            Quantity::U23 => symmetric(1, 2),
-            Quantity::Kx => body.first_moment_kgm.x += value,
-            Quantity::Ky => body.first_moment_kgm.y += value,
-            Quantity::Kz => body.first_moment_kgm.z += value,
-            Quantity::C1(axis) => {
+            ConstantKind::Mass => body.mass_kg += value,
+            ConstantKind::U11MinusU22 => symmetric(0, 0),
+            ConstantKind::U33 => symmetric(2, 2),
+            ConstantKind::U12 => symmetric(0, 1),
+            ConstantKind::U13 => symmetric(0, 2),
+            ConstantKind::U23 => symmetric(1, 2),
+            ConstantKind::Kx => body.first_moment_kgm.x += value,
+            ConstantKind::Ky => body.first_moment_kgm.y += value,
+            ConstantKind::Kz => body.first_moment_kgm.z += value,
+            ConstantKind::C1(axis) => {
                 let across = Vector3::z().cross(&axis);
                 body.first_moment_kgm += across * (value / across.norm_squared());
             }
-            Quantity::C2(axis) => {
+            ConstantKind::C2(axis) => {
                 let across = Vector3::z() - axis * axis.z;
                 body.first_moment_kgm += across * (value / across.norm_squared());
             }

@@ -8,7 +8,7 @@ mod theorem2;
 
 pub use algorithm_m::{DroppedConstant, MinimalSet};
 pub use algorithm1::algorithm1;
-pub use constant::{Constant, Quantity};
+pub use constant::{Constant, ConstantKind};
 pub use theorem2::Theorem2;
 
 pub(crate) use algorithm_m::random_states;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use armident_dynamics::RigidArm;
 use nalgebra::Vector3;
 
-use super::constant::{Constant, Quantity};
+use super::constant::{Constant, ConstantKind};
 
 /// Tolerance of parallel directions (unit vectors) and accumulated offsets \[m\] on a snapped chain,
 /// where what is meant to be zero is zero to round-off.
@@ -53,11 +53,11 @@ impl Theorem2 {
         }
 
         let mut constants = Vec::new();
-        let mut list = |item: u8, joint: usize, quantities: &[Quantity]| {
+        let mut list = |item: u8, joint: usize, quantities: &[ConstantKind]| {
             constants
                 .extend(quantities.iter().map(|&quantity| (item, Constant { joint, quantity })));
         };
-        use Quantity::{C1, C2, Kx, Ky, Kz, Mass, U11MinusU22, U12, U13, U23, U33};
+        use ConstantKind::{C1, C2, Kx, Ky, Kz, Mass, U11MinusU22, U12, U13, U23, U33};
         for (&j, &matters) in &delta {
             list(1, j, if matters { &[U33, Kx, Ky] } else { &[U33] });
         }

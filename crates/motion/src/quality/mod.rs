@@ -7,8 +7,8 @@ use crate::cutoff::{band_edge_hz, noise_sigma};
 use crate::duplicate_frames::RepeatedFrames;
 use crate::grid::EvenGrid;
 use armident_recording::{
-    Action, Finding, FindingKind, JointChannels, Quantity, Recording, Span, Timing, percent,
-    velocity_findings,
+    Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Recording, Span, Timing,
+    percent, velocity_findings,
 };
 mod stuck;
 
@@ -33,7 +33,7 @@ pub struct QualityReport {
     /// Each channel, in the order of the recording.
     pub channels: Vec<ChannelQuality>,
     /// What reading repaired, then everything else that is doubtful.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<QualityIssue>,
 }
 
 /// What can be measured of one channel, in its unit.
@@ -96,7 +96,7 @@ pub fn quality(recording: &Recording) -> QualityReport {
 }
 
 /// What [`quality`] finds doubtful, without the measures of the channels: a fraction of its time.
-pub fn findings(recording: &Recording) -> Vec<Finding> {
+pub fn findings(recording: &Recording) -> Vec<QualityIssue> {
     findings_at(recording, &Timing::of(&recording.time_s))
 }
 
@@ -113,7 +113,7 @@ pub fn stuck_effort_shares(recording: &Recording, joints: &[&str]) -> Vec<f64> {
     joints.par_iter().map(of_joint).collect()
 }
 
-fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
+fn findings_at(recording: &Recording, timing: &Timing) -> Vec<QualityIssue> {
     let mut findings = recording.findings.clone();
     findings.extend(of_stamps(timing, recording.len()));
     let repeated = RepeatedFrames::of(recording);
@@ -125,7 +125,7 @@ fn findings_at(recording: &Recording, timing: &Timing) -> Vec<Finding> {
         of_joint.extend(saturated(&recording.time_s, joint));
         of_joint
     };
-    let of_joints: Vec<Vec<Finding>> = recording.joints.par_iter().map(of_joint).collect();
+    let of_joints: Vec<Vec<QualityIssue>> = recording.joints.par_iter().map(of_joint).collect();
     findings.extend(of_joints.into_iter().flatten());
     findings
 }
@@ -135,10 +135,10 @@ fn of_channel(
     quantity: Quantity,
     values: &[f64],
     grid: Option<&EvenGrid>,
-    findings: &[Finding],
+    findings: &[QualityIssue],
 ) -> ChannelQuality {
     let share = |kind| {
-        let of_this = |finding: &&Finding| {
+        let of_this = |finding: &&QualityIssue| {
             finding.kind == kind
                 && finding.quantity == Some(quantity)
                 && finding.joint.as_deref() == Some(joint.name.as_str())
@@ -158,13 +158,13 @@ fn of_channel(
         noise: even.as_ref().and_then(|(even, _)| noise_sigma(even)),
         step: quantisation_step(values),
         band_edge_hz,
-        saturated_share: share(FindingKind::Saturated),
-        stuck_share: share(FindingKind::Stuck),
+        saturated_share: share(QualityIssueKind::Saturated),
+        stuck_share: share(QualityIssueKind::Stuck),
     }
 }
 
 /// Jitter and gaps.
-fn of_stamps(timing: &Timing, samples: usize) -> Vec<Finding> {
+fn of_stamps(timing: &Timing, samples: usize) -> Vec<QualityIssue> {
     let mut findings = Vec::new();
     if !timing.is_even && timing.jitter > SMALLEST_JITTER {
         let message = format!(
@@ -172,7 +172,7 @@ fn of_stamps(timing: &Timing, samples: usize) -> Vec<Finding> {
             1e3 * timing.median_step_s,
             percent(timing.jitter)
         );
-        let finding = Finding::of_stamps(FindingKind::UnevenStamps, Action::Kept, 1.0);
+        let finding = QualityIssue::of_stamps(QualityIssueKind::UnevenStamps, Action::Kept, 1.0);
         findings.push(finding.with_message(message));
     }
     if !timing.gaps.is_empty() {
@@ -191,22 +191,22 @@ fn of_stamps(timing: &Timing, samples: usize) -> Vec<Finding> {
             1e3 * longest_s,
             Span::describe(&spans)
         );
-        let finding = Finding::of_stamps(FindingKind::Gap, Action::Kept, share);
+        let finding = QualityIssue::of_stamps(QualityIssueKind::Gap, Action::Kept, share);
         let advice = "long gaps are interpolated linearly; split the file there";
         findings.push(finding.at(spans).with_message(message).with_advice(advice));
     }
     findings
 }
 
-fn far_position(joint: &JointChannels) -> Option<Finding> {
+fn far_position(joint: &JointChannels) -> Option<QualityIssue> {
     let position = joint.position.as_deref()?;
     let farthest = position.iter().fold(0.0_f64, |farthest, x| farthest.max(x.abs()));
     if farthest <= FAR_POSITION {
         return None;
     }
     let message = format!("reaches {farthest:.1}, probably degrees or millimetres");
-    let finding = Finding::of_channel(
-        FindingKind::SuspectedUnit,
+    let finding = QualityIssue::of_channel(
+        QualityIssueKind::SuspectedUnit,
         Action::Kept,
         &joint.name,
         Quantity::Position,
@@ -218,7 +218,7 @@ fn far_position(joint: &JointChannels) -> Option<Finding> {
 
 /// What differs between recordings that are used together: sample rates, joints, channels. The
 /// order of the joints does not matter.
-pub fn differences(recordings: &[Recording]) -> Vec<Finding> {
+pub fn differences(recordings: &[Recording]) -> Vec<QualityIssue> {
     let Some((first, others)) = recordings.split_first() else { return Vec::new() };
     let mut findings = Vec::new();
     let rate = |recording: &Recording| Timing::of(&recording.time_s).rate_hz;
@@ -236,7 +236,7 @@ pub fn differences(recordings: &[Recording]) -> Vec<Finding> {
             list.join(", ")
         );
         let share = odd.len() as f64 / recordings.len() as f64;
-        let finding = Finding::of_stamps(FindingKind::RatesDiffer, Action::Kept, share);
+        let finding = QualityIssue::of_stamps(QualityIssueKind::RatesDiffer, Action::Kept, share);
         findings.push(finding.with_message(message));
     }
     let mut channels: Vec<(&str, Quantity)> = Vec::new();
@@ -258,8 +258,13 @@ pub fn differences(recordings: &[Recording]) -> Vec<Finding> {
         }
         let share = lacking.len() as f64 / recordings.len() as f64;
         let message = format!("missing in {}", lacking.join(", "));
-        let finding =
-            Finding::of_channel(FindingKind::ChannelsDiffer, Action::Kept, joint, quantity, share);
+        let finding = QualityIssue::of_channel(
+            QualityIssueKind::ChannelsDiffer,
+            Action::Kept,
+            joint,
+            quantity,
+            share,
+        );
         findings.push(finding.with_message(message));
     }
     findings

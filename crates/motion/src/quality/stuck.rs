@@ -5,7 +5,7 @@ use std::cell::LazyCell;
 use crate::cutoff::RESTING_RANGE;
 use armident_numeric::order_statistic;
 use armident_recording::{
-    Action, Finding, FindingKind, JointChannels, Quantity, Span, Timing, percent,
+    Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Span, Timing, percent,
 };
 
 /// Shortest repetition that can be stuck \[s\]: slower updates than 10 Hz are a fault as well.
@@ -95,7 +95,7 @@ fn range(values: &[f64]) -> f64 {
 }
 
 /// Channels of a joint that repeat a value although the joint moves.
-pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> Vec<Finding> {
+pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> Vec<QualityIssue> {
     let Some(position) = joint.position.as_deref() else { return Vec::new() };
     let fewest = ((STUCK_S / timing.median_step_s).ceil() as usize).max(STUCK_SAMPLES);
     // steps take a sorted copy of the channel, and mostly nobody asks
@@ -161,10 +161,16 @@ pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> V
             }
         };
         findings.push(
-            Finding::of_channel(FindingKind::Stuck, Action::Kept, &joint.name, quantity, share)
-                .at(spans)
-                .with_message(message)
-                .with_advice(advice),
+            QualityIssue::of_channel(
+                QualityIssueKind::Stuck,
+                Action::Kept,
+                &joint.name,
+                quantity,
+                share,
+            )
+            .at(spans)
+            .with_message(message)
+            .with_advice(advice),
         );
     }
     findings
@@ -205,7 +211,7 @@ fn extremes(values: &[f64]) -> (f64, f64) {
 }
 
 /// Drive channels with flat tops.
-pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<Finding> {
+pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIssue> {
     let drives = [Quantity::Effort, Quantity::Current, Quantity::Voltage];
     let of = |quantity| Some((quantity, joint.channel(quantity)?));
     let found = drives.into_iter().filter_map(of).filter_map(|(quantity, values)| {
@@ -230,8 +236,13 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<Finding> {
         );
         let advice =
             "saturated: the true value is larger. Cut these intervals, or move more gently";
-        let finding =
-            Finding::of_channel(FindingKind::Saturated, Action::Kept, &joint.name, quantity, share);
+        let finding = QualityIssue::of_channel(
+            QualityIssueKind::Saturated,
+            Action::Kept,
+            &joint.name,
+            quantity,
+            share,
+        );
         Some(finding.at(spans).with_message(message).with_advice(advice))
     });
     found.collect()

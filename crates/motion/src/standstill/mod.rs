@@ -22,7 +22,7 @@ pub(crate) use actuator::held;
 pub(crate) use coupled_jumps::{Reaction, SmearedStep, react};
 pub(crate) use direction::directions_and_stops;
 pub(crate) use record_ends::{stands_at_ends, starts_at_rest};
-pub use segments::{Kind, Series, filter_between};
+pub use segments::{ChannelSeries, Kind, filter_between};
 
 use crate::Continuation;
 use direction::{spells, sure_speed};

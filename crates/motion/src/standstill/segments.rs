@@ -47,9 +47,12 @@ impl Channels<'_> {
         motion
     }
 
-    fn series(&self, low_pass: &ZeroPhaseLowPass) -> (Series<'_>, Option<Series<'_>>) {
+    fn series(
+        &self,
+        low_pass: &ZeroPhaseLowPass,
+    ) -> (ChannelSeries<'_>, Option<ChannelSeries<'_>>) {
         let of = |values, k: usize, kind| {
-            Series::of(values, kind, self.goes_on[k], self.stands, low_pass)
+            ChannelSeries::of(values, kind, self.goes_on[k], self.stands, low_pass)
         };
         let velocity = self.velocity.map(|velocity| of(velocity, 1, Kind::Velocity));
         (of(self.position, 0, Kind::Position), velocity)
@@ -113,7 +116,7 @@ impl Kind {
 }
 
 /// A channel, and how it goes on past the ends of its recording.
-pub struct Series<'a> {
+pub struct ChannelSeries<'a> {
     values: &'a [f64],
     kind: Kind,
     before: Vec<f64>,
@@ -122,7 +125,7 @@ pub struct Series<'a> {
     margin: usize,
 }
 
-impl<'a> Series<'a> {
+impl<'a> ChannelSeries<'a> {
     /// Continued as is said; by its mirror image where the joint stands.
     pub fn of(
         values: &'a [f64],
@@ -196,8 +199,8 @@ impl<'a> Series<'a> {
 }
 
 fn smooth_piece(
-    position: &Series<'_>,
-    velocity: Option<&Series<'_>>,
+    position: &ChannelSeries<'_>,
+    velocity: Option<&ChannelSeries<'_>>,
     piece: &Piece,
     low_pass: &ZeroPhaseLowPass,
     rate_hz: f64,
@@ -228,7 +231,7 @@ pub fn filter_between(
     let margin = (MIRRORED_S * rate_hz).round() as usize;
     // the filter has its own way past the ends of a recording
     let series =
-        Series { values, kind: Kind::Effort, before: Vec::new(), after: Vec::new(), margin };
+        ChannelSeries { values, kind: Kind::Effort, before: Vec::new(), after: Vec::new(), margin };
     let mut smooth = low_pass.filter(values);
     for stop in stops.iter().filter(|stop| stop.stops()) {
         let (start, end) = stop.samples();

@@ -1,6 +1,6 @@
 //! `armident check`.
 
-use armident_report::{ByJoint, CheckReport, CheckRow, Verdict, counted, standard_sections};
+use armident_report::{ByJoint, CheckReport, CheckRow, CheckVerdict, counted, standard_sections};
 
 use super::joint_cards::joint_cards;
 use crate::blocks::parts;
@@ -13,7 +13,7 @@ const HINTS: usize = 6;
 
 pub(crate) fn view(of: &CheckReport, drawing: &Drawing) -> View {
     let wrong: Vec<&CheckRow> =
-        of.checks.iter().filter(|check| check.verdict == Verdict::Wrong).collect();
+        of.checks.iter().filter(|check| check.verdict == CheckVerdict::Wrong).collect();
     let mut open: Vec<String> = wrong.iter().filter_map(|check| check.joint.clone()).collect();
     open.truncate(1);
     let marked: Vec<usize> = drawing
@@ -28,12 +28,12 @@ pub(crate) fn view(of: &CheckReport, drawing: &Drawing) -> View {
     View {
         kind: "Check of recordings",
         tone: match of.verdict {
-            Verdict::Wrong => Tone::Bad,
-            Verdict::Ok => Tone::Good,
-            Verdict::CannotTell | Verdict::Doubtful => Tone::Open,
+            CheckVerdict::Wrong => Tone::Bad,
+            CheckVerdict::Ok => Tone::Good,
+            CheckVerdict::CannotTell | CheckVerdict::Doubtful => Tone::Open,
         },
         headline: match wrong.len() {
-            0 if of.verdict == Verdict::Ok => "All checks passed".to_owned(),
+            0 if of.verdict == CheckVerdict::Ok => "All checks passed".to_owned(),
             0 => "No errors; some checks are doubtful or inconclusive".to_owned(),
             n => format!("{} failed", counted(n, "check")),
         },
@@ -50,7 +50,7 @@ pub(crate) fn view(of: &CheckReport, drawing: &Drawing) -> View {
 }
 
 fn sentences(of: &CheckReport, wrong: &[&CheckRow]) -> Vec<String> {
-    let counts = Verdict::WORST_FIRST
+    let counts = CheckVerdict::WORST_FIRST
         .map(|verdict| format!("{} {}", of.count(verdict), verdict.word()))
         .join(", ");
     let mut all = vec![format!(
@@ -68,7 +68,7 @@ fn next_steps(of: &CheckReport, is_fine: bool) -> Vec<Step> {
     let mut advised: Vec<(&CheckRow, &String)> = of
         .checks
         .iter()
-        .filter(|check| check.verdict != Verdict::Ok)
+        .filter(|check| check.verdict != CheckVerdict::Ok)
         .filter_map(|check| Some((check, check.advice.as_ref()?)))
         .collect();
     advised.sort_by_key(|(check, _)| std::cmp::Reverse(check.verdict));

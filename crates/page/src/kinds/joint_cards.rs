@@ -2,7 +2,7 @@
 
 use armident_report::{ByJoint, percent};
 
-use crate::drawing::{Drawing, Role};
+use crate::drawing::{Drawing, RecordingRole};
 use crate::figures;
 use crate::view::{JointCard, number};
 
@@ -14,8 +14,8 @@ pub(super) fn joint_cards(drawing: &Drawing, open: &[String], noise: &ByJoint) -
         .map(|(j, (joint, residual))| {
             let noise = noise.get(&joint.name).copied();
             let all = [
-                figures::efforts(drawing, j, Role::Training, noise),
-                figures::efforts(drawing, j, Role::Holdout, noise),
+                figures::efforts(drawing, j, RecordingRole::Training, noise),
+                figures::efforts(drawing, j, RecordingRole::Holdout, noise),
                 figures::maps(drawing, j, residual),
                 figures::spectra(drawing, j, residual),
             ];

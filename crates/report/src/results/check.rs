@@ -13,7 +13,7 @@ use super::by_joint::or_nan;
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize, JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum CheckVerdict {
     /// Nothing against it, and the recordings would show a fault.
     Ok,
     /// Inconclusive: the recordings would not show a fault.
@@ -25,7 +25,7 @@ pub enum Verdict {
     Wrong,
 }
 
-impl Verdict {
+impl CheckVerdict {
     /// All verdicts, worst first.
     pub const WORST_FIRST: [Self; 4] = [Self::Wrong, Self::Doubtful, Self::CannotTell, Self::Ok];
 
@@ -40,7 +40,7 @@ impl Verdict {
     }
 }
 
-impl From<check::Verdict> for Verdict {
+impl From<check::Verdict> for CheckVerdict {
     fn from(verdict: check::Verdict) -> Self {
         match verdict {
             check::Verdict::Ok => Self::Ok,
@@ -54,7 +54,7 @@ impl From<check::Verdict> for Verdict {
 /// What a check is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Topic {
+pub enum CheckTopic {
     /// Sample rate against the bandwidth of the motion.
     Rate,
     /// Noise of a channel.
@@ -72,7 +72,7 @@ pub enum Topic {
     Quality,
 }
 
-impl Topic {
+impl CheckTopic {
     /// The topic in words.
     pub fn words(self) -> &'static str {
         match self {
@@ -87,7 +87,7 @@ impl Topic {
     }
 }
 
-impl From<check::Topic> for Topic {
+impl From<check::Topic> for CheckTopic {
     fn from(topic: check::Topic) -> Self {
         match topic {
             check::Topic::Rate => Self::Rate,
@@ -106,11 +106,11 @@ impl From<check::Topic> for Topic {
 #[serde(default)]
 pub struct CheckRow {
     /// What was checked.
-    pub topic: Topic,
+    pub topic: CheckTopic,
     /// The joint; `null` for the arm as a whole.
     pub joint: Option<String>,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: CheckVerdict,
     /// The number behind the verdict; `null` where there is none.
     pub value: Option<f64>,
     /// Unit of the number.
@@ -185,7 +185,7 @@ pub struct ConstantCheckRow {
     /// Standard error from the recordings alone; `null` where they do not determine the constant.
     pub standard_error: Option<f64>,
     /// `ok` up to a tenth of the size, `doubtful` up to the size, `cannot_tell` beyond.
-    pub verdict: Verdict,
+    pub verdict: CheckVerdict,
     /// Why the constant is poorly determined.
     pub reason: Option<String>,
 }
@@ -205,7 +205,7 @@ pub struct CheckReport {
     /// Cut-off frequency of the low-pass \[Hz\]; `null` where recorded accelerations were used.
     pub cutoff_hz: Option<f64>,
     /// The worst of the verdicts.
-    pub verdict: Verdict,
+    pub verdict: CheckVerdict,
     /// The checks, those of the arm first.
     pub checks: Vec<CheckRow>,
     /// What each effort column is.
@@ -256,7 +256,7 @@ impl CheckReport {
             })
             .collect();
         let checks: Vec<CheckRow> = found.checks.iter().map(CheckRow::of).collect();
-        let wrong = checks.iter().filter(|check| check.verdict == Verdict::Wrong);
+        let wrong = checks.iter().filter(|check| check.verdict == CheckVerdict::Wrong);
         warnings.extend(wrong.map(|check| {
             let (prefix, topic) = (check.prefix(), check.topic.words());
             format!("{prefix}{topic}: {} [check-wrong]", check.message)
@@ -290,7 +290,7 @@ impl CheckReport {
     }
 
     /// Number of checks with a verdict.
-    pub fn count(&self, verdict: Verdict) -> usize {
+    pub fn count(&self, verdict: CheckVerdict) -> usize {
         self.checks.iter().filter(|check| check.verdict == verdict).count()
     }
 }

@@ -23,7 +23,7 @@ pub struct ConstantRow {
     pub joint: String,
     /// Unit.
     pub unit: String,
-    /// Estimate; `null` when no step determined it.
+    /// EstimateRow; `null` when no step determined it.
     pub value: Option<f64>,
     /// Standard error.
     pub standard_error: Option<f64>,
@@ -57,7 +57,7 @@ impl ConstantRow {
         }
     }
 
-    /// Estimate less URDF, in standard errors.
+    /// EstimateRow less URDF, in standard errors.
     pub fn deviation(&self) -> Option<f64> {
         let deviation = (self.value? - self.urdf) / self.standard_error?;
         deviation.is_finite().then_some(deviation)

@@ -12,13 +12,13 @@ mod units;
 mod validate;
 
 pub use by_joint::ByJoint;
-pub use check::{ChannelRow, CheckReport, CheckRow, ConstantCheckRow, Topic, Verdict};
+pub use check::{ChannelRow, CheckReport, CheckRow, CheckTopic, CheckVerdict, ConstantCheckRow};
 pub use consistency::ConsistencyReport;
 pub use constants::{ConstantRow, NOT_IDENTIFIED};
 pub use diagnosis::{
-    Alternative, Character, DiagnoseInputs, DiagnoseReport, DriveGainOfMasses, EffortErrors,
-    Estimate, Finding, FindingEvidence, Fits, InputChecks, JointResiduals, MoreData, Regressor,
-    RegressorBin, VariableShare,
+    AlternativeRow, CharacterRow, DiagnoseInputs, DiagnoseReport, DriveGainOfMasses, EffortErrors,
+    EstimateRow, EvidenceRow, FindingRow, Fits, InputCheckRows, JointResiduals, MoreData,
+    Regressor, RegressorBin, VariableShare,
 };
 pub use identify::{
     DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,

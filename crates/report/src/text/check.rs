@@ -1,14 +1,14 @@
 //! Text of `armident check`.
 
 use crate::layout::{Bars, render, significant};
-use crate::results::{CheckReport, Verdict};
+use crate::results::{CheckReport, CheckVerdict};
 use crate::sections;
 use crate::words::counted;
 
 impl CheckReport {
     /// Human-readable text.
     pub fn text(&self) -> String {
-        let counts = Verdict::WORST_FIRST
+        let counts = CheckVerdict::WORST_FIRST
             .map(|verdict| format!("{} {}", self.count(verdict), verdict.word()))
             .join(", ");
         let low_pass = self

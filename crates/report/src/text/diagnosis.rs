@@ -7,7 +7,9 @@ use armident_kinematics::DrivingAxisChain;
 
 use crate::layout::{Bars, render};
 use crate::results::diagnosis::worse_on_holdout;
-use crate::results::{DiagnoseInputs, DiagnoseReport, Finding, Fits, InputChecks, JointResiduals};
+use crate::results::{
+    DiagnoseInputs, DiagnoseReport, FindingRow, Fits, InputCheckRows, JointResiduals,
+};
 use crate::section::{DiagnosisSection, Source};
 use crate::sections::{self, NextMotionResult, PlaceboTest, ReplayPair};
 
@@ -50,7 +52,7 @@ impl DiagnoseReport {
             unexplained,
             worse_on_holdout: worse_on_holdout(&fit),
             joints: diagnosis.joints.clone(),
-            findings: diagnosis.findings.iter().map(Finding::of).collect(),
+            findings: diagnosis.findings.iter().map(FindingRow::of).collect(),
             fit,
             effort_noise: diagnosis.effort_noise.clone().into(),
             prior_scale: diagnosis.inertial_error,
@@ -94,7 +96,7 @@ impl DiagnoseReport {
     /// With the outcome of the input checks; the diagnosis is then of the other joints.
     #[must_use]
     fn with_input_checks(mut self, checks: &armident_diagnose::InputChecks) -> Self {
-        self.input_checks = InputChecks::of(checks);
+        self.input_checks = InputCheckRows::of(checks);
         self.judge();
         self
     }

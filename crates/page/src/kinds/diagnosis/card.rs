@@ -2,8 +2,8 @@
 
 use armident_effects::effect;
 use armident_report::{
-    DiagnoseReport, Estimate, Finding, capital, effect_label, parameter_label, percent, sentence,
-    significant, uncertain, unit_after_number,
+    DiagnoseReport, EstimateRow, FindingRow, capital, effect_label, parameter_label, percent,
+    sentence, significant, uncertain, unit_after_number,
 };
 
 use super::evidence::{size, strength};
@@ -16,7 +16,7 @@ const OPEN: usize = 3;
 /// Joints whose residuals are listed.
 const LISTED: usize = 4;
 
-pub(super) fn card(k: usize, finding: &Finding, of: &DiagnoseReport, drawing: &Drawing) -> Card {
+pub(super) fn card(k: usize, finding: &FindingRow, of: &DiagnoseReport, drawing: &Drawing) -> Card {
     let traces = drawing.findings.get(k);
     let mut location = finding.location();
     if let (Some([from, to]), Some(recording)) = (finding.window, &finding.recording) {
@@ -44,7 +44,7 @@ pub(super) fn card(k: usize, finding: &Finding, of: &DiagnoseReport, drawing: &D
     }
 }
 
-fn fitted(name: &str, estimate: &Estimate) -> Fitted {
+fn fitted(name: &str, estimate: &EstimateRow) -> Fitted {
     let interval = estimate.stderr.map_or_else(
         || "-".to_owned(),
         |s| {
@@ -64,7 +64,7 @@ fn fitted(name: &str, estimate: &Estimate) -> Fitted {
 }
 
 /// Evidence of the finding, in words.
-fn evidence(finding: &Finding) -> String {
+fn evidence(finding: &FindingRow) -> String {
     let of = &finding.evidence;
     let mut text = format!(
         "{} (confidence {:.2}, a score: 0.50 at the materiality threshold, 0.95 at twice the threshold). Materiality {} \
@@ -114,7 +114,7 @@ fn residuals(traces: &FindingTraces, drawing: &Drawing) -> String {
 }
 
 /// Effects with a similar signature, and how to distinguish them from a finding.
-fn look_alikes(finding: &Finding, of: &DiagnoseReport) -> Vec<(String, String)> {
+fn look_alikes(finding: &FindingRow, of: &DiagnoseReport) -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = finding
         .alternatives
         .iter()

@@ -6,7 +6,8 @@ mod next_steps;
 mod verdict;
 
 use armident_report::{
-    ByJoint, DiagnoseReport, DiagnosisSection, Finding, JointResiduals, MinimalSetEstimate, percent,
+    ByJoint, DiagnoseReport, DiagnosisSection, FindingRow, JointResiduals, MinimalSetEstimate,
+    percent,
 };
 
 use self::card::card;
@@ -60,7 +61,7 @@ pub(crate) fn view(
 fn on_chain(
     drawing: &Drawing,
     of: &DiagnoseReport,
-    which: impl Fn(&Finding) -> bool,
+    which: impl Fn(&FindingRow) -> bool,
 ) -> Vec<usize> {
     let mut found: Vec<usize> = of
         .findings

@@ -1,7 +1,7 @@
 //! What to do after a diagnosis.
 
 use armident_effects::{LawRole, effect};
-use armident_report::{DiagnoseReport, Finding, NextMotionResult};
+use armident_report::{DiagnoseReport, FindingRow, NextMotionResult};
 
 use crate::drawing::Drawing;
 use crate::view::Step;
@@ -10,7 +10,7 @@ use crate::view::Step;
 const NAMED: usize = 3;
 
 /// The first law of a finding's effect among its places.
-fn role(finding: &Finding) -> Option<LawRole> {
+fn role(finding: &FindingRow) -> Option<LawRole> {
     effect(&finding.effect).and_then(|e| e.law().roles.first().copied())
 }
 
@@ -67,10 +67,10 @@ pub(super) fn next_steps(of: &DiagnoseReport, drawing: &Drawing) -> Vec<Step> {
 
 /// Faults of channels, which other effects are measured with.
 fn channels(of: &DiagnoseReport) -> Option<Step> {
-    let is_channel = |finding: &&Finding| {
+    let is_channel = |finding: &&FindingRow| {
         matches!(role(finding), Some(LawRole::Gain | LawRole::Zero | LawRole::Time))
     };
-    let names: Vec<String> = of.findings.iter().filter(is_channel).map(Finding::title).collect();
+    let names: Vec<String> = of.findings.iter().filter(is_channel).map(FindingRow::title).collect();
     (!names.is_empty()).then(|| {
         Step::new(format!(
             "Correct the channels first ({}), in a mapping file or in the drive.",
@@ -93,7 +93,7 @@ fn separation(of: &DiagnoseReport, drawing: &Drawing) -> Option<Step> {
         .iter()
         .filter(|finding| !finding.alternatives.is_empty())
         .take(NAMED)
-        .map(Finding::title)
+        .map(FindingRow::title)
         .collect();
     if open.is_empty() {
         return None;

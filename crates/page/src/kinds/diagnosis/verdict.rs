@@ -1,7 +1,7 @@
 //! The verdict of a diagnosis.
 
 use armident_report::{
-    ByJoint, DiagnoseReport, EffortErrors, Finding, ReplayPair, capital, counted, percent,
+    ByJoint, DiagnoseReport, EffortErrors, FindingRow, ReplayPair, capital, counted, percent,
 };
 
 use super::evidence::{WHITE, is_marginal, size, strength};
@@ -109,7 +109,7 @@ fn largest_error(of: &DiagnoseReport, errors: &EffortErrors) -> Option<String> {
 
 fn confirmation(of: &DiagnoseReport) -> Option<String> {
     let with = |confirmed| of.findings.iter().filter(move |f| f.confirmed == Some(confirmed));
-    let unconfirmed: Vec<String> = with(false).map(Finding::title).collect();
+    let unconfirmed: Vec<String> = with(false).map(FindingRow::title).collect();
     if !unconfirmed.is_empty() {
         return Some(format!(
             "Not confirmed: {}. The hold-out error is not lower with {}.",

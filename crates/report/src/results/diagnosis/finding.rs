@@ -13,8 +13,8 @@ use crate::words::{effect_at, effect_label, location};
 /// A parameter with its standard error.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct Estimate {
-    /// Estimate.
+pub struct EstimateRow {
+    /// EstimateRow.
     pub value: f64,
     /// Standard error; `null` where it is not known.
     pub stderr: Option<f64>,
@@ -22,7 +22,7 @@ pub struct Estimate {
     pub unit: String,
 }
 
-impl Estimate {
+impl EstimateRow {
     /// Whether it is part of the law: not a term at 0 without a standard error.
     pub fn is_needed(&self) -> bool {
         self.value != 0.0 || self.stderr.is_some()
@@ -44,7 +44,7 @@ impl Estimate {
 /// Kind of residual structure that no law explains.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct Character {
+pub struct CharacterRow {
     /// `dissipative` (work is lost in both directions), `conservative` (work is returned), or `neither`.
     pub kind: String,
     /// Work lost over all work exchanged, -1 to 1.
@@ -57,7 +57,7 @@ pub struct Character {
     pub wave: [f64; 2],
 }
 
-impl Character {
+impl CharacterRow {
     /// The kind, and traits that explain more than half.
     pub fn traits(&self) -> Vec<String> {
         const MOST: f64 = 0.5;
@@ -80,7 +80,7 @@ impl Character {
 /// Evidence of a finding.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct FindingEvidence {
+pub struct EvidenceRow {
     /// Root mean square effort that only this finding explains, all else refitted, in noise levels (`effort_noise`) of
     /// `joint`.
     pub materiality: f64,
@@ -94,13 +94,13 @@ pub struct FindingEvidence {
     pub variables: Vec<String>,
     /// Of `unmodelled`: kind of structure.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub character: Option<Character>,
+    pub character: Option<CharacterRow>,
 }
 
 /// An effect that the recordings cannot distinguish from a finding.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct Alternative {
+pub struct AlternativeRow {
     /// Slug of the effect.
     pub effect: String,
     /// Its joints.
@@ -114,7 +114,7 @@ pub struct Alternative {
     pub separated_by: Option<String>,
 }
 
-impl Alternative {
+impl AlternativeRow {
     /// The effect at its location.
     pub fn title(&self) -> String {
         effect_at(&self.effect, &self.joints, self.link.as_deref())
@@ -124,7 +124,7 @@ impl Alternative {
 /// One effect that is missing from the model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct Finding {
+pub struct FindingRow {
     /// Slug of the effect (as in `simulate --effect`), or `unmodelled`: structure that no law of the library explains.
     pub effect: String,
     /// One joint; two for `joint_coupling`; none for effects of the whole arm (`gravity_direction`, `time_delay`).
@@ -136,27 +136,27 @@ pub struct Finding {
     /// Of `external_contact`: the recording (file without its extension), else `null`.
     pub recording: Option<String>,
     /// Parameters of the law, those that the motion does not excite left out.
-    pub parameters: BTreeMap<String, Estimate>,
+    pub parameters: BTreeMap<String, EstimateRow>,
     /// A score: 0.50 at the materiality threshold, 0.95 at twice the threshold.
     pub confidence: f64,
     /// Whether the hold-out error is lower with the finding than without it, all else refitted; `null` without a
     /// hold-out, and for contacts.
     pub confirmed: Option<bool>,
     /// Evidence.
-    pub evidence: FindingEvidence,
+    pub evidence: EvidenceRow,
     /// Effects that the recordings cannot distinguish from it.
-    pub alternatives: Vec<Alternative>,
+    pub alternatives: Vec<AlternativeRow>,
 }
 
-impl Finding {
+impl FindingRow {
     /// Of a finding of the diagnosis.
     pub(crate) fn of(found: &diagnose::Finding) -> Self {
-        let estimate = |value: &diagnose::Value| Estimate {
+        let estimate = |value: &diagnose::Value| EstimateRow {
             value: value.value,
             stderr: value.stderr,
             unit: value.unit.to_owned(),
         };
-        let character = found.evidence.character.as_ref().map(|character| Character {
+        let character = found.evidence.character.as_ref().map(|character| CharacterRow {
             kind: character.kind.to_owned(),
             work_share: character.work_share,
             memory_share: character.memory_share,
@@ -174,7 +174,7 @@ impl Finding {
                 .collect(),
             confidence: found.confidence,
             confirmed: found.confirmed,
-            evidence: FindingEvidence {
+            evidence: EvidenceRow {
                 materiality: found.evidence.materiality,
                 materiality_threshold: found.evidence.least_materiality,
                 joint: found.evidence.joint.clone(),
@@ -182,7 +182,7 @@ impl Finding {
                 character,
             },
             alternatives: (found.alternatives.iter())
-                .map(|other| Alternative {
+                .map(|other| AlternativeRow {
                     effect: other.effect.clone(),
                     joints: other.joints.clone(),
                     link: other.link.clone(),

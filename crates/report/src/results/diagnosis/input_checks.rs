@@ -37,7 +37,7 @@ impl DriveGainOfMasses {
 /// Outcome of the input checks.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct InputChecks {
+pub struct InputCheckRows {
     /// Checks that failed; their joints are excluded from the diagnosis.
     pub faults: Vec<CheckRow>,
     /// Gains of joints with a current or voltage only.
@@ -46,7 +46,7 @@ pub struct InputChecks {
     pub unchecked: Option<String>,
 }
 
-impl InputChecks {
+impl InputCheckRows {
     /// Of the checks of a diagnosis.
     pub(crate) fn of(found: &armident_diagnose::InputChecks) -> Self {
         Self {

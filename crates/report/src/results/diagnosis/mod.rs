@@ -6,8 +6,8 @@ mod report;
 mod residual_map;
 mod verdict;
 
-pub use finding::{Alternative, Character, Estimate, Finding, FindingEvidence};
-pub use input_checks::{DriveGainOfMasses, InputChecks};
+pub use finding::{AlternativeRow, CharacterRow, EstimateRow, EvidenceRow, FindingRow};
+pub use input_checks::{DriveGainOfMasses, InputCheckRows};
 pub use report::{DiagnoseInputs, DiagnoseReport, EffortErrors, Fits, MoreData};
 pub use residual_map::{JointResiduals, Regressor, RegressorBin, VariableShare};
 pub(crate) use verdict::{NOISE_UNRELIABLE, worse_on_holdout};

@@ -8,8 +8,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
-use super::finding::Finding;
-use super::input_checks::InputChecks;
+use super::finding::FindingRow;
+use super::input_checks::InputCheckRows;
 use super::residual_map::JointResiduals;
 use crate::results::by_joint::{ByJoint, or_nan};
 use crate::results::units::{all_translate, effort_unit, position_unit};
@@ -142,9 +142,9 @@ pub struct DiagnoseReport {
     pub prismatic_joints: Option<Vec<String>>,
     /// Outcome of the input checks.
     #[serde(alias = "books")]
-    pub input_checks: InputChecks,
+    pub input_checks: InputCheckRows,
     /// Missing effects, most material first.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<FindingRow>,
     /// Effort errors.
     pub fit: Fits,
     /// Standard deviation of one recorded effort sample, by joint \[N m or N\].

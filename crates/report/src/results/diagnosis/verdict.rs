@@ -133,12 +133,14 @@ pub(crate) fn worse_on_holdout(fit: &Fits) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::finding::Finding;
+    use super::super::finding::FindingRow;
     use super::*;
 
     fn with_findings(confirmed: &[Option<bool>]) -> DiagnoseReport {
-        let finding =
-            |confirmed: &Option<bool>| Finding { confirmed: *confirmed, ..Finding::default() };
+        let finding = |confirmed: &Option<bool>| FindingRow {
+            confirmed: *confirmed,
+            ..FindingRow::default()
+        };
         DiagnoseReport {
             findings: confirmed.iter().map(finding).collect(),
             ..DiagnoseReport::default()

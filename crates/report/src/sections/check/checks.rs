@@ -1,7 +1,7 @@
 //! All checks with their verdicts.
 
 use crate::layout::{Block, Table};
-use crate::results::{CheckReport, CheckRow, Verdict};
+use crate::results::{CheckReport, CheckRow, CheckVerdict};
 use crate::section::Section;
 
 /// The checks: those of the arm, then joint by joint; on a page worst first.
@@ -58,5 +58,5 @@ fn status(check: &CheckRow) -> Block {
 
 /// What to do, unless all is well.
 fn hint(check: &CheckRow) -> String {
-    check.advice.clone().filter(|_| check.verdict != Verdict::Ok).unwrap_or_default()
+    check.advice.clone().filter(|_| check.verdict != CheckVerdict::Ok).unwrap_or_default()
 }

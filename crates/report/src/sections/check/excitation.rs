@@ -1,7 +1,7 @@
 //! Which constants the recordings determine.
 
 use crate::layout::{Block, Table, percent, significant};
-use crate::results::{CheckReport, ConstantCheckRow, Verdict};
+use crate::results::{CheckReport, CheckVerdict, ConstantCheckRow};
 use crate::section::Section;
 
 /// Constants and how well they are determined; on a terminal the poorly determined ones only.
@@ -13,7 +13,7 @@ impl Section<CheckReport> for Excitation {
     }
 
     fn text(&self, result: &CheckReport) -> Vec<Block> {
-        let poor = result.constants.iter().filter(|c| c.verdict != Verdict::Ok);
+        let poor = result.constants.iter().filter(|c| c.verdict != CheckVerdict::Ok);
         let rows: Vec<Vec<String>> = poor
             .map(|c| {
                 vec![

@@ -2,7 +2,7 @@
 
 use super::next_motion::NextMotionResult;
 use crate::layout::Block;
-use crate::results::{Alternative, DiagnoseReport, Finding};
+use crate::results::{AlternativeRow, DiagnoseReport, FindingRow};
 use crate::section::{DiagnosisSection, Section};
 use crate::words::{parameter_label, sentence};
 
@@ -32,7 +32,7 @@ impl Section<DiagnoseReport> for Findings {
 
 impl DiagnosisSection for Findings {}
 
-fn paragraph(finding: &Finding, next_motion_is_searched: bool) -> Vec<Block> {
+fn paragraph(finding: &FindingRow, next_motion_is_searched: bool) -> Vec<Block> {
     let confirmed = match finding.confirmed {
         Some(true) => ", confirmed",
         Some(false) => ", not confirmed",
@@ -59,7 +59,7 @@ fn paragraph(finding: &Finding, next_motion_is_searched: bool) -> Vec<Block> {
     blocks
 }
 
-fn alternative(other: &Alternative, next_motion_is_searched: bool) -> Block {
+fn alternative(other: &AlternativeRow, next_motion_is_searched: bool) -> Block {
     let detail = match &other.separated_by {
         Some(motion) => sentence(motion),
         None if next_motion_is_searched => String::new(),
