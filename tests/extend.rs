@@ -6,7 +6,7 @@ use armident_challenge::{Arm, CaseKind, CaseRequest, generate, generate_in};
 use armident_diagnose::{DiagnoseRequest, diagnose};
 use armident_effects::{
     Draw, DrawContext, DrawnEffect, Effect, EffectOnJoint, Export, JointMotion, JointState, Law,
-    Library, Naming, Parameter, Role, Scan, directions_with,
+    LawRole, Library, Naming, Parameter, Scan, directions_with,
 };
 use armident_export::{mjcf_in, urdf_in};
 use armident_kinematics::{
@@ -24,7 +24,7 @@ const LAW: Law = Law {
     slug: "cubic_drag",
     title: "cubic drag",
     formula: "f = c v^3",
-    roles: &[Role::Drag],
+    roles: &[LawRole::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m s3/rad3", "N s3/m3").main()],
     export: Export { urdf: None, mjcf: Some("cubicdamping") },
     ..Law::BLANK
@@ -132,7 +132,7 @@ fn added_law_is_exported_or_lost() {
     let urdf = urdf_in(&library(), &model);
     assert!(urdf.held.is_empty());
     assert_eq!((urdf.lost[0].effect.as_str(), urdf.lost[0].parameters[0]), ("cubic_drag", 2.0));
-    assert_eq!(urdf.lost[0].reason, "not supported");
+    assert_eq!(urdf.lost[0].reason, "not supported by the format");
     assert!(parse_urdf(&urdf.text, "exported").is_ok());
     let mjcf = mjcf_in(&library(), &model);
     assert!(mjcf.lost.is_empty() && mjcf.text.contains("cubicdamping=\"2\""), "{}", mjcf.text);

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use armident_challenge::{
-    Arm, CaseKind, Order, Outcome as Sat, Scoreboard, Series, SeriesKind, Spread, Study,
+    Arm, CaseKind, CaseSeries, Order, Outcome as Sat, Scoreboard, SeriesKind, Spread, Study,
     run as serve, score_cases,
 };
 use armident_page::{Drawing, Provenance};
@@ -100,7 +100,7 @@ fn study_orders(args: &ChallengeArgs, study: Study) -> Result<Vec<Order>, Failur
     Ok(study.orders(args.cases.unwrap_or(study.default_cases()), args.seed, kind))
 }
 
-fn series(args: &ChallengeArgs) -> Result<Series, Failure> {
+fn series(args: &ChallengeArgs) -> Result<CaseSeries, Failure> {
     let kind = match args.kind {
         Some(KindArg::Clean) => SeriesKind::Clean,
         Some(KindArg::Field) => SeriesKind::Field,
@@ -117,7 +117,7 @@ fn series(args: &ChallengeArgs) -> Result<Series, Failure> {
             Some("omit one of the two options"),
         ));
     }
-    Ok(Series {
+    Ok(CaseSeries {
         cases: args.cases.unwrap_or(CASES),
         seed: args.seed,
         kind,

@@ -27,8 +27,8 @@
 //!
 //! # A series
 //!
-//! [`Series`] lists cases, [`run`] makes, diagnoses and scores them in memory: the diagnosis gets a
-//! [`Task`] that holds neither the truth nor the efforts of the exam. A [`Study`] is a series, or several,
+//! [`CaseSeries`] lists cases, [`run`] makes, diagnoses and scores them in memory: the diagnosis gets a
+//! [`SubmissionTask`] that holds neither the truth nor the efforts of the exam. A [`Study`] is a series, or several,
 //! with a table of the results.
 //!
 //! ```
@@ -71,7 +71,9 @@ mod submission;
 pub use arms::bundled::Arm;
 pub use cases::generate::{generate, generate_in};
 pub use cases::request::{CaseRequest, case_effects, hideable};
-pub use contract::answer::{Answer, Estimate, Evidence, Finding, Fit, HoldoutRmse, Verdict};
+pub use contract::answer::{
+    Answer, AnswerEstimate, AnswerFinding, AnswerVerdict, Evidence, Fit, HoldoutRmse,
+};
 pub use contract::case::Case;
 pub use contract::kind::CaseKind;
 pub use contract::truth::{
@@ -85,7 +87,9 @@ pub use score::case_score::{BaselineScore, CaseScore};
 pub use score::exam::ExamScore;
 pub use score::holdout::HoldoutScore;
 pub use score::rules::{score_case, score_submission};
-pub use score::scoreboard::{Bin, EffectRow, GroupScore, Rate, Scoreboard, Spread, score_cases};
-pub use studies::series::{Order, Outcome, Series, SeriesKind, run};
+pub use score::scoreboard::{
+    EffectScore, GroupScore, Rate, ReliabilityBin, Scoreboard, Spread, score_cases,
+};
+pub use studies::series::{CaseSeries, Order, Outcome, SeriesKind, run};
 pub use studies::study::Study;
-pub use submission::{Submission, SubmittedModel, Task, solve};
+pub use submission::{Submission, SubmissionTask, SubmittedModel, solve};

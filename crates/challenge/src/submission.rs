@@ -12,7 +12,7 @@ use crate::contract::case::Case;
 
 /// The part of a case that a diagnosis is given: not the truth, and only the motion of the exam.
 #[derive(Debug, Clone)]
-pub struct Task {
+pub struct SubmissionTask {
     robot_urdf: String,
     before: Vec<Recording>,
     train: [Recording; 2],
@@ -20,7 +20,7 @@ pub struct Task {
     exam_motion: Recording,
 }
 
-impl Task {
+impl SubmissionTask {
     /// Of a case.
     pub fn of(case: &Case) -> Self {
         let motion = |joint: &JointChannels| JointChannels { effort: None, ..joint.clone() };
@@ -60,7 +60,7 @@ pub struct SubmittedModel {
 ///
 /// # Errors
 /// Why there is no answer, in words.
-pub fn solve(task: &Task) -> Result<Submission, String> {
+pub fn solve(task: &SubmissionTask) -> Result<Submission, String> {
     let started = Instant::now();
     let reason = |error: &dyn std::error::Error| error.to_string();
     let description = parse_urdf(&task.robot_urdf, "robot.urdf").map_err(|e| reason(&e))?;

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use armident_challenge::{
-    Case, CaseKind, CaseRequest, SampleRate, Series, SeriesKind, case_effects, generate,
+    Case, CaseKind, CaseRequest, CaseSeries, SampleRate, SeriesKind, case_effects, generate,
     perturbable, score_case,
 };
 use armident_recording::{JointChannels, Recording, read_csv, write_csv};
@@ -205,7 +205,7 @@ fn requested_margin_is_kept() {
 
 #[test]
 fn series_follow_from_their_seed() {
-    let series = |kind, perturbed| Series {
+    let series = |kind, perturbed| CaseSeries {
         cases: 8,
         seed: 3,
         kind,

@@ -1,13 +1,13 @@
 //! Derivatives of the efforts of a whole motion, and columns formed sample by sample.
 
-use crate::motion::ArmMotion;
+use crate::motion::WholeArmMotion;
 
 /// Change of position \[rad or m\] or angle \[rad\] of the one-sided differences: its square is lost.
 pub(crate) const STEP: f64 = 1e-5;
 
 /// `(f(step) - rigid) / step`, joint-major.
 pub(crate) fn derivative(
-    motion: &ArmMotion<'_>,
+    motion: &WholeArmMotion<'_>,
     step: f64,
     f: impl Fn(f64) -> Vec<Vec<f64>>,
 ) -> Vec<Vec<f64>> {

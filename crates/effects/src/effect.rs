@@ -5,9 +5,11 @@ use std::fmt;
 use armident_dynamics::RigidArm;
 
 use crate::draw::{Draw, DrawContext, DrawnEffect};
-use crate::law::{Law, Onset, Role, Scope};
+use crate::law::{Law, LawRole, Onset, Scope};
 use crate::mechanism::{ArmFrames, Mechanism};
-use crate::motion::{ArmColumns, ArmMotion, DryFriction, JointMotion, JointState, MotionScale};
+use crate::motion::{
+    ArmColumns, DryFriction, JointMotion, JointState, MotionScale, WholeArmMotion,
+};
 use crate::transmission::Transmission;
 
 /// Step in which an estimator refines a constant of a shape.
@@ -51,7 +53,7 @@ pub trait Effect: Sync {
     /// Estimator: whether the column of a coefficient jumps between two samples, at a reversal. All do of a law
     /// of dry friction or of a shared transmission, unless it says otherwise.
     fn coefficient_jumps(&self, _coefficient: usize) -> bool {
-        self.law().has_role(Role::Dry) || self.law().has_role(Role::Shared)
+        self.law().has_role(LawRole::Dry) || self.law().has_role(LawRole::Shared)
     }
 
     /// Whether it comes about between two recordings of one arm; by default seldom.
@@ -107,7 +109,7 @@ pub trait Effect: Sync {
     }
 
     /// Estimator, the other scopes: columns on all joints; `joint` is the joint or the link it moves.
-    fn arm_columns(&self, _joint: usize, _motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, _joint: usize, _motion: &WholeArmMotion<'_>) -> ArmColumns {
         Vec::new()
     }
 

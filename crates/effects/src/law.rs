@@ -137,10 +137,10 @@ pub enum LocationKind {
     Arm,
 }
 
-/// Role of a law; two laws with the same role on one joint are mutually exclusive, because one contains or
+/// LawRole of a law; two laws with the same role on one joint are mutually exclusive, because one contains or
 /// replaces the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Role {
+pub enum LawRole {
     /// Friction proportional to the speed.
     Viscous,
     /// Dry friction.
@@ -279,7 +279,7 @@ pub struct Law {
     /// What a finding gives as its location.
     pub location: LocationKind,
     /// Its roles on its joint.
-    pub roles: &'static [Role],
+    pub roles: &'static [LawRole],
     /// Parameters in the order of every parameter vector.
     pub parameters: &'static [Parameter],
     /// Whether a diagnosis may report it.
@@ -337,13 +337,13 @@ impl Law {
     };
 
     /// Whether it has a role.
-    pub fn has_role(&self, role: Role) -> bool {
+    pub fn has_role(&self, role: LawRole) -> bool {
         self.roles.contains(&role)
     }
 
     /// Whether it is dry friction on one joint.
     pub fn is_dry_friction(&self) -> bool {
-        self.has_role(Role::Dry)
+        self.has_role(LawRole::Dry)
     }
 
     /// Whether it is viscous or Coulomb friction, which every joint has.

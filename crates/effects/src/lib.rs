@@ -40,18 +40,13 @@ pub use draw::{Draw, DrawContext, DrawnEffect, JointSize};
 pub use effect::{Effect, ShapeStep};
 pub use joined::is_less;
 pub use law::{
-    Admissible, Baseline, Equivalent, Export, Law, LinkSide, LocationKind, LookAlike, Naming,
-    Onset, OperatingTerm, Parameter, Role, Scan, Scope, UNMODELLED, Where,
+    Admissible, Baseline, Equivalent, Export, Law, LawRole, LinkSide, LocationKind, LookAlike,
+    Naming, Onset, OperatingTerm, Parameter, Scan, Scope, UNMODELLED, Where,
 };
 pub use laws::*;
-// names of callers that are not renamed yet
-#[doc(hidden)]
-pub use law::Role as Place;
-#[doc(hidden)]
-pub use laws::BASELINE as EVERYDAY;
 pub use library::{Library, effect};
 pub use mechanism::{ArmFrames, Mechanism, tip_jacobian};
-pub use motion::{ArmColumns, ArmMotion, DryFriction, JointMotion, JointState, MotionScale};
+pub use motion::{ArmColumns, DryFriction, JointMotion, JointState, MotionScale, WholeArmMotion};
 pub use on_joint::{EffectOnJoint, UnknownEffect};
 pub use transmission::{Transmission, resting_links};
 

@@ -39,7 +39,7 @@ pub struct MotionScale {
 
 /// Motion of the whole arm over a recording, joint-major.
 #[derive(Debug, Clone, Copy)]
-pub struct ArmMotion<'a> {
+pub struct WholeArmMotion<'a> {
     /// The arm.
     pub arm: &'a RigidArm,
     /// Pose of the frame `E_0` in the base link.

@@ -59,12 +59,12 @@ fn clean_pose(pose: Isometry3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(clean(pose.translation.vector).into(), pose.rotation)
 }
 
-/// Inertia about the centre of mass as `ixx ixy ixz iyy iyz izz`, and what is wrong with it.
+/// Inertia about the centre of mass as `ixx ixy ixz iyy iyz izz`; notes if it is not physically consistent.
 pub(crate) fn inertia_about_com(link: &Moved<'_>, notes: &mut Vec<String>) -> [f64; 6] {
     if !link.inertia.is_physical() {
         notes.push(format!(
-            "link `{}` has an inertia no body can have; simulators may refuse it (identify without \
-             --raw-estimate gives real links)",
+            "link `{}` is not physically consistent and may be rejected by simulators; omit \
+             --raw-estimate to project it",
             link.link
         ));
     }
@@ -84,12 +84,12 @@ pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
             .filter(|l| *l != joint.child_link)
             .collect();
         if !lumped.is_empty() {
-            notes.push(format!("link `{}` holds {}", joint.child_link, lumped.join(", ")));
+            notes.push(format!("{} merged into link `{}`", lumped.join(", "), joint.child_link));
         }
     }
     if !chain.locked.is_empty() {
         let list: Vec<String> = chain.locked.iter().map(|(j, q)| format!("{j} at {q}")).collect();
-        notes.push(format!("locked joints are gone: {}", list.join(", ")));
+        notes.push(format!("locked joints removed: {}", list.join(", ")));
     }
     notes
 }

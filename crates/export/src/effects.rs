@@ -48,8 +48,8 @@ pub(crate) fn sorted(
                 });
                 continue;
             }
-            (Some(_), [_]) => "it is negative, which simulators refuse",
-            _ => "the format has no place for it",
+            (Some(_), [_]) => "negative value, not accepted by simulators",
+            _ => "not supported by the format",
         };
         // what is not there is not lost
         if on_joint.parameters.iter().any(|p| *p != 0.0) {

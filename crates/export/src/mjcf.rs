@@ -79,14 +79,14 @@ fn body(link: &Moved<'_>, held: &[Held], notes: &mut Vec<String>) -> Element {
     let principal = link.inertia.inertia_com_kgm2().symmetric_eigenvalues();
     if link.inertia.is_physical() && (link.inertia.mass_kg <= 0.0 || principal.min() <= 0.0) {
         notes.push(format!(
-            "link `{}` has no mass or no extent: MuJoCo refuses moving bodies without",
+            "link `{}` has no mass or no extent and is rejected by MuJoCo",
             link.link
         ));
     }
     let mut name = link.link.to_owned();
     if name == WORLD {
         name += "_link";
-        notes.push(format!("link `{}` is called `{name}`: MuJoCo has a body `{WORLD}`", link.link));
+        notes.push(format!("link `{}` renamed to `{name}` (MuJoCo reserves `{WORLD}`)", link.link));
     }
     place(Element::new("body").with("name", name), &link.pose)
         .child(

@@ -81,7 +81,7 @@ fn joint(link: &Moved<'_>, parent: &str, held: &[Held], notes: &mut Vec<String>)
     limit = limit.numbers("effort", &[effort]).numbers("velocity", &[velocity]);
     if !made_up.is_empty() {
         notes.push(format!(
-            "joint `{}` has no {} limit: {NO_LIMIT:e} stands in its place",
+            "joint `{}` has no {} limit; using {NO_LIMIT:e}",
             link.joint,
             made_up.join(", ")
         ));

@@ -312,7 +312,7 @@ mod tests {
         assert_eq!(rigid_by_found, rigid);
     }
 
-    /// An arm that stands still hangs from its spring, however far that lets it fall: nothing rings.
+    /// An arm at rest hangs from its spring, at whatever deflection, and does not oscillate.
     #[test]
     fn link_at_rest_keeps_its_deflection() {
         let chain = ur5();

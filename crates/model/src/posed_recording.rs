@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use armident_dynamics::{ArmAngles, RigidArm};
-use armident_effects::{ArmMotion, Effect, JointMotion, ReversalModel, Role, tilted};
+use armident_effects::{Effect, JointMotion, LawRole, ReversalModel, WholeArmMotion, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
 
@@ -187,7 +187,7 @@ impl<'a> PosedRecording<'a> {
     /// What a law sees of a joint: a gain of the channel sees all that is known of its effort, others the load of the
     /// rigid body with the links that the answer gives it.
     pub fn joint_seen_by(&self, law: &dyn Effect, j: usize) -> JointMotion<'_> {
-        let seen = match law.law().roles.contains(&Role::Gain) {
+        let seen = match law.law().roles.contains(&LawRole::Gain) {
             true => self.with_known[j].as_deref(),
             false => self.carried(j),
         };
@@ -210,8 +210,8 @@ impl<'a> PosedRecording<'a> {
         &'b self,
         chain: &DrivingAxisChain,
         effort: &'b [Vec<f64>],
-    ) -> ArmMotion<'b> {
-        ArmMotion {
+    ) -> WholeArmMotion<'b> {
+        WholeArmMotion {
             arm: &self.arm,
             base_from_e0: chain.base_from_e0,
             tip_in_last_m: chain.tip_in_e.translation.vector,

@@ -48,7 +48,7 @@ pub struct Signals {
     pub recorded_position: Vec<Vec<f64>>,
     /// How these go on past the ends of the recording.
     pub goes_on: Vec<Continuation>,
-    /// Whether the arm stands still at the first and at the last sample.
+    /// Whether the arm is at rest at the first and at the last sample.
     pub stands: [bool; 2],
     /// Whether the arm rests at the first sample, however suddenly it moves then.
     pub starts_at_rest: bool,

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use armident_effects::{Place, effect};
+use armident_effects::{LawRole, effect};
 use armident_kinematics::JointKind;
 use nalgebra::{Isometry3, Vector3};
 
@@ -66,18 +66,20 @@ impl Abscissa {
     ];
 
     /// Where the laws of a place live.
-    fn of_place(place: Place) -> Self {
+    fn of_place(place: LawRole) -> Self {
         match place {
-            Place::Viscous | Place::Drag | Place::Shared => Self::Velocity,
-            Place::Dry => Self::SinceReversal,
-            Place::Constant | Place::Zero | Place::Ripple | Place::Gravity | Place::Unnamed => {
-                Self::Position
-            }
-            Place::Inertia => Self::Acceleration,
-            Place::Gain => Self::Load,
-            Place::Link => Self::Gravity,
-            Place::Time => Self::EffortRate,
-            Place::Contact => Self::Time,
+            LawRole::Viscous | LawRole::Drag | LawRole::Shared => Self::Velocity,
+            LawRole::Dry => Self::SinceReversal,
+            LawRole::Constant
+            | LawRole::Zero
+            | LawRole::Ripple
+            | LawRole::Gravity
+            | LawRole::Unnamed => Self::Position,
+            LawRole::Inertia => Self::Acceleration,
+            LawRole::Gain => Self::Load,
+            LawRole::Link => Self::Gravity,
+            LawRole::Time => Self::EffortRate,
+            LawRole::Contact => Self::Time,
         }
     }
 

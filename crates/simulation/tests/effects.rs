@@ -8,7 +8,7 @@ use std::path::Path;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{
-    ArmFrames, ArmMotion, Backlash, Effect, EffectOnJoint, JointMotion, Library, Scope,
+    ArmFrames, Backlash, Effect, EffectOnJoint, JointMotion, Library, Scope, WholeArmMotion,
     directions_with, effect,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_urdf};
@@ -322,7 +322,7 @@ fn by_columns(
     rigid: &[Vec<f64>],
 ) -> Vec<Vec<f64>> {
     let arm = armident_dynamics::RigidArm::from_chain(chain);
-    let motion = ArmMotion {
+    let motion = WholeArmMotion {
         arm: &arm,
         base_from_e0: chain.base_from_e0,
         tip_in_last_m: chain.tip_in_e.translation.vector,

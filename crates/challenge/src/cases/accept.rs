@@ -2,7 +2,7 @@
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_effects::{
-    ArmMotion, Effect, JointMotion, LocationKind, MotionScale, Scope, Where, directions_with,
+    Effect, JointMotion, LocationKind, MotionScale, Scope, Where, WholeArmMotion, directions_with,
 };
 
 use crate::cases::exact_motion::{Exact, rms};
@@ -147,7 +147,7 @@ fn arm_columns(
             let rigid_effort = rigid(&arm, motion);
             law.arm_columns(
                 joint,
-                &ArmMotion {
+                &WholeArmMotion {
                     arm: &arm,
                     base_from_e0: scene.chain.base_from_e0,
                     tip_in_last_m: scene.chain.tip_in_e.translation.vector,

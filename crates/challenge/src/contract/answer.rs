@@ -12,10 +12,10 @@ pub struct Answer {
     /// `armident.diagnosis/1`.
     pub schema: String,
     /// Whether model and recordings agree.
-    pub verdict: Verdict,
+    pub verdict: AnswerVerdict,
     /// What is missing.
     #[serde(default)]
-    pub findings: Vec<Finding>,
+    pub findings: Vec<AnswerFinding>,
     /// How well the result fits.
     #[serde(default)]
     pub fit: Fit,
@@ -24,7 +24,7 @@ pub struct Answer {
 /// Whether model and recordings agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum AnswerVerdict {
     /// They agree.
     Match,
     /// They do not.
@@ -33,7 +33,7 @@ pub enum Verdict {
 
 /// A named effect.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Finding {
+pub struct AnswerFinding {
     /// Slug of the effect, or `unmodelled`.
     pub effect: String,
     /// Joints blamed.
@@ -50,7 +50,7 @@ pub struct Finding {
     pub recording: Option<String>,
     /// Parameters by name.
     #[serde(default)]
-    pub parameters: BTreeMap<String, Estimate>,
+    pub parameters: BTreeMap<String, AnswerEstimate>,
     /// Probability that it is right.
     pub confidence: f64,
     /// Its evidence.
@@ -63,7 +63,7 @@ pub struct Finding {
 
 /// A number with its standard error.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Estimate {
+pub struct AnswerEstimate {
     /// The number.
     pub value: Option<f64>,
     /// Its standard error.

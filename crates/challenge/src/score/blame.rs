@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use armident_effects::{Scope, UNMODELLED, effect};
 
-use crate::contract::answer::Finding;
+use crate::contract::answer::AnswerFinding;
 use crate::contract::truth::{Named, TrueEffect, Truth};
 use crate::hidden::UNLISTED;
 
@@ -114,7 +114,7 @@ pub(crate) fn of_truth(effect: &TrueEffect, truth: &Truth) -> BTreeSet<Blame> {
 }
 
 /// Blames of a finding.
-pub(crate) fn of_finding(finding: &Finding, truth: &Truth) -> BTreeSet<Blame> {
+pub(crate) fn of_finding(finding: &AnswerFinding, truth: &Truth) -> BTreeSet<Blame> {
     blames(&finding.effect, &finding.joints, finding.link.as_deref(), truth)
 }
 

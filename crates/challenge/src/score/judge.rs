@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use armident_effects::{Effect, LinkInertiaError};
 
-use crate::contract::answer::Finding;
+use crate::contract::answer::AnswerFinding;
 use crate::contract::truth::{Named, TrueEffect, Truth};
 use crate::score::blame::{Blame, is_body, of_finding, of_named, of_truth, tolerated_by};
 
@@ -21,7 +21,7 @@ pub(crate) enum Judgement {
 }
 
 pub(crate) struct Judged<'a> {
-    pub(crate) findings: Vec<(&'a Finding, BTreeSet<Blame>)>,
+    pub(crate) findings: Vec<(&'a AnswerFinding, BTreeSet<Blame>)>,
     pub(crate) found: BTreeSet<Blame>,
     right: BTreeSet<Blame>,
     tolerated: BTreeSet<Blame>,
@@ -55,7 +55,7 @@ impl Judged<'_> {
     }
 }
 
-pub(crate) fn judge<'a>(truth: &Truth, findings: &'a [Finding]) -> Judged<'a> {
+pub(crate) fn judge<'a>(truth: &Truth, findings: &'a [AnswerFinding]) -> Judged<'a> {
     let findings: Vec<_> = findings
         .iter()
         .filter(|finding| finding.confidence >= LEAST_CONFIDENCE)

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use armident_effects::Scope;
 
-use crate::contract::answer::{Answer, Finding, Verdict};
+use crate::contract::answer::{Answer, AnswerFinding, AnswerVerdict};
 use crate::contract::case::Case;
 use crate::contract::files::read_json;
 use crate::contract::kind::CaseKind;
@@ -147,7 +147,7 @@ fn score_verdict(
     answer: Option<&Answer>,
     judged: &Judged<'_>,
 ) {
-    let mismatch = answer.is_some_and(|answer| answer.verdict == Verdict::Mismatch);
+    let mismatch = answer.is_some_and(|answer| answer.verdict == AnswerVerdict::Mismatch);
     if truth.effects.is_empty() {
         let exact = truth.background_inertial_error == 0.0 && truth.kind() == CaseKind::Clean;
         score.false_alarm = Some(!score.false_names.is_empty() || (exact && mismatch));
@@ -163,7 +163,7 @@ fn score_verdict(
         CaseKind::Clean => mismatch,
         CaseKind::Field | CaseKind::Change => judged.found.iter().any(special),
     });
-    let counts = |(_, blames): &&(&Finding, BTreeSet<Blame>)| {
+    let counts = |(_, blames): &&(&AnswerFinding, BTreeSet<Blame>)| {
         matches!(judged.of_finding(blames), Judgement::Right | Judgement::False)
     };
     if truth.effects.len() == 1 {
@@ -200,7 +200,7 @@ fn score_details(score: &mut CaseScore, effect: &TrueEffect, truth: &Truth, judg
         .map(|(finding, _)| *finding)
         .max_by(|a, b| a.confidence.total_cmp(&b.confidence));
     if let Some(window) = effect.window {
-        let other = |finding: &Finding| {
+        let other = |finding: &AnswerFinding| {
             finding.recording.is_some() && finding.recording != effect.recording
         };
         let found = finding.filter(|finding| !other(finding)).and_then(|f| f.window);
@@ -227,7 +227,7 @@ fn score_details(score: &mut CaseScore, effect: &TrueEffect, truth: &Truth, judg
 }
 
 /// Errors of the parameters of a finding, in standard errors.
-fn standardized(finding: &Finding, exact: &BTreeMap<String, f64>) -> Vec<f64> {
+fn standardized(finding: &AnswerFinding, exact: &BTreeMap<String, f64>) -> Vec<f64> {
     let error = |(name, exact): (&String, &f64)| {
         let found = finding.parameters.get(name)?;
         let stderr = found.stderr.filter(|stderr| *stderr > 0.0)?;
@@ -237,7 +237,7 @@ fn standardized(finding: &Finding, exact: &BTreeMap<String, f64>) -> Vec<f64> {
 }
 
 /// Relative error of a parameter; a missing one counts 100 %.
-fn parameter_error(effect: &TrueEffect, finding: &Finding, name: &str) -> f64 {
+fn parameter_error(effect: &TrueEffect, finding: &AnswerFinding, name: &str) -> f64 {
     let (Some(&exact), Some(found)) =
         (effect.parameters.get(name), finding.parameters.get(name).and_then(|p| p.value))
     else {
@@ -293,9 +293,11 @@ fn score_baseline(truth: &Truth, judged: &Judged<'_>, errors: &mut Vec<f64>) -> 
 }
 
 /// All findings, also those of little confidence, judged as if they stood.
-fn reliability(truth: &Truth, findings: &[Finding]) -> Vec<(f64, bool)> {
-    let sure: Vec<Finding> =
-        findings.iter().map(|finding| Finding { confidence: 1.0, ..finding.clone() }).collect();
+fn reliability(truth: &Truth, findings: &[AnswerFinding]) -> Vec<(f64, bool)> {
+    let sure: Vec<AnswerFinding> = findings
+        .iter()
+        .map(|finding| AnswerFinding { confidence: 1.0, ..finding.clone() })
+        .collect();
     let judged = judge(truth, &sure);
     let pairs = judged.findings.iter().zip(findings).filter_map(|((_, blames), finding)| {
         match judged.of_finding(blames) {

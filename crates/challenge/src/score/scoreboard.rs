@@ -22,7 +22,7 @@ pub struct Scoreboard {
     /// Clean cases, then field cases, where there are any.
     pub groups: Vec<GroupScore>,
     /// Right findings of all cases by confidence, in five bins.
-    pub reliability: [Bin; BINS],
+    pub reliability: [ReliabilityBin; BINS],
     /// Case by case.
     pub cases: Vec<CaseScore>,
 }
@@ -112,7 +112,7 @@ impl Spread {
 
 /// One effect over the cases that hide it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EffectRow {
+pub struct EffectScore {
     /// Slug.
     pub effect: String,
     /// Pairs named.
@@ -125,7 +125,7 @@ pub struct EffectRow {
 
 /// Findings of like confidence.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Bin {
+pub struct ReliabilityBin {
     /// Mean confidence.
     pub confidence: f64,
     /// Right ones.
@@ -197,11 +197,11 @@ pub struct GroupScore {
     /// Cases with something that cannot be.
     pub suspicious: usize,
     /// Effect by effect.
-    pub effects: Vec<EffectRow>,
+    pub effects: Vec<EffectScore>,
     /// True slug -> named slug -> count; `nothing` on either side.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Right findings by confidence, in five bins.
-    pub reliability: [Bin; BINS],
+    pub reliability: [ReliabilityBin; BINS],
 }
 
 impl Scoreboard {
@@ -321,7 +321,7 @@ fn slug(blame: &str) -> &str {
     blame.split('(').next().unwrap_or(blame)
 }
 
-fn effect_rows(cases: &[&CaseScore]) -> Vec<EffectRow> {
+fn effect_rows(cases: &[&CaseScore]) -> Vec<EffectScore> {
     let mut rates: BTreeMap<&str, (Rate, usize, Vec<f64>)> = BTreeMap::new();
     for case in cases {
         for pair in &case.pairs {
@@ -335,12 +335,13 @@ fn effect_rows(cases: &[&CaseScore]) -> Vec<EffectRow> {
             rates.entry(effect).or_default().2.push(*error);
         }
     }
-    let row = |(effect, (named, false_names, errors)): (&str, (Rate, usize, Vec<f64>))| EffectRow {
-        effect: effect.to_owned(),
-        named,
-        false_names,
-        parameter_error: Spread::of(errors),
-    };
+    let row =
+        |(effect, (named, false_names, errors)): (&str, (Rate, usize, Vec<f64>))| EffectScore {
+            effect: effect.to_owned(),
+            named,
+            false_names,
+            parameter_error: Spread::of(errors),
+        };
     rates.into_iter().map(row).collect()
 }
 
@@ -352,8 +353,8 @@ fn confusion(cases: &[&CaseScore]) -> BTreeMap<String, BTreeMap<String, usize>> 
     table
 }
 
-fn reliability(cases: &[&CaseScore]) -> [Bin; BINS] {
-    let mut bins = [Bin::default(); BINS];
+fn reliability(cases: &[&CaseScore]) -> [ReliabilityBin; BINS] {
+    let mut bins = [ReliabilityBin::default(); BINS];
     for &(confidence, right) in cases.iter().flat_map(|case| &case.reliability) {
         let bin = &mut bins[((confidence * BINS as f64) as usize).min(BINS - 1)];
         bin.right = bin.right.and(right);

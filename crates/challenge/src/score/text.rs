@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use armident_report::aligned;
 
-use crate::score::scoreboard::{Bin, GroupScore, Rate, Scoreboard, Spread};
+use crate::score::scoreboard::{GroupScore, Rate, ReliabilityBin, Scoreboard, Spread};
 
 impl Scoreboard {
     /// Tables: the sums, effect by effect, confusion, reliability, then cases with something wrong.
@@ -126,7 +126,7 @@ fn group_text(group: &GroupScore) -> String {
 }
 
 /// Claims and right ones by confidence.
-fn reliability(bins: &[Bin]) -> String {
+fn reliability(bins: &[ReliabilityBin]) -> String {
     let width = 1.0 / bins.len() as f64;
     let rows: Vec<Vec<String>> = bins
         .iter()

@@ -19,7 +19,7 @@ use crate::hidden::variants::perturbable;
 use crate::random::RandomStream;
 use crate::score::case_score::CaseScore;
 use crate::score::rules::score_submission;
-use crate::submission::{Submission, Task, solve};
+use crate::submission::{Submission, SubmissionTask, solve};
 
 /// Arms that are tried for a case.
 const MOST_ARMS: usize = 5;
@@ -48,7 +48,7 @@ pub enum SeriesKind {
 
 /// A series of cases. The same series gives the same cases.
 #[derive(Debug, Clone)]
-pub struct Series {
+pub struct CaseSeries {
     /// How many.
     pub cases: u64,
     /// Random seed.
@@ -65,7 +65,7 @@ pub struct Series {
     pub margin: Option<f64>,
 }
 
-impl Series {
+impl CaseSeries {
     /// The cases to be made.
     pub fn orders(&self) -> Vec<Order> {
         (0..self.cases).map(|k| self.order(k)).collect()
@@ -166,7 +166,7 @@ pub struct Outcome {
 }
 
 /// Makes, diagnoses and scores cases, as many at a time as there are threads. The diagnosis gets a
-/// [`Task`] and nothing else. With a folder, the cases go to `cases/` in it and the results of the diagnosis
+/// [`SubmissionTask`] and nothing else. With a folder, the cases go to `cases/` in it and the results of the diagnosis
 /// to `results/`. `done` is called after every case.
 ///
 /// # Errors
@@ -232,7 +232,7 @@ fn serve(order: &Order, keep: Option<&Path>) -> Result<Outcome, ChallengeError> 
             Err(ChallengeError::Invisible { .. } | ChallengeError::Simulation(_)) => continue,
             Err(other) => return Err(other),
         };
-        let submission = solve(&Task::of(&case));
+        let submission = solve(&SubmissionTask::of(&case));
         if let Some(folder) = keep {
             case.write(&folder.join("cases").join(&order.name))?;
             if let Ok(submission) = &submission {

@@ -8,7 +8,7 @@ use crate::cases::request::hideable;
 use crate::contract::kind::CaseKind;
 use crate::score::case_score::CaseScore;
 use crate::score::scoreboard::{Rate, Scoreboard};
-use crate::studies::series::{Order, Outcome, Series, SeriesKind};
+use crate::studies::series::{CaseSeries, Order, Outcome, SeriesKind};
 
 /// Magnitudes of the power study, in naming margins.
 const MARGINS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
@@ -44,7 +44,7 @@ impl Study {
 
     /// The cases to be made. `kind` is that of the power study; the others have theirs.
     pub fn orders(self, cases: u64, seed: u64, kind: CaseKind) -> Vec<Order> {
-        let series = |kind, perturbed| Series {
+        let series = |kind, perturbed| CaseSeries {
             cases,
             seed,
             kind,
@@ -97,7 +97,7 @@ fn power_orders(cases: u64, seed: u64, kind: CaseKind) -> Vec<Order> {
     let mut orders = Vec::new();
     for (e, effect) in hideable(kind).into_iter().enumerate() {
         for margin in MARGINS {
-            let series = Series {
+            let series = CaseSeries {
                 cases,
                 seed: seed.wrapping_mul(POWER_SEEDS).wrapping_add(e as u64),
                 kind: match kind {

@@ -1,6 +1,6 @@
 //! A candidate: one law, body or smooth term at a location, and its columns.
 
-use armident_effects::{Effect, Law, LinkSide, Role, Scope, UNMODELLED};
+use armident_effects::{Effect, Law, LawRole, LinkSide, Scope, UNMODELLED};
 use armident_model::SmoothBasis;
 
 /// Where a candidate acts.
@@ -31,7 +31,7 @@ pub(crate) struct Candidate {
     pub(crate) columns: Vec<usize>,
     /// constants that were searched
     pub(crate) searched: usize,
-    pub(crate) places: Vec<Role>,
+    pub(crate) places: Vec<LawRole>,
     /// parameters from coefficients: `10 x columns`, for links
     pub(crate) transform: Option<Vec<Vec<f64>>>,
     /// directions of these that are not excited, each with its prior deviation
@@ -93,7 +93,7 @@ impl Candidate {
 
     /// Whether it is a load on a link or an error of one, at all times.
     pub(crate) fn is_of_link(&self) -> bool {
-        self.location.window.is_none() && self.places.contains(&Role::Link)
+        self.location.window.is_none() && self.places.contains(&LawRole::Link)
     }
 
     /// Whether the two exclude each other.

@@ -5,8 +5,8 @@
 //! m δq̈ + (D + drag) δq̇ + (K + slope) δq = -Y_joint
 //! ```
 //!
-//! A spring that rings tells what its link weighs better than the efforts by themselves, and a wrong weight tells
-//! another spring: both are found together only where the one is seen to change with the other.
+//! The oscillation of a spring determines the inertia of its link better than the efforts do, and a wrong inertia leads to
+//! another spring: both are found only where columns include the change of one with the other.
 
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_model::{Load, OperatingPoint, PosedRecording, Spring};
@@ -19,7 +19,7 @@ use armident_recording::RecordingError;
 
 const TEN: usize = InertialParameters::COUNT;
 
-/// The motion of the link behind a spring in one recording, and what others near it do to the efforts.
+/// The motion of the link behind a spring in one recording, and the efforts of small changes of it.
 pub(crate) struct CompliantLink {
     spring: Spring,
     /// position, velocity, acceleration
@@ -178,7 +178,7 @@ impl CompliantLink {
         each.map(|(column, twist)| self.yields_to(column, twist, at.signals.rate_hz)).collect()
     }
 
-    /// What the columns of some standard parameters on a joint are more than with a rigid transmission. `yielding`: of
+    /// Columns of some standard parameters on a joint beyond those with a rigid transmission. `yielding`: of
     /// [`Self::yields_to_parameters`].
     pub(crate) fn columns_on(
         &self,
@@ -209,8 +209,8 @@ impl CompliantLink {
     }
 }
 
-/// What the columns of the links are more than with a rigid transmission, for what the links of the operating point are
-/// beside the believed ones.
+/// Columns of the links beyond those with a rigid transmission, times the difference of the operating point's links to the
+/// given ones.
 fn of_other_links(sprung: &CompliantLink, at: &Posed<'_>) -> Vec<Vec<f64>> {
     let others = at.of_other_links().0;
     let motion = at.motion();
@@ -249,10 +249,10 @@ mod tests {
     use armident_model::FittedTransmission;
     use armident_model::changed;
 
-    /// Where what is fitted follows what it was fitted beside by a share, two steps tell where it no longer moves; where by
-    /// nearly all of it, the step is no longer than three.
+    /// Where the fit follows its operating point by a share, two steps determine the fixed point; where by nearly all of it, the
+    /// step is no longer than three.
     #[test]
-    fn two_steps_tell_where_a_spring_settles() {
+    fn two_steps_determine_fixed_point_of_spring() {
         const SETTLED: f64 = 5.0;
         let at = |stiffness_ln: f64| {
             let transmission =
@@ -273,10 +273,10 @@ mod tests {
         }
     }
 
-    /// The columns of a link are what efforts simulated with a little more of it are more, on all joints and about links
-    /// that are not the believed ones; and what they count of the spring is what they add up to for these.
+    /// The columns of a link are derivatives of simulated efforts, on all joints and about links other than the given ones; and
+    /// their part of the spring's difference is their sum for these.
     #[test]
-    fn columns_behind_a_spring_are_derivatives_of_the_simulated_efforts() {
+    fn columns_behind_spring_are_derivatives_of_efforts() {
         const JOINT: usize = 1;
         let chain = ur5();
         let arm = RigidArm::from_chain(&chain);
@@ -324,23 +324,23 @@ mod tests {
         }
     }
 
-    /// How a link rings depends on what it weighs, and neither is what the model says: both are found.
+    /// A spring and the inertia of its link, both different from the model, are found together.
     #[test]
-    fn a_spring_is_found_together_with_the_link_that_it_moves() {
+    fn spring_is_found_together_with_its_link() {
         const JOINT: usize = 0;
         const MOTOR_INERTIA: f64 = 0.2;
-        let believed = ur5();
-        let mut real = believed.clone();
+        let given = ur5();
+        let mut true_arm = given.clone();
         let mut change = [0.0; TEN];
         // 1.5 kg more, near the wrist
         change[..4].copy_from_slice(&[1.5, 0.6, 0.0, 0.1]);
         change[TEN - 3..].copy_from_slice(&[0.25, 0.0, 0.25]);
-        real.joints[2].link = changed(&real.joints[2].link, &change);
+        true_arm.joints[2].link = changed(&true_arm.joints[2].link, &change);
 
-        let mut recorded = swung_for(2000, &real, 0.1, |_, _| 0.0);
-        let point = OperatingPoint::of(real.joints.len());
+        let mut recorded = swung_for(2000, &true_arm, 0.1, |_, _| 0.0);
+        let point = OperatingPoint::of(true_arm.joints.len());
         let moved = recorded.clone();
-        let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
+        let at = Posed::new(&true_arm, &RigidArm::from_chain(&true_arm), &moved, &point);
         let inertia = mean_inertia(std::slice::from_ref(&at), JOINT);
         let rate = std::f64::consts::TAU * 2.3;
         let (stiffness, damping) = (inertia * rate * rate, 0.06 * inertia * rate);
@@ -352,7 +352,7 @@ mod tests {
         let accelerated = recorded.effort[JOINT].iter_mut().zip(&moved.acceleration[JOINT]);
         accelerated.for_each(|(e, a)| *e += MOTOR_INERTIA * a);
 
-        let design = Design::new(&believed, vec![recorded]);
+        let design = Design::new(&given, vec![recorded]);
         let (_, found) = select(&design).unwrap();
         let candidates = || found.estimate.set.iter().map(|g| &found.problem.candidates[*g]);
         let elastic = candidates().find(|g| g.slug() == "joint_elasticity").unwrap();

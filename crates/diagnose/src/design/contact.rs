@@ -1,6 +1,6 @@
 //! Windows of time in which a constant force on the tip explains the residual.
 
-use armident_effects::{ExternalContact, Role};
+use armident_effects::{ExternalContact, LawRole};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
@@ -121,7 +121,7 @@ impl ContactColumns {
             shape: window.to_vec(),
             columns,
             searched: 2,
-            places: vec![Role::Contact],
+            places: vec![LawRole::Contact],
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,

@@ -88,7 +88,7 @@ mod tests {
 
     /// An error of so much of the distance is that much in all, not along each axis.
     #[test]
-    fn a_centre_is_off_by_a_share_of_its_distance() {
+    fn centre_error_scales_with_distance() {
         let com = Vector3::new(0.3, 0.0, 0.4);
         let link = InertialParameters::from_com(2.0, com, Matrix3::identity() * 0.1);
         let directions = inertial_error_directions(&[link]).directions;

@@ -8,7 +8,7 @@ use crate::design::comparison::Comparison;
 
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
 const STUCK_WEIGHT: f64 = 0.15;
-/// Share of a row's kernel over stuck samples (or others that are not what they should be) from which on the
+/// Share of a row's kernel over stuck samples (or other samples that are excluded) from which on the
 /// row counts as stuck.
 const STUCK_SHARE: f64 = 0.12;
 
@@ -124,8 +124,7 @@ impl Observations {
         Self { weights, ..self.clone() }
     }
 
-    /// Weights without the rows of what is judged that a joint spends at samples for which `unfit` holds, and how many
-    /// these are.
+    /// Weights without the judged rows of a joint at samples for which `unfit` holds, and the number of these.
     pub(crate) fn excluding(
         &self,
         signals: &[Signals],
@@ -249,8 +248,8 @@ impl Observations {
         Weights { discrepancy_before, ..weights }
     }
 
-    /// What the rows in which a joint sticks can at most say, from what they leave over: static friction is
-    /// anything up to the break-away effort, which may be many times the noise.
+    /// Largest weight of the rows in which a joint sticks, from their residual: static friction is anything up to the breakaway
+    /// effort, which may be many times the noise.
     pub(crate) fn stuck_weight_for(&self, joint: usize, left_over: &[f64]) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (k, left) in left_over.iter().enumerate() {

@@ -2,7 +2,7 @@
 //! variables, smooth unless the recordings insist. It predicts; it does not explain.
 
 use crate::design::candidate::{Candidate, CandidateKind, Location, SmoothDirections};
-use armident_effects::Role;
+use armident_effects::LawRole;
 use armident_model::{AxisQuantity, FactorForm, SmoothAxis, SmoothBasis, SpeedFactor};
 use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, symmetric_eigen};
 use rayon::prelude::*;
@@ -24,24 +24,23 @@ const MARGIN: f64 = 0.1;
 /// prior; and how many times weaker the coefficients themselves are held.
 const ROUGHNESS: f64 = 2.0;
 const LEVEL_OVER_ROUGHNESS: f64 = 10.0;
-/// Most directions of a description.
+/// Most directions of a smooth term.
 const MOST_DIRECTIONS: usize = 40;
-/// Descriptions offered to the search for one joint.
+/// Smooth terms offered to the search for one joint.
 const OFFERED: usize = 2;
 
-/// Places of the laws that these functions contain on their joint: beside the description these
-/// cannot be told apart.
-fn places(basis: &SmoothBasis, joint: &str) -> Vec<Role> {
-    let mut places = vec![Role::Unnamed];
+/// Roles of the laws that these functions contain on their joint: beside the smooth term these are not distinguishable.
+fn places(basis: &SmoothBasis, joint: &str) -> Vec<LawRole> {
+    let mut places = vec![LawRole::Unnamed];
     let own = |name: &str| name == joint;
     if basis.axes.iter().any(|a| own(&a.joint) && a.quantity == AxisQuantity::Velocity) {
-        places.extend([Role::Viscous, Role::Dry, Role::Drag]);
+        places.extend([LawRole::Viscous, LawRole::Dry, LawRole::Drag]);
     }
     if let ([factor], false) = (&basis.factors[..], basis.axes.is_empty()) {
         match factor.form {
-            FactorForm::Linear if own(&factor.joint) => places.push(Role::Viscous),
-            FactorForm::SignedSquare if own(&factor.joint) => places.push(Role::Drag),
-            FactorForm::Direction if own(&factor.joint) => places.push(Role::Dry),
+            FactorForm::Linear if own(&factor.joint) => places.push(LawRole::Viscous),
+            FactorForm::SignedSquare if own(&factor.joint) => places.push(LawRole::Drag),
+            FactorForm::Direction if own(&factor.joint) => places.push(LawRole::Dry),
             _ => {}
         }
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use armident_dynamics::{ParameterColumns, RigidArm, inertia_matrix};
-use armident_effects::{BASELINE, Effect, EffectOnJoint, Library, MotionScale, Role, Scope};
+use armident_effects::{BASELINE, Effect, EffectOnJoint, LawRole, Library, MotionScale, Scope};
 use armident_kinematics::DrivingAxisChain;
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ use armident_motion::Signals;
 
 /// Share of the time of the reference in which a joint is no faster than its usual speed,
 const USUAL: f64 = 0.99;
-/// and how many times that it may be for its friction to be known: laws bend over more than a fifth.
+/// and how many times that it may be for its friction to be known: laws are nonlinear over more than a fifth.
 const FASTER: f64 = 1.2;
 
 /// Training recordings and the arm they are compared with.
@@ -415,7 +415,7 @@ impl<'a> Design<'a> {
         for law in self.library.named() {
             let joints = match law.law().scope {
                 Scope::ThroughJoint => self.joints(),
-                Scope::Arm if law.law().roles != [Role::Contact] => 1,
+                Scope::Arm if law.law().roles != [LawRole::Contact] => 1,
                 _ => continue,
             };
             for j in 0..joints {
@@ -423,7 +423,7 @@ impl<'a> Design<'a> {
                     .iter()
                     .zip(efforts)
                     .map(|(at, effort)| {
-                        if law.law().roles != [Role::Time] {
+                        if law.law().roles != [LawRole::Time] {
                             return at.recorded_arm_columns(law, j, self.chain);
                         }
                         // the clock shifts all that is recorded, not the rigid body alone

@@ -9,7 +9,7 @@
 //! the motion of the link.
 
 use crate::design::compliant_link::{Posed, mean_inertia};
-use armident_effects::{Effect, LinkSide, Role, RotorInertia};
+use armident_effects::{Effect, LawRole, LinkSide, RotorInertia};
 use armident_model::{FittedTransmission, Load, MOST_TURNS};
 use armident_numeric::dot;
 use armident_recording::RecordingError;
@@ -114,7 +114,7 @@ fn push_candidate(
         shape: shape.to_vec(),
         columns: vec![column, inertia],
         searched: shape.len(),
-        places: vec![Role::Inertia],
+        places: vec![LawRole::Inertia],
         transform: None,
         hidden: Vec::new(),
         above_band,

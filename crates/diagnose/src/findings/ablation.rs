@@ -1,4 +1,4 @@
-//! Ablation: the model without one of its findings; the difference is what the finding explains.
+//! Ablation: the model without one of its findings; the difference is the effort that the finding explains.
 
 use armident_effects::{EffectOnJoint, OperatingTerm, UNMODELLED};
 
@@ -15,7 +15,7 @@ impl Finding {
         let index = model.chain.joints.iter().position(|j| is_on(&j.name));
         let slug = finding.effect.as_str();
         let is_it = |e: &EffectOnJoint| e.effect == slug && is_on(&e.joint);
-        // what was known before stands first, or is one with what was found
+        // known effects stand first, or are joined with the finding
         let known = before.effects.iter().filter(|e| is_it(e)).count();
         let effects = &mut model.effects;
         if let Some(k) = effects.iter().rposition(is_it) {
@@ -34,7 +34,7 @@ impl Finding {
         match (law.and_then(|law| law.operating), index) {
             (Some(OperatingTerm::Gain), Some(j)) => model.channel_gain[j] = before.channel_gain[j],
             (Some(OperatingTerm::EncoderZero), Some(j)) => {
-                model.encoder_offset[j] = before.encoder_offset[j]
+                model.encoder_offset[j] = before.encoder_offset[j];
             }
             (Some(OperatingTerm::Tilt), _) => model.base_tilt_rad = before.base_tilt_rad,
             (Some(OperatingTerm::Delay), _) => model.effort_delay_s = before.effort_delay_s,

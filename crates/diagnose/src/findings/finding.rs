@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Effect, LinkInertiaError, OperatingTerm, Payload, Role, UNMODELLED};
+use armident_effects::{Effect, LawRole, LinkInertiaError, OperatingTerm, Payload, UNMODELLED};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -300,7 +300,7 @@ fn has_smooth_friction(
     estimate: &Estimate,
     candidate: &Candidate,
 ) -> bool {
-    let friction = [Role::Viscous, Role::Drag];
+    let friction = [LawRole::Viscous, LawRole::Drag];
     if matches!(candidate.kind, CandidateKind::SmoothDirections(_))
         || !candidate.places.iter().any(|p| friction.contains(p))
     {
@@ -374,7 +374,7 @@ const UNSEEN: f64 = 0.1;
 
 /// Link parameters in combinations that are not excited, and axes of a tip force that load no joint.
 fn unseen(design: &Design<'_>, problem: &LinearProblem, candidate: &Candidate) -> [bool; 4] {
-    if candidate.has(|law| law.has_role(Role::Contact)) {
+    if candidate.has(|law| law.has_role(LawRole::Contact)) {
         let loads_none =
             |axis: usize| problem.columns[candidate.columns[axis]].iter().all(Vec::is_empty);
         return std::array::from_fn(|p| p > 0 && loads_none(p - 1));

@@ -224,14 +224,14 @@ mod tests {
 
     /// The UR5, and one with other links.
     fn given_and_true() -> (DrivingAxisChain, DrivingAxisChain) {
-        let believed = ur5();
-        let mut real = believed.clone();
-        for (k, joint) in real.joints.iter_mut().enumerate() {
+        let given = ur5();
+        let mut true_arm = given.clone();
+        for (k, joint) in true_arm.joints.iter_mut().enumerate() {
             let link = joint.link.to_array();
             let factor = if k % 2 == 0 { 0.15 } else { -0.1 };
             joint.link = changed(&joint.link, &link.map(|x| factor * x));
         }
-        (believed, real)
+        (given, true_arm)
     }
 
     /// The model fitted to a recording.
@@ -247,8 +247,8 @@ mod tests {
     fn channel_gain_scales_link_errors_too() {
         const SCALED: usize = 2;
         const GAIN: f64 = 1.45;
-        let (chain, real) = given_and_true();
-        let mut recorded = swung(&real, 0.1, |_, _| 0.0);
+        let (chain, true_arm) = given_and_true();
+        let mut recorded = swung(&true_arm, 0.1, |_, _| 0.0);
         recorded.effort[SCALED].iter_mut().for_each(|x| *x *= GAIN);
 
         let found = fitted_to(&recorded, &chain);
@@ -269,11 +269,11 @@ mod tests {
     fn friction_follows_load_of_true_links() {
         const LOADED: usize = 1;
         const OF_LOAD: f64 = 0.1;
-        let (chain, real) = given_and_true();
-        let mut recorded = swung(&real, 0.1, |_, _| 0.0);
-        let point = OperatingPoint::of(real.joints.len());
+        let (chain, true_arm) = given_and_true();
+        let mut recorded = swung(&true_arm, 0.1, |_, _| 0.0);
+        let point = OperatingPoint::of(true_arm.joints.len());
         let moved = recorded.clone();
-        let at = Posed::new(&real, &RigidArm::from_chain(&real), &moved, &point);
+        let at = Posed::new(&true_arm, &RigidArm::from_chain(&true_arm), &moved, &point);
         let law = &LoadDependentFriction;
         let friction = law.effort(&[1.0, OF_LOAD], &at.joint(LOADED));
         recorded.effort[LOADED].iter_mut().zip(friction).for_each(|(e, f)| *e += f);

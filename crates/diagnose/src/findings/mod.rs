@@ -1,4 +1,4 @@
-//! What is reported, and the model that results.
+//! Findings, and the model that results.
 
 pub(crate) mod ablation;
 pub(crate) mod finding;

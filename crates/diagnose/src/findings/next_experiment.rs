@@ -179,7 +179,7 @@ fn candidates(chain: &DrivingAxisChain, rivals: &[Rivals<'_>]) -> Vec<Candidate>
     all
 }
 
-/// Middle of a joint's range and half of what is used of it.
+/// Middle of a joint's range and half of the used part.
 fn range(chain: &DrivingAxisChain, joint: usize) -> (f64, f64) {
     let limits = &chain.joints[joint].limits;
     match (limits.lower, limits.upper) {
@@ -212,8 +212,8 @@ fn rise(t: f64, from: f64, length: f64) -> [f64; 3] {
     let x = ((t - from) / length).clamp(0.0, 1.0);
     let value = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
     let slope = 30.0 * x * x * (1.0 - x) * (1.0 - x) / length;
-    let bend = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (length * length);
-    [value, slope, bend]
+    let curvature = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (length * length);
+    [value, slope, curvature]
 }
 
 impl Candidate {
@@ -254,7 +254,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rise_is_smooth() {
+    fn rise_is_smooth() {
         for t in [0.1, 0.7, 1.3] {
             let h = 1e-5;
             let [before, now, after] = [t - h, t, t + h].map(|t| rise(t, 0.0, 1.5));

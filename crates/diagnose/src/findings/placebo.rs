@@ -3,7 +3,7 @@
 //! A placebo is a law of the library on a joint, its columns shifted in time within each recording: as many
 //! parameters, the same spectrum, and no relation to the efforts.
 
-use armident_effects::{Baseline, Role, Scope};
+use armident_effects::{Baseline, LawRole, Scope};
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
@@ -75,7 +75,7 @@ pub(crate) fn placebo(design: &Design<'_>, selection: &mut Selection, terms: usi
             shape: shape.clone(),
             columns,
             searched: shape.len(),
-            places: vec![Role::Unnamed],
+            places: vec![LawRole::Unnamed],
             transform: None,
             hidden: Vec::new(),
             above_band: 1.0,

@@ -349,7 +349,7 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// Share of the mean square of `left` that one column explains by itself.
+/// Share of the mean square of `left` that one column explains alone.
 fn explained(column: &[f64], left: &[f64]) -> f64 {
     let (cc, cl, ll) = (dot(column, column), dot(column, left), dot(left, left));
     if cc > 0.0 && ll > 0.0 { cl * cl / (cc * ll) } else { 0.0 }

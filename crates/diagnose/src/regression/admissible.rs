@@ -17,7 +17,7 @@ pub(crate) fn admissible(
 ) -> bool {
     let Some(law) = candidate.law() else { return true };
     let coefficients = fit.of_candidate(candidate);
-    // a law of one joint may be less of what is known there
+    // a law of one joint may be a decrease of a known effect there
     let known = candidate.location.joints.first().map(|j| &problem.known[*j][..]);
     if let (Scope::Joint, Some(known @ [first, ..])) = (law.law().scope, known) {
         let parameters = law.parameters(&candidate.shape, &coefficients);

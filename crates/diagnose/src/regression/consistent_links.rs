@@ -28,7 +28,7 @@ const TEN: usize = InertialParameters::COUNT;
 
 /// Links of an estimate, and the coefficients of the laws beside them.
 pub(crate) struct ConsistentEstimate {
-    /// change of the standard parameters, ten a link, and of what else is the arm's own
+    /// change of the standard parameters, ten a link, and of baseline terms with a reference
     pub(crate) change: Vec<f64>,
     /// of every candidate of the estimate
     pub(crate) coefficients: Vec<Vec<f64>>,
@@ -109,19 +109,18 @@ fn nearest(
         through.iter().map(|row: &Vec<f64>| row[a] * row[b]).sum()
     });
     let found: Vec<f64> = (set.values(&arm.constants()).iter().enumerate())
-        .map(|(c, believed)| {
-            believed + (0..TEN * links).map(|p| map[(c, p)] * change[p]).sum::<f64>()
-        })
+        .map(|(c, given)| given + (0..TEN * links).map(|p| map[(c, p)] * change[p]).sum::<f64>())
         .collect();
-    let real = consistency.nearest(&found, &information_root(&covariance).ok()?).ok()?;
-    let change: Vec<f64> = (real.links.iter().zip(&arm.links))
-        .flat_map(|(real, believed)| {
-            let (real, believed) = (real.to_array(), believed.to_array());
-            (0..TEN).map(move |p| real[p] - believed[p])
+    let consistent = consistency.nearest(&found, &information_root(&covariance).ok()?).ok()?;
+    let change: Vec<f64> = (consistent.links.iter().zip(&arm.links))
+        .flat_map(|(consistent, given)| {
+            let (consistent, given) = (consistent.to_array(), given.to_array());
+            (0..TEN).map(move |p| consistent[p] - given[p])
         })
         .collect();
     let coefficients = beside(metric, estimate, &fit, &change)?;
-    let distance_in_standard_errors = (!real.exact).then_some(real.distance_in_standard_errors);
+    let distance_in_standard_errors =
+        (!consistent.exact).then_some(consistent.distance_in_standard_errors);
     Some(ConsistentEstimate { change, coefficients, distance_in_standard_errors })
 }
 
@@ -135,7 +134,7 @@ fn beside(
     // of all columns those of the estimate, its candidates numbered as they stand in it
     let (small, _) = metric.problem.restricted(&estimate.set);
     let candidates = || small.candidates.iter().zip(&estimate.set);
-    // the operating point and the gains of channels stay what the estimate made of them
+    // operating terms and gains of channels keep their coefficients
     let stays = |candidate: &Candidate| candidate.has(|law| law.operating.is_some());
     let mut taken: Vec<(usize, f64)> = change.iter().map(|x| -x).enumerate().collect();
     let mut fitted = Vec::new();

@@ -25,8 +25,8 @@ impl Marginalised<'_> {
         self.prior.as_ref().map(|prior| prior.directions.clone())
     }
 
-    /// The same of the posterior with the laws as they are, and what a unit of each coefficient of the fit
-    /// does to the standard parameters.
+    /// Such observations of the posterior with the laws as they are, and the change of the standard parameters with each
+    /// coefficient of the fit.
     pub(crate) fn inertial_posterior(&self, fit: &LeastSquaresFit) -> Option<[Vec<Vec<f64>>; 2]> {
         let Prior { weight, cholesky, directions, .. } = self.prior.as_deref()?;
         let rigid = self.problem.rigid;

@@ -20,7 +20,7 @@ pub(crate) const SHORT_BLOCKS: usize = 10;
 /// Least length of a block, where many are wanted \[s\]: about as long as a motion goes one way.
 pub(crate) const SHORTEST_BLOCK_S: f64 = 1.0;
 
-/// The problem of an estimate cut into what is fitted and what is predicted.
+/// The problem of an estimate cut into a training part and a block.
 pub(crate) struct Fold {
     pub(crate) fitted: LinearProblem,
     predicted: LinearProblem,

@@ -127,7 +127,7 @@ impl Marginalised<'_> {
         self.rhs[column] / self.norm[column] - of_size_one.iter().map(beside).sum::<f64>()
     }
 
-    /// What the sum of squares would lose if these columns were added to a fit.
+    /// Reduction of the sum of squares by adding these columns to a fit.
     pub(crate) fn gain(&self, fit: &LeastSquaresFit, added: &[usize]) -> f64 {
         if added.is_empty() {
             return 0.0;
@@ -391,7 +391,7 @@ mod tests {
 
     /// Two collinear directions of a smooth term stay within their prior; columns of a law, which have none, do not.
     #[test]
-    fn descriptions_stay_near_nothing_where_nothing_shows_them() {
+    fn collinear_smooth_terms_stay_within_their_prior() {
         let rows = swinging();
         let along = |of: &dyn Fn(f64) -> f64| -> JointColumns {
             vec![(0..rows.len()).map(|row| of(row as f64)).collect()]

@@ -331,7 +331,7 @@ mod tests {
 
     /// A joint that became compliant stays, though the size of its transmission is held at 1.
     #[test]
-    fn a_spring_of_size_one_stays() {
+    fn spring_of_size_one_stays() {
         const JOINT: usize = 1;
         const MOTOR_INERTIA: f64 = 0.2;
         let chain = ur5();

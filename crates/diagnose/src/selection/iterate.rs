@@ -10,7 +10,7 @@ use crate::regression::relinearise::{
 };
 use crate::selection::change_significance::{REFERENCE_SCALE, certain};
 use crate::selection::solution::Selection;
-use armident_effects::Role;
+use armident_effects::LawRole;
 use armident_inference::independent_share;
 use armident_numeric::dot;
 
@@ -174,7 +174,7 @@ fn iterate<'a>(
         let rough = found.score;
         let metric = (scale, &inflated[..]);
         let found = refine(design, &at, &contact, &mut problem, metric, state, found, |_| true);
-        let polished = rough - found.score > PRICE_OF_CHOICE;
+        let refined = rough - found.score > PRICE_OF_CHOICE;
         let found = prune(&problem.marginalised(scale, &inflated), found, &point);
         let mut inconclusive = Vec::new();
         let mut found = confirm(&problem.marginalised(scale, &inflated), found, &point);
@@ -199,7 +199,7 @@ fn iterate<'a>(
         state.no_ripple.extend(fractional);
         if again {
             state.candidates.retain(|g| {
-                !g.has(|law| law.has_role(Role::Ripple))
+                !g.has(|law| law.has_role(LawRole::Ripple))
                     || !state.no_ripple.contains(&g.location.joints[0])
             });
         }
@@ -232,10 +232,10 @@ fn iterate<'a>(
             || ((all || !seeks_change)
                 && discrepancy.iter().zip(&problem.observations.weights.discrepancy).any(differs));
         // beside a law of the wrong size other candidates and another prior scale were chosen
-        is_right = still && !again && !reweighted && !polished;
+        is_right = still && !again && !reweighted && !refined;
         let converged = is_right && all;
         // other weights may need another prior scale; a reference has its own
-        state.scale = (seeks_change || !(reweighted || polished)).then_some(scale);
+        state.scale = (seeks_change || !(reweighted || refined)).then_some(scale);
         let point_now = point.clone();
         let found =
             Selection { problem, estimate: found, scale, inflated, point: point_now, inconclusive };

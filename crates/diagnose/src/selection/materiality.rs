@@ -315,7 +315,7 @@ mod tests {
     /// A joint whose dry friction falls with speed, fitted by a coupling: without it the dry friction stays, and viscous
     /// friction of the wrong sign does not remove it.
     #[test]
-    fn a_law_gives_way_to_the_relatives_that_hold() {
+    fn removed_law_is_replaced_by_admissible_contained_laws() {
         const JOINT: usize = 1;
         let chain = ur5();
         let design = design(&chain, &chain, |j, v| match j {
@@ -338,7 +338,7 @@ mod tests {
         let place =
             without.set.iter().position(|g| problem.candidates[*g].location.joints == [JOINT]);
         let level = without.fit.of_candidate(&problem.candidates[without.set[place.unwrap()]])[0];
-        // what is left of the falling part is taken from the level
+        // the rest of the falling part is absorbed by the level
         assert!((2.0..4.0).contains(&level), "{level}");
     }
 }

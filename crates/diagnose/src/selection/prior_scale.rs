@@ -4,7 +4,7 @@
 //! errors, decides.
 //! References: D. J. C. MacKay, Bayesian interpolation, Neural Computation 4(3), 1992.
 
-use armident_effects::{Law, LinkInertiaError, Role};
+use armident_effects::{Law, LawRole, LinkInertiaError};
 use std::collections::HashSet;
 
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ pub(crate) enum ScaleCriterion {
 pub(crate) struct SearchState {
     pub(crate) candidates: Vec<Candidate>,
     /// candidates whose constants were refined
-    pub(crate) polished: Vec<Candidate>,
+    pub(crate) refined: Vec<Candidate>,
     /// ripple is not offered on these joints: its order was no whole number
     pub(crate) no_ripple: HashSet<usize>,
     /// prior scale of the last iteration
@@ -61,7 +61,7 @@ impl SearchState {
     pub(crate) fn new(criterion: ScaleCriterion) -> Self {
         Self {
             candidates: Vec::new(),
-            polished: Vec::new(),
+            refined: Vec::new(),
             no_ripple: HashSet::new(),
             scale: None,
             criterion,
@@ -212,7 +212,7 @@ fn banned(problem: &LinearProblem, state: &SearchState, scale: f64) -> HashSet<u
     (0..problem.candidates.len())
         .filter(|&g| {
             let candidate = &problem.candidates[g];
-            (candidate.has(|law| law.has_role(Role::Ripple))
+            (candidate.has(|law| law.has_role(LawRole::Ripple))
                 && state.no_ripple.contains(&candidate.location.joints[0]))
                 || (scale > 0.0
                     && !problem.observations.comparison.seeks_change()

@@ -6,7 +6,7 @@
 
 use crate::design::rebuild::{continuous, known, recreate};
 use crate::design::transmission::push_transmission;
-use armident_effects::{Role, ShapeStep};
+use armident_effects::{LawRole, ShapeStep};
 use std::collections::{HashMap, HashSet};
 
 use crate::design::candidate::Candidate;
@@ -25,7 +25,7 @@ use armident_model::Load;
 /// Share of an order that a ripple of a rotational joint may be off a whole number.
 const WHOLE_ORDER: f64 = 0.12;
 /// Share of the first step for a constant that was refined before: steps that improve are repeated.
-const POLISHED: f64 = 0.125;
+const REFINED: f64 = 0.125;
 
 /// Refines the constants of an estimate. Baseline terms of the same joints are fitted beside them, with any sign: otherwise
 /// the constants would absorb friction below the materiality threshold.
@@ -37,12 +37,12 @@ pub(crate) fn refine(
     (scale, inflated): (f64, &[InflatedLink]),
     state: &mut SearchState,
     found: Estimate,
-    polished: impl Fn(&Candidate) -> bool,
+    refined: impl Fn(&Candidate) -> bool,
 ) -> Estimate {
     let named = found.set.len();
-    let unnamed = baseline_beside(problem, (scale, inflated), &found, &polished);
+    let baseline = baseline_beside(problem, (scale, inflated), &found, &refined);
     // a problem of the estimate's columns alone makes trials cheap
-    let (small, set) = problem.restricted(&[&found.set[..], &unnamed].concat());
+    let (small, set) = problem.restricted(&[&found.set[..], &baseline].concat());
     let mut elimination = small.elimination(scale, inflated);
     let best = fit_named(&small.marginalised_by(&mut elimination), set, named);
     let Some(best) = best else { return found };
@@ -51,10 +51,10 @@ pub(crate) fn refine(
     for round in 0..2 {
         for k in 0..named {
             let candidate = trials.candidate(k).clone();
-            if !polished(&candidate) {
+            if !refined(&candidate) {
                 continue;
             }
-            let again = round > 0 || known(state.polished.iter(), &candidate).is_some();
+            let again = round > 0 || known(state.refined.iter(), &candidate).is_some();
             let Some(law) = candidate.law() else { continue };
             if !again {
                 for shape in law.shapes_around(&candidate.shape) {
@@ -67,7 +67,7 @@ pub(crate) fn refine(
                 };
                 let mut step = first;
                 if again {
-                    step *= POLISHED;
+                    step *= REFINED;
                 }
                 while step > least {
                     let moved = |sign: f64| {
@@ -96,8 +96,8 @@ pub(crate) fn refine(
     let best = best.set[..named].iter().map(|g| &small.candidates[*g]);
     let set: Vec<usize> =
         best.clone().filter_map(|g| recreate(design, at, contact, problem, g)).collect();
-    let new = best.filter(|g| polished(g) && continuous(g) > 0);
-    state.polished.extend(new.cloned());
+    let new = best.filter(|g| refined(g) && continuous(g) > 0);
+    state.refined.extend(new.cloned());
     fit_set(&problem.marginalised(scale, inflated), set).unwrap_or(found)
 }
 
@@ -133,14 +133,14 @@ fn baseline_beside(
     problem: &LinearProblem,
     (scale, inflated): (f64, &[InflatedLink]),
     found: &Estimate,
-    polished: impl Fn(&Candidate) -> bool,
+    refined: impl Fn(&Candidate) -> bool,
 ) -> Vec<usize> {
     let candidates = &problem.candidates;
     let shaped: HashSet<usize> = found
         .set
         .iter()
         .map(|g| &candidates[*g])
-        .filter(|candidate| polished(candidate) && !candidate.shape.is_empty())
+        .filter(|candidate| refined(candidate) && !candidate.shape.is_empty())
         .filter(|candidate| candidate.location.joints.len() == 1)
         .flat_map(|candidate| candidate.location.joints.iter().copied())
         .collect();
@@ -207,7 +207,7 @@ pub(crate) fn fractional_ripples(
         .iter()
         .map(|g| &problem.candidates[*g])
         .filter(|g| {
-            g.has(|law| law.has_role(Role::Ripple))
+            g.has(|law| law.has_role(LawRole::Ripple))
                 && design.chain.joints[g.location.joints[0]].kind.is_rotational()
         })
         .filter(|g| (g.shape[0] - g.shape[0].round()).abs() > WHOLE_ORDER)

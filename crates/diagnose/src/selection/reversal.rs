@@ -8,7 +8,7 @@
 //! significant.
 //! References: P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18), 1968; own (the choice).
 
-use armident_effects::{MotionScale, ReversalModel, Role, Scope};
+use armident_effects::{LawRole, MotionScale, ReversalModel, Scope};
 use armident_inference::levels::{CLEAR_T, EXPECTED_T};
 use armident_inference::paired_t;
 use armident_model::{OperatingPoint, SHARP};
@@ -117,7 +117,7 @@ fn least_gain(design: &Design<'_>, joint: usize) -> f64 {
 
 /// Whether a candidate is dry friction of one joint.
 fn is_dry(candidate: &Candidate) -> bool {
-    candidate.places.contains(&Role::Dry)
+    candidate.places.contains(&LawRole::Dry)
         && candidate.location.joints.len() == 1
         && law_of(candidate).is_some()
 }

@@ -338,12 +338,12 @@ mod tests {
     /// A mass on the axis of a joint belongs to either of its links.
     #[test]
     fn mass_on_axis_has_both_links_as_rivals() {
-        let believed = ur5();
-        let mut real = believed.clone();
-        let link = believed.joints.len() - 1;
+        let given = ur5();
+        let mut true_arm = given.clone();
+        let link = given.joints.len() - 1;
         let mass = InertialParameters::from_com(0.1, Vector3::z() * 0.05, Matrix3::zeros());
-        real.joints[link].link = changed(&real.joints[link].link, &mass.to_array());
-        let design = design(&believed, &real, |_, _| 0.0);
+        true_arm.joints[link].link = changed(&true_arm.joints[link].link, &mass.to_array());
+        let design = design(&given, &true_arm, |_, _| 0.0);
         let problem = design.problem(&OperatingPoint::of(design.joints()));
         let inflated = [InflatedLink { link: link - 1, times: 12.0 }];
         let metric = problem.marginalised(0.05, &inflated);

@@ -3,7 +3,7 @@
 //! Method: transmissions on joints with a residual or an inertia of their own; smooth terms where no law explains the residual.
 //! References: own.
 
-use armident_effects::{LinkSide, Role};
+use armident_effects::{LawRole, LinkSide};
 
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::compliant_link::Posed;
@@ -67,8 +67,8 @@ pub(crate) fn with_simulated_candidates(
             let near = nearest(problem, metric, &found.estimate, offered);
             let worth = |n: &Estimate| side == LinkSide::Spring || n.score < found.estimate.score;
             if let Some(near) = near.filter(worth) {
-                let polished = refine(design, at, contact, problem, metric, state, near, one);
-                starts.push(polished.set);
+                let refined = refine(design, at, contact, problem, metric, state, near, one);
+                starts.push(refined.set);
             }
         }
     }
@@ -114,7 +114,7 @@ pub(crate) fn with_simulated_candidates(
     best.unwrap_or(fallback)
 }
 
-/// The best estimate with one of the offered candidates beside what it does not exclude.
+/// The best estimate with one of the offered candidates beside those it does not exclude.
 fn nearest(
     problem: &LinearProblem,
     (scale, inflated): (f64, &[InflatedLink]),
@@ -159,7 +159,7 @@ fn suspects(problem: &LinearProblem, found: &ScaleFit, residual: &[Vec<f64>]) ->
         .set
         .iter()
         .map(|g| &problem.candidates[*g])
-        .filter(|g| g.places == [Role::Inertia] || (links_changed && g.is_of_link()))
+        .filter(|g| g.places == [LawRole::Inertia] || (links_changed && g.is_of_link()))
         .map(|g| g.location.joints[0])
         .collect();
     // link-side motion affects the neighbours nearly as much

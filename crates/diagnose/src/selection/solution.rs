@@ -30,8 +30,8 @@ impl Selection {
         self.problem.marginalised(self.scale, &self.inflated)
     }
 
-    /// Description length with so many independent samples a row, what is left on each joint in units of its own size:
-    /// the score of selections that weighed joints differently.
+    /// Score with so many independent samples a row, the residual of each joint in units of its own size: comparable between
+    /// selections with different weights.
     pub(crate) fn length(&self, share: f64) -> f64 {
         let (metric, rows, fit) = (self.metric(), &self.problem.observations, &self.estimate.fit);
         let residual = metric.residual(fit);

@@ -35,21 +35,22 @@ pub(crate) fn with_sublinear_friction(
     let push = |problem: &mut LinearProblem, joint: usize| {
         design.push_joint_law(problem, &at, &SublinearViscousFriction, joint, &[])
     };
-    let of = |problem: &LinearProblem, estimate: &Estimate, bends: &[usize]| {
-        beside(&problem.marginalised(scale, &selection.inflated), estimate, bends)
+    let of = |problem: &LinearProblem, estimate: &Estimate, sublinear_terms: &[usize]| {
+        beside(&problem.marginalised(scale, &selection.inflated), estimate, sublinear_terms)
     };
     let joints = {
         let (mut small, set) = selection.problem.restricted(&estimate.set);
         let estimate = fit_set(&small.marginalised(scale, &selection.inflated), set)?;
         let recorded: Vec<usize> =
             (0..design.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
-        let bends: Vec<usize> =
+        let sublinear_terms: Vec<usize> =
             recorded.into_iter().filter_map(|joint| push(&mut small, joint)).collect();
-        sublinear_joints(&small, &estimate, &bends, (scale, &selection.inflated))?
+        sublinear_joints(&small, &estimate, &sublinear_terms, (scale, &selection.inflated))?
     };
     let mut problem = selection.problem.clone();
-    let bends: Vec<usize> = joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
-    let estimate = of(&problem, estimate, &bends)?;
+    let sublinear_terms: Vec<usize> =
+        joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
+    let estimate = of(&problem, estimate, &sublinear_terms)?;
     Some((problem, Predictor { estimate, scale }))
 }
 
@@ -57,55 +58,61 @@ pub(crate) fn with_sublinear_friction(
 fn sublinear_joints(
     problem: &LinearProblem,
     estimate: &Estimate,
-    bends: &[usize],
+    sublinear_terms: &[usize],
     (scale, inflated): (f64, &[InflatedLink]),
 ) -> Option<Vec<usize>> {
     let metric = problem.marginalised(scale, inflated);
-    let with = |bends: &[usize]| beside(&metric, estimate, bends);
+    let with = |sublinear_terms: &[usize]| beside(&metric, estimate, sublinear_terms);
     let is_possible =
-        |bend: &usize| may_be_sublinear(problem, estimate, *bend) && with(&[*bend]).is_some();
-    let possible: Vec<usize> = bends.iter().copied().filter(is_possible).collect();
+        |term: &usize| may_be_sublinear(problem, estimate, *term) && with(&[*term]).is_some();
+    let possible: Vec<usize> = sublinear_terms.iter().copied().filter(is_possible).collect();
     let all = with(&possible)?;
     let jackknife = Jackknife::of(&metric, &all);
     let starts = &problem.observations.starts;
     let quantile = student_t_975(time_blocks(starts, LEFT_OUT_PER_RECORDING).len() as f64 - 1.0);
     let errors = |set: &[usize]| fold_errors(problem, set, scale, inflated);
     let (before, after) = (errors(&estimate.set), errors(&all.set));
-    let shown = |bend: &usize| {
-        let candidate = &problem.candidates[*bend];
+    let shown = |term: &usize| {
+        let candidate = &problem.candidates[*term];
         let (covariance, _) = jackknife.covariance(&metric, &all, candidate);
         let in_errors = all.fit.of_candidate(candidate)[0] / covariance[0][0].sqrt();
         let joint = candidate.location.joints[0];
         let gain: f64 = before.iter().zip(&after).map(|(b, a)| (b[joint] / a[joint]).ln()).sum();
         (in_errors > quantile && gain > 0.0).then_some(joint)
     };
-    let there = possible.iter().filter(|bend| all.set.contains(bend));
+    let there = possible.iter().filter(|term| all.set.contains(term));
     let joints: Vec<usize> = there.filter_map(shown).collect();
     (!joints.is_empty()).then_some(joints)
 }
 
 /// The estimate with admissible sublinear terms, instead of viscous friction where that is inadmissible beside them; none
 /// where another candidate is.
-fn beside(metric: &Marginalised<'_>, estimate: &Estimate, bends: &[usize]) -> Option<Estimate> {
+fn beside(
+    metric: &Marginalised<'_>,
+    estimate: &Estimate,
+    sublinear_terms: &[usize],
+) -> Option<Estimate> {
     let candidates = &metric.problem.candidates;
     let gives_way = |g: &usize| {
         candidates[*g].has(|law| law.baseline == Some(Baseline::Viscous))
-            && bends.iter().any(|bend| candidates[*bend].location == candidates[*g].location)
+            && sublinear_terms
+                .iter()
+                .any(|term| candidates[*term].location == candidates[*g].location)
     };
     let stays: Vec<usize> = estimate.set.iter().copied().filter(|g| !gives_way(g)).collect();
-    admissible_part(metric, [&estimate.set[..], bends].concat(), &stays)
+    admissible_part(metric, [&estimate.set[..], sublinear_terms].concat(), &stays)
 }
 
 /// Whether a joint may have sublinear friction beside an estimate: not where a candidate has its role, or dry friction varies
 /// with the speed.
-fn may_be_sublinear(problem: &LinearProblem, estimate: &Estimate, bend: usize) -> bool {
-    let bend = &problem.candidates[bend];
+fn may_be_sublinear(problem: &LinearProblem, estimate: &Estimate, term: usize) -> bool {
+    let term = &problem.candidates[term];
     let is_nonlinear = |other: &Candidate| {
         let is_smooth = matches!(other.kind, CandidateKind::SmoothDirections(_));
-        other.location == bend.location && (other.has(|law| law.varies_with_speed) || is_smooth)
+        other.location == term.location && (other.has(|law| law.varies_with_speed) || is_smooth)
     };
     let mut others = estimate.set.iter().map(|g| &problem.candidates[*g]);
-    !others.any(|other| other.excludes(bend) || is_nonlinear(other))
+    !others.any(|other| other.excludes(term) || is_nonlinear(other))
 }
 
 #[cfg(test)]
@@ -118,10 +125,10 @@ mod tests {
     /// Of two joints with viscous friction one is sublinear; findings stay linear.
     #[test]
     fn distinguishes_sublinear_from_linear_friction() {
-        const BENDS: usize = 0;
+        const SUBLINEAR: usize = 0;
         let chain = ur5();
         let design = design(&chain, &chain, |j, v| match j {
-            BENDS => 2.0 * v.signum() + 3.0 * v.signum() * v.abs().sqrt(),
+            SUBLINEAR => 2.0 * v.signum() + 3.0 * v.signum() * v.abs().sqrt(),
             1 => 2.0 * v.signum() + 3.0 * v,
             _ => 0.0,
         });
@@ -133,23 +140,23 @@ mod tests {
         };
         let named = ["viscous_friction", "coulomb_friction"];
         let set = named.iter().flat_map(|slug| [of(slug, 0), of(slug, 1)]).collect();
-        let viscous = of("viscous_friction", BENDS);
+        let viscous = of("viscous_friction", SUBLINEAR);
         let estimate = fit_set(&problem.marginalised(0.0, &[]), set).unwrap();
         let best = Predictor { estimate: estimate.clone(), scale: 0.0 };
         let (inflated, inconclusive) = (Vec::new(), Vec::new());
         let selection = Selection { problem, estimate, scale: 0.0, inflated, point, inconclusive };
 
         let (problem, sublinear) = with_sublinear_friction(&design, &selection, &best).unwrap();
-        let bends: Vec<&Candidate> = sublinear
+        let sublinear_terms: Vec<&Candidate> = sublinear
             .estimate
             .set
             .iter()
             .map(|g| &problem.candidates[*g])
             .filter(|g| is_sublinear(g.slug()))
             .collect();
-        let [bend] = bends[..] else { panic!("{bends:?}") };
-        assert_eq!(bend.location.joints, [BENDS]);
-        let coefficient = sublinear.estimate.fit.of_candidate(bend)[0];
+        let [term] = sublinear_terms[..] else { panic!("{sublinear_terms:?}") };
+        assert_eq!(term.location.joints, [SUBLINEAR]);
+        let coefficient = sublinear.estimate.fit.of_candidate(term)[0];
         assert!((coefficient - 3.0).abs() < 0.05, "{coefficient}");
 
         // without the viscous friction its sublinear part is dropped too

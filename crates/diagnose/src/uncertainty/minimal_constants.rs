@@ -53,12 +53,12 @@ pub struct ConstantEstimates {
 
 /// The constants of an estimate; none where inertias were not in question or the set cannot be determined.
 pub(crate) fn constants(
-    believed: &ArmModel,
+    given: &ArmModel,
     found: &ArmModel,
     metric: &Marginalised<'_>,
     estimate: &Estimate,
 ) -> Option<ConstantEstimates> {
-    let arm = RigidArm::from_chain(&believed.chain);
+    let arm = RigidArm::from_chain(&given.chain);
     let set = MinimalSet::of(&arm).ok()?;
     // columns of T
     let unit_values = |link: usize, number: usize| {
@@ -96,7 +96,7 @@ pub(crate) fn constants(
             let half = TWO_SIDED_95 * standard_error;
             ConstantEstimate {
                 label: constant.label(),
-                joint: believed.chain.joints[constant.joint].name.clone(),
+                joint: given.chain.joints[constant.joint].name.clone(),
                 unit: constant.unit(),
                 value: values[c],
                 standard_error,

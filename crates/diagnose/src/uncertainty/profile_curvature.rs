@@ -82,12 +82,12 @@ pub(crate) fn profile_curvature(
 }
 
 /// Sum of squares at a shape: of all rows, and of every block.
-struct Misfit {
+struct ProfileSquares {
     whole: f64,
     by_block: Vec<f64>,
 }
 
-impl Misfit {
+impl ProfileSquares {
     fn of(metric: &Marginalised<'_>, fit: &LeastSquaresFit) -> Self {
         let rows = &metric.problem.observations;
         let residual = metric.residual(fit);
@@ -106,7 +106,7 @@ impl Misfit {
 
 /// A fit with the shape of a candidate moved.
 struct Moved {
-    discrepancy: Misfit,
+    discrepancy: ProfileSquares,
     /// by column of the problem
     coefficients: BTreeMap<usize, f64>,
 }
@@ -157,7 +157,7 @@ impl Trials<'_, '_> {
             columns.copied().zip(self.small.candidates[here].columns.iter().copied())
         });
         let coefficients = pairs.map(|(column, here)| (column, fit.coefficient(here))).collect();
-        Some(Moved { discrepancy: Misfit::of(&metric, &fit), coefficients })
+        Some(Moved { discrepancy: ProfileSquares::of(&metric, &fit), coefficients })
     }
 
     /// Along a constant; none where the sum of squares has no minimum.
@@ -292,7 +292,7 @@ mod tests {
     /// With the speed as one more coefficient, of the derivative of the efforts by it, the linear estimate has the
     /// covariance that trials of the speed give.
     #[test]
-    fn a_searched_constant_is_as_uncertain_as_a_coefficient_would_be() {
+    fn shape_covariance_equals_that_of_linear_coefficient() {
         let chain = ur5();
         let design = rubbing(&chain, 0.0);
         let point = OperatingPoint::of(design.joints());
@@ -340,7 +340,7 @@ mod tests {
 
     /// The number of harmonics of a ripple is no continuous constant.
     #[test]
-    fn of_a_ripple_the_order_is_uncertain() {
+    fn harmonics_of_ripple_have_no_covariance() {
         let chain = ur5();
         let design = rubbing(&chain, 0.0);
         let point = OperatingPoint::of(design.joints());

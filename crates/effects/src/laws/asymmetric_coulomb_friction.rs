@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Equivalent, Law, LookAlike, Parameter, Role, Scope, Where};
+use crate::law::{Equivalent, Law, LawRole, LookAlike, Parameter, Scope, Where};
 use crate::motion::{DryFriction, JointMotion, JointState};
 
 /// `f = F+` if `v > 0`, `-F-` if `v < 0`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "asymmetric Coulomb friction",
     formula: "f = F+ if v > 0, -F- if v < 0",
     scope: Scope::Joint,
-    roles: &[Role::Dry, Role::Constant],
+    roles: &[LawRole::Dry, LawRole::Constant],
     parameters: &[
         Parameter::non_negative("level_positive", "N m", "N").main(),
         Parameter::non_negative("level_negative", "N m", "N").main(),

@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LinkSide, LookAlike, Onset, Parameter, Role, Scan, Scope};
+use crate::law::{Law, LawRole, LinkSide, LookAlike, Onset, Parameter, Scan, Scope};
 use crate::mechanism::Mechanism;
 use crate::transmission::{Transmission, is_transmission_fit};
 
@@ -23,7 +23,7 @@ const LAW: Law = Law {
     title: "backlash",
     formula: "as elasticity, with tJ = 0 while abs(th - q) < gap/2 and a stiff contact outside",
     scope: Scope::ThroughJoint,
-    roles: &[Role::Inertia],
+    roles: &[LawRole::Inertia],
     parameters: &[
         Parameter::non_negative("gap", "rad", "m").main(),
         Parameter::non_negative("contact_stiffness", "N m/rad", "N/m"),

@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Baseline, Export, Law, LookAlike, Onset, Parameter, Role, Scope};
+use crate::law::{Baseline, Export, Law, LawRole, LookAlike, Onset, Parameter, Scope};
 use crate::motion::{DryFriction, JointMotion, JointState};
 
 /// `f = Fc sign(v)`; at rest anything within `±Fc`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "Coulomb friction",
     formula: "f = Fc sign(v); at rest anything within +-Fc",
     scope: Scope::Joint,
-    roles: &[Role::Dry],
+    roles: &[LawRole::Dry],
     parameters: &[Parameter::non_negative("level", "N m", "N").main()],
     baseline: Some(Baseline::Coulomb),
     look_alikes: &[

@@ -8,9 +8,9 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::{STEP, derivative};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Onset, OperatingTerm, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Onset, OperatingTerm, Parameter, Scope};
 use crate::mechanism::{ArmFrames, Mechanism};
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 
 /// `recorded q = true q + offset`.
 pub struct EncoderOffset;
@@ -20,7 +20,7 @@ const LAW: Law = Law {
     title: "encoder offset",
     formula: "recorded q = true q + offset",
     scope: Scope::ThroughJoint,
-    roles: &[Role::Zero],
+    roles: &[LawRole::Zero],
     parameters: &[Parameter::any("offset", "rad", "m").main()],
     operating: Some(OperatingTerm::EncoderZero),
     fits_alone: true,
@@ -57,7 +57,7 @@ impl Effect for EncoderOffset {
     }
 
     /// The derivative of the rigid effort by the position of the joint, with the opposite sign.
-    fn arm_columns(&self, joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         vec![derivative(motion, STEP, |step| {
             let mut position = motion.position.to_vec();
             position[joint].iter_mut().for_each(|q| *q -= step);

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::{Effect, ShapeStep};
-use crate::law::{Law, LocationKind, LookAlike, Onset, Parameter, Role, Scan, Scope};
+use crate::law::{Law, LawRole, LocationKind, LookAlike, Onset, Parameter, Scan, Scope};
 use crate::mechanism::{Mechanism, tip_jacobian};
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 
 /// `f = -Jᵀ F`.
 pub struct ExternalContact;
@@ -17,7 +17,7 @@ const LAW: Law = Law {
     title: "external contact",
     formula: "f = -J(q)^T F in a time window, F constant in the world, at the origin of the tip link",
     scope: Scope::Arm,
-    roles: &[Role::Contact],
+    roles: &[LawRole::Contact],
     parameters: &[
         Parameter::non_negative("force", "N", "N").main(),
         Parameter::any("force_x", "N", "N"),
@@ -59,7 +59,7 @@ impl Effect for ExternalContact {
     }
 
     /// `-Jᵀ e_x`, `-Jᵀ e_y`, `-Jᵀ e_z` at every sample, without the window.
-    fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, _joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         let (n, samples) = (motion.arm.dof(), motion.position[0].len());
         let mut columns = vec![vec![vec![0.0; samples]; n]; 3];
         let mut position = vec![0.0; n];

@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
 use crate::motion::{JointMotion, JointState, MotionScale};
 
 /// `f = (bw + (bc - bw) exp(-t/T)) v`.
@@ -15,7 +15,7 @@ const LAW: Law = Law {
     title: "friction drift",
     formula: "f = (bw + (bc - bw) exp(-t/T)) v",
     scope: Scope::Joint,
-    roles: &[Role::Viscous],
+    roles: &[LawRole::Viscous],
     parameters: &[
         Parameter::non_negative("cold_coefficient", "N m s/rad", "N s/m").main(),
         Parameter::non_negative("warm_coefficient", "N m s/rad", "N s/m").main(),

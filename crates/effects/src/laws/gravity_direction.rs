@@ -9,9 +9,9 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::{STEP, derivative};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LocationKind, LookAlike, Onset, OperatingTerm, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LocationKind, LookAlike, Onset, OperatingTerm, Parameter, Scope};
 use crate::mechanism::{ArmFrames, Mechanism};
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 
 /// `gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base`.
 pub struct GravityDirection;
@@ -21,7 +21,7 @@ const LAW: Law = Law {
     title: "tilted base",
     formula: "gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base in the world",
     scope: Scope::Arm,
-    roles: &[Role::Gravity],
+    roles: &[LawRole::Gravity],
     parameters: &[
         Parameter::non_negative("tilt", "rad", "rad").main(),
         Parameter::any("tilt_x", "rad", "rad"),
@@ -60,7 +60,7 @@ impl Effect for GravityDirection {
         Onset::Often
     }
 
-    fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, _joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         let about = |axis: Vector3<f64>| {
             derivative(motion, STEP, |step| {
                 let mut arm = motion.arm.clone();

@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::direction::directions;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::{Effect, ShapeStep};
-use crate::law::{Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
 use crate::mechanism::Mechanism;
 use crate::motion::{JointMotion, MotionScale};
 
@@ -16,7 +16,7 @@ const LAW: Law = Law {
     title: "transmission coupling",
     formula: "s = v_b + r v_a: F = B s + C sign(s); f_b = F, f_a = r F",
     scope: Scope::Neighbours,
-    roles: &[Role::Shared],
+    roles: &[LawRole::Shared],
     parameters: &[
         Parameter::any("ratio", "1", "1").main(),
         Parameter::non_negative("viscous", "N m s/rad", "N s/m"),

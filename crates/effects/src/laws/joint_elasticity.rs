@@ -8,9 +8,9 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::{STEP, derivative, rate};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::{Effect, ShapeStep};
-use crate::law::{Law, LinkSide, LookAlike, Parameter, Role, Scan, Scope};
+use crate::law::{Law, LawRole, LinkSide, LookAlike, Parameter, Scan, Scope};
 use crate::mechanism::Mechanism;
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 use crate::transmission::{Transmission, is_transmission_fit};
 
 /// `J dω/dt + τ = effort`, `τ = K (θ - q) + D (ω - v)`.
@@ -21,7 +21,7 @@ const LAW: Law = Law {
     title: "joint elasticity",
     formula: "motor th (recorded), link q (hidden): J ddth + tJ = effort, tJ = K (th - q) + D (dth - dq), rigid(q) = tJ",
     scope: Scope::ThroughJoint,
-    roles: &[Role::Inertia],
+    roles: &[LawRole::Inertia],
     parameters: &[
         Parameter::non_negative("stiffness", "N m/rad", "N/m").main(),
         Parameter::non_negative("damping", "N m s/rad", "N s/m"),
@@ -64,7 +64,7 @@ impl Effect for JointElasticity {
 
     /// First order in the compliance: the rigid effort at the link's position, behind the motor by
     /// effort / K, minus that at the motor's position.
-    fn arm_columns(&self, joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         let load = &motion.rigid_effort[joint];
         let speed = rate(load, motion.rate_hz);
         let curvature = rate(&speed, motion.rate_hz);

@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Export, Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Export, Law, LawRole, LookAlike, Parameter, Scope};
 use crate::motion::{JointMotion, JointState};
 
 /// `f = k (q - q0)`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "joint spring",
     formula: "f = k (q - q0)",
     scope: Scope::Joint,
-    roles: &[Role::Constant],
+    roles: &[LawRole::Constant],
     parameters: &[
         Parameter::non_negative("stiffness", "N m/rad", "N/m").main(),
         Parameter::any("rest_angle", "rad", "m"),

@@ -7,10 +7,10 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{
-    Equivalent, Export, Law, LocationKind, LookAlike, Onset, Parameter, Role, Scope, Where,
+    Equivalent, Export, Law, LawRole, LocationKind, LookAlike, Onset, Parameter, Scope, Where,
 };
 use crate::mechanism::{ArmFrames, Mechanism};
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 
 /// `f = Y_link Δπ`.
 pub struct LinkInertiaError;
@@ -20,7 +20,7 @@ const LAW: Law = Law {
     title: "link inertia error",
     formula: "f = Y_link delta_pi",
     scope: Scope::Link,
-    roles: &[Role::Link],
+    roles: &[LawRole::Link],
     parameters: &[
         Parameter::any("delta_mass", "kg", "kg"),
         Parameter::any("delta_mcx", "kg m", "kg m"),
@@ -65,7 +65,7 @@ impl Effect for LinkInertiaError {
     }
 
     /// The ten columns of the link's standard parameters.
-    fn arm_columns(&self, joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         let columns = ParameterColumns::standard(motion.arm.dof());
         let wanted: Vec<usize> = (10 * joint..10 * (joint + 1)).collect();
         let by_joint: Vec<Vec<Vec<f64>>> = (0..motion.arm.dof())

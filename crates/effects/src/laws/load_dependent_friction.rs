@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
 use crate::motion::{DryFriction, JointMotion, JointState};
 
 /// `f = (Fc + µ |rigid|) sign(v)`.
@@ -15,7 +15,7 @@ const LAW: Law = Law {
     title: "load-dependent friction",
     formula: "f = (Fc + mu abs(rigid)) sign(v)",
     scope: Scope::Joint,
-    roles: &[Role::Dry],
+    roles: &[LawRole::Dry],
     follows_load: true,
     parameters: &[
         Parameter::non_negative("level", "N m", "N"),

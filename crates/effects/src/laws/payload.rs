@@ -9,10 +9,10 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{
-    Equivalent, Export, Law, LocationKind, LookAlike, Onset, Parameter, Role, Scope, Where,
+    Equivalent, Export, Law, LawRole, LocationKind, LookAlike, Onset, Parameter, Scope, Where,
 };
 use crate::mechanism::{ArmFrames, Mechanism};
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 
 /// `f = Y_last π(m, com)`.
 pub struct Payload;
@@ -22,7 +22,7 @@ const LAW: Law = Law {
     title: "payload",
     formula: "a rigid mass fixed to the last link, not in the model",
     scope: Scope::Link,
-    roles: &[Role::Link],
+    roles: &[LawRole::Link],
     parameters: &[
         Parameter::non_negative("mass", "kg", "kg").main(),
         Parameter::any("com_x", "m", "m"),
@@ -67,7 +67,7 @@ impl Effect for Payload {
     }
 
     /// The ten columns of the last link's standard parameters.
-    fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, _joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         LinkInertiaError.arm_columns(motion.arm.dof() - 1, motion)
     }
 

@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::direction::{deflected, deflections};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
 use crate::motion::{JointMotion, MotionScale};
 
 /// `dz/dt = v - s0 |v| z / Fc`, `f = s0 z + s1 dz/dt`.
@@ -15,7 +15,7 @@ const LAW: Law = Law {
     title: "presliding hysteresis",
     formula: "dz/dt = v - s0 abs(v) z / Fc, f = s0 z + s1 dz/dt",
     scope: Scope::Joint,
-    roles: &[Role::Dry],
+    roles: &[LawRole::Dry],
     parameters: &[
         Parameter::non_negative("level", "N m", "N").main(),
         Parameter::non_negative("stiffness", "N m/rad", "N/m").main(),

@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
 use crate::motion::{JointMotion, JointState};
 
 /// `f = c v |v|`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "quadratic drag",
     formula: "f = c v abs(v)",
     scope: Scope::Joint,
-    roles: &[Role::Drag],
+    roles: &[LawRole::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m s2/rad2", "N s2/m2").main()],
     look_alikes: &[
         LookAlike { slug: "viscous_friction", separated_by: "a ladder of speeds" },

@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Baseline, Equivalent, Export, Law, LookAlike, Parameter, Role, Scope, Where};
+use crate::law::{Baseline, Equivalent, Export, Law, LawRole, LookAlike, Parameter, Scope, Where};
 use crate::motion::JointMotion;
 
 /// `f = Ia dv/dt`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "rotor inertia",
     formula: "f = Ia ddq",
     scope: Scope::Joint,
-    roles: &[Role::Inertia],
+    roles: &[LawRole::Inertia],
     parameters: &[Parameter::non_negative("inertia", "kg m2", "kg").main()],
     baseline: Some(Baseline::RotorInertia),
     equivalents: &[Equivalent { laws: &["link_inertia_error"], on: Where::FirstJoint }],

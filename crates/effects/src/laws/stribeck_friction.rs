@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
 use crate::motion::{DryFriction, JointMotion, JointState, MotionScale};
 
 /// `f = (Fc + (Fs - Fc) exp(-(v/vs)²)) sign(v)`.
@@ -15,7 +15,7 @@ const LAW: Law = Law {
     title: "Stribeck friction",
     formula: "f = (Fc + (Fs - Fc) exp(-(v/vs)^2)) sign(v)",
     scope: Scope::Joint,
-    roles: &[Role::Dry],
+    roles: &[LawRole::Dry],
     varies_with_speed: true,
     parameters: &[
         Parameter::non_negative("static_level", "N m", "N").main(),

@@ -1,7 +1,7 @@
 //! Viscous friction that grows more slowly than the speed.
 
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, Naming, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, Naming, Parameter, Scope};
 use crate::motion::{JointMotion, JointState};
 
 /// `f = c v / sqrt(abs(v) + v0)`, `v0 = 0.001`: the root of the speed, without its infinite slope at rest.
@@ -19,7 +19,7 @@ const LAW: Law = Law {
     title: "sub-linear viscous friction",
     formula: "f = c v / sqrt(abs(v) + 0.001)",
     scope: Scope::Joint,
-    roles: &[Role::Drag],
+    roles: &[LawRole::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m (s/rad)^0.5", "N (s/m)^0.5")],
     naming: Naming::PredictionOnly,
     look_alikes: &[

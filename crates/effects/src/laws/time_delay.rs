@@ -4,9 +4,9 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::rate;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LocationKind, LookAlike, OperatingTerm, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LocationKind, LookAlike, OperatingTerm, Parameter, Scope};
 use crate::mechanism::Mechanism;
-use crate::motion::{ArmColumns, ArmMotion};
+use crate::motion::{ArmColumns, WholeArmMotion};
 
 /// `recorded effort(t) = true effort(t - delay)`.
 pub struct TimeDelay;
@@ -16,7 +16,7 @@ const LAW: Law = Law {
     title: "time delay",
     formula: "recorded effort(t) = true effort(t - delay), all joints",
     scope: Scope::Arm,
-    roles: &[Role::Time],
+    roles: &[LawRole::Time],
     parameters: &[Parameter::any("delay", "s", "s").main()],
     location: LocationKind::AllJoints,
     operating: Some(OperatingTerm::Delay),
@@ -50,7 +50,7 @@ impl Effect for TimeDelay {
     }
 
     /// The derivative of the effort by time, with the opposite sign.
-    fn arm_columns(&self, _joint: usize, motion: &ArmMotion<'_>) -> ArmColumns {
+    fn arm_columns(&self, _joint: usize, motion: &WholeArmMotion<'_>) -> ArmColumns {
         let against =
             |effort: &Vec<f64>| rate(effort, motion.rate_hz).iter().map(|rate| -rate).collect();
         vec![motion.rigid_effort.iter().map(against).collect()]

@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Baseline, Law, LookAlike, Onset, Parameter, Role, Scope};
+use crate::law::{Baseline, Law, LawRole, LookAlike, Onset, Parameter, Scope};
 use crate::motion::{JointMotion, JointState};
 
 /// `f = c`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "effort offset",
     formula: "f = c",
     scope: Scope::Joint,
-    roles: &[Role::Constant],
+    roles: &[LawRole::Constant],
     parameters: &[Parameter::any("offset", "N m", "N").main()],
     baseline: Some(Baseline::Offset),
     look_alikes: &[

@@ -4,7 +4,7 @@ use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::{Effect, ShapeStep};
-use crate::law::{Law, LookAlike, Parameter, Role, Scan, Scope};
+use crate::law::{Law, LawRole, LookAlike, Parameter, Scan, Scope};
 use crate::motion::{JointMotion, JointState, MotionScale};
 
 /// `f = A sin(n q + phase) [+ A2 sin(2 n q + phase2)]`.
@@ -15,7 +15,7 @@ const LAW: Law = Law {
     title: "torque ripple",
     formula: "f = A sin(n q + phase) [+ A2 sin(2 n q + phase2)]; prismatic: sin(2 pi n q + phase)",
     scope: Scope::Joint,
-    roles: &[Role::Ripple],
+    roles: &[LawRole::Ripple],
     parameters: &[
         Parameter::non_negative("amplitude", "N m", "N").main(),
         Parameter::non_negative("order", "1/turn", "1/m").main(),

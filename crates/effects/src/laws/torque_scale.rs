@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Law, LookAlike, OperatingTerm, Parameter, Role, Scope};
+use crate::law::{Law, LawRole, LookAlike, OperatingTerm, Parameter, Scope};
 use crate::mechanism::Mechanism;
 use crate::motion::JointMotion;
 
@@ -15,7 +15,7 @@ const LAW: Law = Law {
     title: "effort gain",
     formula: "recorded effort = gain * true effort",
     scope: Scope::Joint,
-    roles: &[Role::Gain],
+    roles: &[LawRole::Gain],
     parameters: &[Parameter::non_negative("gain", "1", "1").main().neutral(1.0)],
     operating: Some(OperatingTerm::Gain),
     look_alikes: &[

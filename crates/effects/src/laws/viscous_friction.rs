@@ -3,7 +3,7 @@
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
-use crate::law::{Baseline, Export, Law, LookAlike, Onset, Parameter, Role, Scope};
+use crate::law::{Baseline, Export, Law, LawRole, LookAlike, Onset, Parameter, Scope};
 use crate::motion::{JointMotion, JointState};
 
 /// `f = b v`.
@@ -14,7 +14,7 @@ const LAW: Law = Law {
     title: "viscous friction",
     formula: "f = b v",
     scope: Scope::Joint,
-    roles: &[Role::Viscous],
+    roles: &[LawRole::Viscous],
     parameters: &[Parameter::non_negative("coefficient", "N m s/rad", "N s/m").main()],
     baseline: Some(Baseline::Viscous),
     look_alikes: &[

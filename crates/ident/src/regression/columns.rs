@@ -7,7 +7,7 @@
 //! filtering); the rest is own.
 
 use armident_dynamics::ArmMotion;
-use armident_effects::{BASELINE, Effect, Place, ReversalModel};
+use armident_effects::{BASELINE, Effect, LawRole, ReversalModel};
 use armident_kinematics::InertialParameters;
 use armident_model::{effect_columns, pair_columns};
 use armident_motion::Motion;
@@ -22,7 +22,7 @@ pub(crate) type TermColumn = (usize, Vec<f64>);
 
 /// Whether a law follows the sign of a speed.
 fn jumps(law: &dyn Effect) -> bool {
-    law.law().roles.contains(&Place::Dry)
+    law.law().roles.contains(&LawRole::Dry)
 }
 
 impl BatchProblem {

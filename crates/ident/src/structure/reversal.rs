@@ -10,7 +10,7 @@
 //! models, analysis tools and compensation methods for the control of machines with friction, Automatica 30 (1994); the
 //! choice is own.
 
-use armident_effects::{Place, ReversalModel};
+use armident_effects::{LawRole, ReversalModel};
 use armident_inference::levels::{CLEAR_T, EXPECTED_T};
 use armident_model::DEFAULT_SPEED_RESOLUTION;
 use armident_motion::Motion;
@@ -90,7 +90,7 @@ impl BatchProblem {
                     let of_term = |(place, &k): (usize, &usize)| match self.terms[k] {
                         Term::Effect { effect, .. }
                             if which[joint] > 0
-                                && LAWS[effect].law().roles.contains(&Place::Dry) =>
+                                && LAWS[effect].law().roles.contains(&LawRole::Dry) =>
                         {
                             terms.len() + which[joint] - 1
                         }

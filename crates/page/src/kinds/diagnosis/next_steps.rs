@@ -1,6 +1,6 @@
 //! What to do after a diagnosis.
 
-use armident_effects::{Role, effect};
+use armident_effects::{LawRole, effect};
 use armident_report::{DiagnoseReport, FindingRow, NextMotionResult};
 
 use crate::drawing::Drawing;
@@ -10,7 +10,7 @@ use crate::view::Step;
 const NAMED: usize = 3;
 
 /// The first law of a finding's effect among its places.
-fn role(finding: &FindingRow) -> Option<Role> {
+fn role(finding: &FindingRow) -> Option<LawRole> {
     effect(&finding.effect).and_then(|e| e.law().roles.first().copied())
 }
 
@@ -27,7 +27,7 @@ pub(super) fn next_steps(of: &DiagnoseReport, drawing: &Drawing) -> Vec<Step> {
     }
     let mut steps = Vec::new();
     steps.extend(channels(of));
-    if of.findings.iter().any(|finding| role(finding) == Some(Role::Contact)) {
+    if of.findings.iter().any(|finding| role(finding) == Some(LawRole::Contact)) {
         steps.push(Step::new(
             "Record the motion again with nothing near the arm: a contact masks other effects.",
         ));
@@ -67,8 +67,9 @@ pub(super) fn next_steps(of: &DiagnoseReport, drawing: &Drawing) -> Vec<Step> {
 
 /// Faults of channels, which other effects are measured with.
 fn channels(of: &DiagnoseReport) -> Option<Step> {
-    let is_channel =
-        |finding: &&FindingRow| matches!(role(finding), Some(Role::Gain | Role::Zero | Role::Time));
+    let is_channel = |finding: &&FindingRow| {
+        matches!(role(finding), Some(LawRole::Gain | LawRole::Zero | LawRole::Time))
+    };
     let names: Vec<String> = of.findings.iter().filter(is_channel).map(FindingRow::title).collect();
     (!names.is_empty()).then(|| {
         Step::new(format!(
