@@ -57,7 +57,7 @@ mod selection;
 mod test_arms;
 mod uncertainty;
 
-pub use checks::effort_columns::{DriveGain, InputChecks};
+pub use checks::effort_columns::{InferredDriveGain, InputChecks};
 pub use checks::usable::Unusable;
 pub use diagnosis::{Diagnosis, Errors};
 pub use error::{DiagnoseError, WrongColumns};

@@ -13,7 +13,7 @@ use crate::checks::usable::{Unusable, usable_signals};
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
-pub struct DriveGain {
+pub struct InferredDriveGain {
     /// Joint.
     pub joint: String,
     /// What was recorded: `current` or `voltage`.
@@ -34,7 +34,7 @@ const GRAVITY_SHARE: f64 = 0.5;
 /// Ends of an interval whose ratio is larger say nothing.
 const NOT_DETERMINED: f64 = 10.0;
 
-impl DriveGain {
+impl InferredDriveGain {
     /// Relative standard error.
     pub fn relative_stderr(&self) -> f64 {
         (self.interval_95[1] / self.interval_95[0]).abs().ln().abs() / (2.0 * 1.96)
@@ -47,7 +47,7 @@ pub struct InputChecks {
     /// Columns that are wrong beyond a thousand to one, with what to do.
     pub faults: Vec<Check>,
     /// Joints of which only a drive signal is recorded.
-    pub drive_gains: Vec<DriveGain>,
+    pub drive_gains: Vec<InferredDriveGain>,
     /// Why nothing was checked.
     pub unchecked: Option<String>,
 }
@@ -123,7 +123,7 @@ impl InputChecks {
         let gain = |(joint, channel): (&&str, &ChannelEvidence)| {
             let quantity = signals.get(*joint)?;
             let [low, high] = channel.gain_95.map(|g| 1.0 / g);
-            Some(DriveGain {
+            Some(InferredDriveGain {
                 joint: (*joint).to_owned(),
                 quantity: if *quantity == Quantity::Current { "current" } else { "voltage" },
                 gain: 1.0 / channel.gain,

@@ -1,6 +1,6 @@
 //! What the recordings show about their own columns.
 
-use armident_diagnose::DriveGain;
+use armident_diagnose::InferredDriveGain;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ pub struct DriveGainOfMasses {
 }
 
 impl DriveGainOfMasses {
-    fn of(found: &DriveGain) -> Self {
+    fn of(found: &InferredDriveGain) -> Self {
         Self {
             joint: found.joint.clone(),
             quantity: found.quantity.to_owned(),
