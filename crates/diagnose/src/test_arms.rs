@@ -9,7 +9,7 @@ use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::Design;
 use armident_model::{OperatingPoint, PosedRecording};
-use armident_motion::{BAND_HZ, Signals};
+use armident_motion::{BAND_HZ, BandMotion};
 
 pub(crate) fn ur5() -> DrivingAxisChain {
     let robot = parse_urdf(include_str!("../../../urdf/ur5.urdf"), "ur5.urdf").unwrap();
@@ -33,7 +33,7 @@ pub(crate) fn swung(
     arm: &DrivingAxisChain,
     noise_nm: f64,
     added: impl Fn(usize, &[f64]) -> f64,
-) -> Signals {
+) -> BandMotion {
     swung_for(6000, arm, noise_nm, added)
 }
 
@@ -43,7 +43,7 @@ pub(crate) fn swung_for(
     arm: &DrivingAxisChain,
     noise_nm: f64,
     added: impl Fn(usize, &[f64]) -> f64,
-) -> Signals {
+) -> BandMotion {
     let names: Vec<String> = arm.joints.iter().map(|j| j.name.clone()).collect();
     let time: Vec<f64> = (0..samples).map(|k| f64::from(k) / 200.0).collect();
     let recording = |efforts: Option<&Vec<Vec<f64>>>| {
@@ -57,7 +57,7 @@ pub(crate) fn swung_for(
         });
         Recording::new("made", time.clone(), joints.collect()).unwrap()
     };
-    let moved = Signals::below(&recording(None), &names, BAND_HZ).unwrap();
+    let moved = BandMotion::below(&recording(None), &names, BAND_HZ).unwrap();
     let point = OperatingPoint::of(names.len());
     let mut efforts = PosedRecording::new(arm, &RigidArm::from_chain(arm), &moved, &point).rigid;
     for t in 0..time.len() {
@@ -67,7 +67,7 @@ pub(crate) fn swung_for(
             effort[t] += noise_nm * noise + added(j, &velocity);
         }
     }
-    Signals::below(&recording(Some(&efforts)), &names, BAND_HZ).unwrap()
+    BandMotion::below(&recording(Some(&efforts)), &names, BAND_HZ).unwrap()
 }
 
 /// Joint of [`rubbing`] with friction.

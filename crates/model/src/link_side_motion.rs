@@ -9,7 +9,9 @@
 //! the motion of the link.
 
 use armident_dynamics::gravity_effort;
-use armident_motion::{ChannelSeries, Kind, Signals, differentiate, kinematics_filter, low_pass};
+use armident_motion::{
+    BandMotion, ChannelSeries, Kind, differentiate, kinematics_filter, low_pass,
+};
 use armident_recording::RecordingError;
 
 use crate::FittedTransmission;
@@ -159,7 +161,7 @@ impl FittedTransmission {
                 let (slope, drag) = (slope.at(x), drag.at(x));
                 let bias = bias.at(x) + slope * (q - about.at(x)) + drag * (v - about_rate.at(x));
                 if self.gap > 0.0 {
-                    // flanks are taken at the end of the step, so that none is too stiff
+                    // flanks are known_effort at the end of the step, so that none is too stiff
                     let pressed = f64::from(u8::from(passed != 0.0));
                     let (stiffness, damping) = (pressed * self.stiffness, pressed * self.damping);
                     let implicit = m + h * damping + h * h * stiffness;
@@ -205,12 +207,12 @@ struct Motor {
 }
 
 impl Motor {
-    fn of(signals: &Signals, joint: usize, offset: f64) -> Result<Self, RecordingError> {
+    fn of(signals: &BandMotion, joint: usize, offset: f64) -> Result<Self, RecordingError> {
         let low_passed = kinematics_filter(signals.rate_hz)?;
         let recorded = &signals.recorded_position[joint];
-        let goes_on = signals.goes_on[joint];
+        let extensions = signals.extensions[joint];
         let (long, margin) =
-            ChannelSeries::of(recorded, Kind::Position, goes_on, signals.stands, &low_passed)
+            ChannelSeries::of(recorded, Kind::Position, extensions, signals.stands, &low_passed)
                 .whole();
         let smooth = low_pass(MOTOR_HZ, signals.rate_hz)?.filter(&long);
         let rate = differentiate(&smooth, signals.rate_hz);
@@ -288,7 +290,7 @@ mod tests {
             JointChannels { position, ..JointChannels::new(name) }
         });
         let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
-        let signals = Signals::below(&recording, &names, BAND_HZ).unwrap();
+        let signals = BandMotion::below(&recording, &names, BAND_HZ).unwrap();
         let mut change = vec![0.0; 10 * names.len()];
         // 0.6 kg more on the forearm, and where it is
         change[20..24].copy_from_slice(&[0.6, 0.1, 0.02, -0.03]);
@@ -323,7 +325,7 @@ mod tests {
             JointChannels { position, ..JointChannels::new(name) }
         });
         let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
-        let mut signals = Signals::below(&recording, &names, BAND_HZ).unwrap();
+        let mut signals = BandMotion::below(&recording, &names, BAND_HZ).unwrap();
         signals.starts_at_rest = true;
         let none = OperatingPoint::of(names.len());
         let at = PosedRecording::new(&chain, &RigidArm::from_chain(&chain), &signals, &none);

@@ -10,12 +10,12 @@ use nalgebra::Vector3;
 use crate::link_load::Load;
 use crate::operating_point::OperatingPoint;
 use crate::reversal::{SHARP, regularised_sign};
-use armident_motion::{Signals, Stop};
+use armident_motion::{BandMotion, Standstill};
 
 /// One recording at an operating point.
 pub struct PosedRecording<'a> {
     /// The recording on its grid.
-    pub signals: &'a Signals,
+    pub signals: &'a BandMotion,
     /// The believed arm at the tilt of the operating point.
     pub arm: RigidArm,
     /// True positions: low-passed, less the encoder offsets \[rad or m\].
@@ -47,7 +47,7 @@ impl<'a> PosedRecording<'a> {
     pub fn new(
         chain: &DrivingAxisChain,
         arm: &RigidArm,
-        signals: &'a Signals,
+        signals: &'a BandMotion,
         point: &OperatingPoint,
     ) -> Self {
         let mut arm = arm.clone();
@@ -76,7 +76,7 @@ impl<'a> PosedRecording<'a> {
                 };
                 let mut direction = regularised_sign(sharp, velocity, *below);
                 // where a joint rests, its friction is what holds it: no function of a speed
-                for rest in signals.rests_of(j) {
+                for rest in signals.dwells_of(j) {
                     direction[rest.clone()].copy_from_slice(&sharp[rest]);
                 }
                 direction
@@ -99,12 +99,12 @@ impl<'a> PosedRecording<'a> {
             carried,
         };
         at.rigid = at.motion().efforts(&at.arm);
-        at.answered = (0..signals.stops.len()).map(|j| at.of_own(j, true)).collect();
-        let with_known = |(j, taken): (usize, &Vec<f64>)| {
-            let any = taken.iter().any(|x| *x != 0.0);
-            any.then(|| at.answered(j).iter().zip(taken).map(|(e, x)| e + x).collect())
+        at.answered = (0..signals.standstills.len()).map(|j| at.of_own(j, true)).collect();
+        let with_known = |(j, known_effort): (usize, &Vec<f64>)| {
+            let any = known_effort.iter().any(|x| *x != 0.0);
+            any.then(|| at.answered(j).iter().zip(known_effort).map(|(e, x)| e + x).collect())
         };
-        at.with_known = signals.taken.iter().enumerate().map(with_known).collect();
+        at.with_known = signals.known_effort.iter().enumerate().map(with_known).collect();
         at
     }
 
@@ -134,7 +134,7 @@ impl<'a> PosedRecording<'a> {
         efforts.into_iter().enumerate().map(|(j, e)| self.recorded(j, e)).collect()
     }
 
-    /// Rigid effort on a joint that stops somewhere, with accelerations that jump there or are [held](Signals::accelerations_on);
+    /// Rigid effort on a joint that stops somewhere, with accelerations that jump there or are [held](BandMotion::accelerations_on);
     /// none on others.
     pub fn of_own(&self, j: usize, held: bool) -> Option<Vec<f64>> {
         self.of_own_on(&self.arm, j, held)
@@ -142,7 +142,7 @@ impl<'a> PosedRecording<'a> {
 
     /// The same of an arm with other links.
     fn of_own_on(&self, arm: &RigidArm, j: usize, held: bool) -> Option<Vec<f64>> {
-        let stops = self.signals.stops[j].iter().any(Stop::stops);
+        let stops = self.signals.standstills[j].iter().any(Standstill::stops);
         let own = || {
             let accelerations = self.signals.accelerations_on(j, held);
             self.motion().with_accelerations(&accelerations).effort_on(arm, j)
@@ -178,7 +178,7 @@ impl<'a> PosedRecording<'a> {
             time_s: &self.signals.time_s,
             position: &self.position[j],
             velocity: &self.signals.velocity[j],
-            acceleration: &self.signals.held_acceleration[j],
+            acceleration: &self.signals.actuator_acceleration[j],
             direction: self.turned[j].as_ref().unwrap_or(&self.signals.direction[j]),
             rigid_effort: self.answered(j),
         }

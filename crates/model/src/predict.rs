@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_effects::{Scope, UnknownEffect};
 use armident_motion::{
-    Motion, MotionSettings, Signals, continued, filter_between, later, low_pass,
+    BandMotion, Motion, MotionSettings, continued, filter_between, later, low_pass,
 };
 use armident_recording::{Recording, RecordingError};
 
@@ -146,7 +146,7 @@ impl ArmModel {
     ///
     /// # Errors
     /// None but those of a filter.
-    pub fn predict_in_band(&self, signals: &Signals) -> Result<Vec<Vec<f64>>, RecordingError> {
+    pub fn predict_in_band(&self, signals: &BandMotion) -> Result<Vec<Vec<f64>>, RecordingError> {
         let (chain, band) = (&self.chain, self.band_or_default());
         let at = PosedRecording::new(
             chain,
@@ -159,7 +159,7 @@ impl ArmModel {
             .map(|(j, rigid)| {
                 let own = at.of_own(j, false);
                 let rigid = own.as_ref().unwrap_or(rigid);
-                filter_between(rigid, &signals.stops[j], &rigid_filter, signals.rate_hz)
+                filter_between(rigid, &signals.standstills[j], &rigid_filter, signals.rate_hz)
             })
             .collect();
         let index = |name: &str| chain.joints.iter().position(|j| j.name == name);
@@ -180,7 +180,7 @@ impl ArmModel {
                 add(effort, &part);
             }
             let inertia: Vec<f64> =
-                signals.held_acceleration[j].iter().map(|a| a * term.motor_inertia).collect();
+                signals.actuator_acceleration[j].iter().map(|a| a * term.motor_inertia).collect();
             add(&mut effort[j], &inertia);
         }
         for coupling in self.pair_effects() {
@@ -203,7 +203,7 @@ impl ArmModel {
             }
         }
         for (j, effort) in effort.iter_mut().enumerate() {
-            *effort = continued(effort, &signals.stops[j], signals.rate_hz);
+            *effort = continued(effort, &signals.standstills[j], signals.rate_hz);
             effort.iter_mut().for_each(|e| *e *= self.channel_gain[j]);
             *effort = later(effort, -self.effort_delay_s * signals.rate_hz);
         }

@@ -1,6 +1,6 @@
 //! A recording made ready once, for the predictions of many models.
 
-use armident_motion::{BAND_HZ, EvenGrid, Signals};
+use armident_motion::{BAND_HZ, BandMotion, EvenGrid};
 use armident_recording::{Recording, RecordingError};
 
 /// A recording as models of one arm see it.
@@ -8,7 +8,7 @@ pub struct PreparedRecording<'a> {
     pub(crate) recording: &'a Recording,
     pub(crate) grid: EvenGrid,
     /// It on its grid.
-    pub signals: Signals,
+    pub signals: BandMotion,
 }
 
 impl<'a> PreparedRecording<'a> {
@@ -18,7 +18,7 @@ impl<'a> PreparedRecording<'a> {
     /// A recording without the positions of the joints, or mostly gaps.
     pub fn of(recording: &'a Recording, joints: &[String]) -> Result<Self, RecordingError> {
         let grid = EvenGrid::of(recording)?;
-        let signals = Signals::on(&grid, recording, joints, BAND_HZ)?;
+        let signals = BandMotion::on(&grid, recording, joints, BAND_HZ)?;
         Ok(Self { recording, grid, signals })
     }
 

@@ -1,7 +1,7 @@
 //! A UR5 that swings, for tests.
 
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
-use armident_motion::{BAND_HZ, Signals};
+use armident_motion::{BAND_HZ, BandMotion};
 use armident_recording::{JointChannels, Recording};
 
 pub(crate) fn ur5() -> DrivingAxisChain {
@@ -11,7 +11,7 @@ pub(crate) fn ur5() -> DrivingAxisChain {
 }
 
 /// The motion of an arm that swings for 30 s at 200 Hz, without efforts.
-pub(crate) fn swinging(arm: &DrivingAxisChain) -> Signals {
+pub(crate) fn swinging(arm: &DrivingAxisChain) -> BandMotion {
     let names: Vec<String> = arm.joints.iter().map(|j| j.name.clone()).collect();
     let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 200.0).collect();
     let joints = names.iter().enumerate().map(|(j, name)| {
@@ -20,5 +20,5 @@ pub(crate) fn swinging(arm: &DrivingAxisChain) -> Signals {
         JointChannels { position, ..JointChannels::new(name) }
     });
     let recording = Recording::new("made", time.clone(), joints.collect()).unwrap();
-    Signals::below(&recording, &names, BAND_HZ).unwrap()
+    BandMotion::below(&recording, &names, BAND_HZ).unwrap()
 }

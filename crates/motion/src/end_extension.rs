@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::differentiate::differentiate;
 use crate::low_pass::ZeroPhaseLowPass;
 
-/// Continuation at each end, in periods of the cut-off: beyond it the low-pass remembers nothing.
+/// EndExtension at each end, in periods of the cut-off: beyond it the low-pass remembers nothing.
 const MARGIN_PERIODS: f64 = 3.0;
 /// What is continued follows a quartic through so many periods of the cut-off...
 const FITTED_PERIODS: f64 = 6.25;
@@ -38,12 +38,12 @@ const REACH: usize = 4;
 /// arms, accelerations were off by twice their root mean square, along a quartic by a tenth of it. Efforts jump and have no
 /// polynomial: this is for positions and speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Continuation {
+pub struct EndExtension {
     /// the square of the last error counts this many times e more than that of the first
     e_folds: f64,
 }
 
-impl Continuation {
+impl EndExtension {
     /// The one that suits a signal: cut at some places, its smoothed derivative of this order is nearest to what it is
     /// without the cut. A clean motion is followed by its last samples, a noisy one by more of them.
     pub fn of(values: &[f64], order: usize, low_pass: &ZeroPhaseLowPass) -> Self {
@@ -111,7 +111,7 @@ struct Ahead {
 
 impl Ahead {
     /// For series of so many values.
-    fn of(continuation: Continuation, count: usize, low_pass: &ZeroPhaseLowPass) -> Self {
+    fn of(continuation: EndExtension, count: usize, low_pass: &ZeroPhaseLowPass) -> Self {
         let periods = FITTED_PERIODS * low_pass.rate_hz() / low_pass.cutoff_hz();
         let fitted = (periods.round() as usize).max(FEWEST).min(count);
         let enough = fitted >= 2 * QUARTIC_TERMS;
@@ -180,14 +180,14 @@ fn powers(k: f64, length: usize) -> [f64; QUARTIC_TERMS] {
 }
 
 impl ZeroPhaseLowPass {
-    /// Positions or speeds through the low-pass, and the first derivatives of that, each [continued](Continuation) past
+    /// Positions or speeds through the low-pass, and the first derivatives of that, each [continued](EndExtension) past
     /// its ends before: `[signal][order][sample]`.
     pub fn with_derivatives<const ORDERS: usize>(
         &self,
         signals: &[Vec<f64>],
     ) -> Vec<[Vec<f64>; ORDERS]> {
         let longer = |values: &Vec<f64>| {
-            Continuation::of(values, ORDERS.saturating_sub(1), self).past_ends(values, self).0
+            EndExtension::of(values, ORDERS.saturating_sub(1), self).past_ends(values, self).0
         };
         let mut longer: Vec<Vec<f64>> = signals.par_iter().map(longer).collect();
         self.filter_columns_in_parallel(&mut longer);
@@ -248,7 +248,7 @@ mod tests {
     fn rest_and_lines_go_on() {
         let standing = [vec![1.0; 30], vec![2.0; 60]].concat();
         let low_pass = ZeroPhaseLowPass::new(4, 10.0, RATE_HZ).unwrap();
-        let continuation = Continuation { e_folds: USUAL };
+        let continuation = EndExtension { e_folds: USUAL };
         let (all, front) = continuation.past_ends(&standing, &low_pass);
         assert_eq!((front, all.len()), (60, 210));
         assert!(all[150..].iter().all(|x| *x == 2.0));

@@ -4,9 +4,9 @@
 //! 2. [`Motion::from_recording`] brings the joints asked for onto an even grid ([`EvenGrid`]),
 //!    filters the position ([`ZeroPhaseLowPass`]) and differentiates it ([`differentiate()`]).
 //!    Recorded velocities are not used, because drives smooth them with delay; only where
-//!    accelerations are recorded too, as in exact simulations, are both taken as they are.
-//! 3. [`Signals`] is the same for the diagnosis: kinematics below 25 Hz, compared in a band ([`Band`]),
-//!    with the noise of each channel and the standstills of each joint ([`Stop`]).
+//!    accelerations are recorded too, as in exact simulations, are both known_effort as they are.
+//! 3. [`BandMotion`] is the same for the diagnosis: kinematics below 25 Hz, compared in a band ([`Band`]),
+//!    with the noise of each channel and the standstills of each joint ([`Standstill`]).
 //!
 //! # Filtered regression
 //!
@@ -22,7 +22,7 @@
 //!
 //! The end effects of the filter on efforts and regressor columns, which reach two to
 //! three periods of the cutoff into the motion: drop these samples. Positions and speeds are
-//! continued ([`Continuation`]) before they are filtered.
+//! continued ([`EndExtension`]) before they are filtered.
 //!
 //! # Example
 //!
@@ -47,6 +47,7 @@
 //! # Ok::<(), armident_recording::RecordingError>(())
 //! ```
 
+mod band_motion;
 mod compare_band;
 mod cutoff;
 mod decimate;
@@ -59,9 +60,9 @@ mod motion;
 mod noise_spectrum;
 mod quality;
 mod recorded_velocity;
-mod signals;
 mod standstill;
 
+pub use band_motion::BandMotion;
 pub use compare_band::{BAND_HZ, Band, EDGE_S};
 pub use cutoff::{
     CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, RESTING_RANGE,
@@ -69,7 +70,7 @@ pub use cutoff::{
 };
 pub use decimate::{kinematics_filter, later, low_pass};
 pub use differentiate::differentiate;
-pub use end_extension::{Continuation, QUARTIC_TERMS, Quartics};
+pub use end_extension::{EndExtension, QUARTIC_TERMS, Quartics};
 pub use grid::EvenGrid;
 pub use low_pass::{
     CUTOFF_SHARE_BOUND, DEFAULT_ORDER, HIGHEST_ORDER, LOWEST_CUTOFF_SHARE, ZeroPhaseLowPass,
@@ -79,5 +80,4 @@ pub use quality::{
     ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
 };
 pub use recorded_velocity::with_recorded_velocity;
-pub use signals::Signals;
-pub use standstill::{ChannelSeries, Kind, Stop, continued, filter_between};
+pub use standstill::{ChannelSeries, Kind, Standstill, continued, filter_between};

@@ -19,7 +19,7 @@ pub const HIGHEST_ORDER: usize = 8;
 pub const LOWEST_CUTOFF_SHARE: f64 = 1e-4;
 /// The cutoff must stay below this share of the sample rate.
 pub const CUTOFF_SHARE_BOUND: f64 = 0.49;
-/// Signals filtered at a time, for the processor's vector lanes: a recursion waits for itself most of the
+/// BandMotion filtered at a time, for the processor's vector lanes: a recursion waits for itself most of the
 /// time.
 const LANES: usize = 4;
 /// Points of the quadrature between the cutoff and the nearer end of the spectrum.
@@ -87,7 +87,7 @@ impl ZeroPhaseLowPass {
         columns.par_chunks_mut(LANES).for_each(|together| self.filter_columns(together));
     }
 
-    /// Signals of one length, forward and backward, continued at both ends by odd extension.
+    /// BandMotion of one length, forward and backward, continued at both ends by odd extension.
     pub(crate) fn filter_together<const W: usize>(&self, mut signals: [&mut [f64]; W]) {
         let n = signals[0].len();
         let Some(last) = n.checked_sub(1) else { return };

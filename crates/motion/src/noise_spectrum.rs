@@ -7,7 +7,7 @@ use statrs::distribution::{ContinuousCDF, Gamma};
 
 /// Length of a spectrum's window \[s\].
 const WINDOW_S: f64 = 0.64;
-/// Bands of frequency in which the level is taken.
+/// Bands of frequency in which the level is known_effort.
 const BANDS: usize = 8;
 /// Quantile over time: impacts, stick-slip and ringing are local in time and lie above it.
 const QUANTILE: f64 = 0.35;

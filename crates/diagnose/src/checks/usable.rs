@@ -1,6 +1,6 @@
 //! Recordings that a diagnosis can use.
 
-use armident_motion::Signals;
+use armident_motion::BandMotion;
 use armident_recording::{Recording, RecordingError};
 
 /// Why recordings cannot be diagnosed.
@@ -26,11 +26,11 @@ pub(crate) fn usable_signals(
     names: &[String],
     recordings: &[Recording],
     band_hz: f64,
-) -> Result<Vec<Signals>, Unusable> {
+) -> Result<Vec<BandMotion>, Unusable> {
     let of_all = recordings.iter().map(Recording::len).sum();
-    let signals: Vec<Signals> = recordings
+    let signals: Vec<BandMotion> = recordings
         .iter()
-        .map(|r| Ok(Signals::below(r, names, band_hz)?.thinned(of_all)))
+        .map(|r| Ok(BandMotion::below(r, names, band_hz)?.thinned(of_all)))
         .collect::<Result<_, RecordingError>>()?;
     if signals.iter().any(|s| s.band.kept.len() < 2) {
         return Err(Unusable::TooShort);
@@ -40,7 +40,7 @@ pub(crate) fn usable_signals(
 }
 
 /// Refuses recordings from which every estimate would be invented: channels that say one number.
-pub(crate) fn said_something(names: &[String], signals: &[Signals]) -> Result<(), Unusable> {
+pub(crate) fn said_something(names: &[String], signals: &[BandMotion]) -> Result<(), Unusable> {
     let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
     if !(0..names.len()).any(moves) {
         return Err(Unusable::NoMotion);

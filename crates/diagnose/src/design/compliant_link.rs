@@ -10,7 +10,7 @@
 
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use armident_model::{Load, OperatingPoint, PosedRecording, Spring};
-use armident_motion::Signals;
+use armident_motion::BandMotion;
 use std::ops::{Deref, Range};
 use std::sync::OnceLock;
 
@@ -51,7 +51,7 @@ impl<'a> Posed<'a> {
     pub(crate) fn new(
         chain: &DrivingAxisChain,
         arm: &RigidArm,
-        signals: &'a Signals,
+        signals: &'a BandMotion,
         point: &OperatingPoint,
     ) -> Self {
         let compliant = point.springs.iter().map(|s| (s.clone(), OnceLock::new())).collect();

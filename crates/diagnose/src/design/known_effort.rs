@@ -2,7 +2,7 @@
 
 use armident_effects::{EffectOnJoint, tilted};
 use armident_model::{ArmModel, BandPrediction};
-use armident_motion::Signals;
+use armident_motion::BandMotion;
 use armident_recording::RecordingError;
 use nalgebra::Vector3;
 
@@ -47,7 +47,7 @@ impl KnownModel {
     ///
     /// # Errors
     /// A recording that cannot be used.
-    pub(crate) fn taken_out_of(&self, signals: Signals) -> Result<Signals, RecordingError> {
+    pub(crate) fn taken_out_of(&self, signals: BandMotion) -> Result<BandMotion, RecordingError> {
         let (all, body) =
             (self.model.predict_in_band(&signals)?, self.body.predict_in_band(&signals)?);
         let less = |(all, body): (&Vec<f64>, &Vec<f64>)| {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use armident_motion::Signals;
+use armident_motion::BandMotion;
 
 use crate::design::comparison::Comparison;
 
@@ -16,7 +16,7 @@ const STUCK_SHARE: f64 = 0.12;
 pub(crate) type JointColumns = Vec<Vec<f64>>;
 
 /// Which rows of a recording count as these samples do.
-fn touched(signals: &Signals, samples: &[bool]) -> impl Iterator<Item = bool> {
+fn touched(signals: &BandMotion, samples: &[bool]) -> impl Iterator<Item = bool> {
     let samples: Vec<f64> = samples.iter().map(|b| f64::from(u8::from(*b))).collect();
     signals.band.rows(&samples).into_iter().map(|share| share > STUCK_SHARE)
 }
@@ -65,7 +65,7 @@ pub(crate) struct Observations {
 impl Observations {
     /// `inertia`: `[recording][joint i][joint j]`, root mean square of the inertia matrix: through it
     /// the noise of differentiated encoders comes into the efforts.
-    pub(crate) fn new(signals: &[Signals], inertia: &[Vec<Vec<f64>>]) -> Self {
+    pub(crate) fn new(signals: &[BandMotion], inertia: &[Vec<Vec<f64>>]) -> Self {
         let joints = signals[0].position.len();
         let mut starts = vec![0];
         for s in signals {
@@ -127,9 +127,9 @@ impl Observations {
     /// Weights without the judged rows of a joint at samples for which `unfit` holds, and the number of these.
     pub(crate) fn excluding(
         &self,
-        signals: &[Signals],
+        signals: &[BandMotion],
         joint: usize,
-        unfit: impl Fn(&Signals) -> Vec<bool>,
+        unfit: impl Fn(&BandMotion) -> Vec<bool>,
     ) -> (Weights, usize) {
         let mut weights = self.weights.clone();
         let mut excluded = 0;
@@ -170,7 +170,7 @@ impl Observations {
     /// Weighted rows of joint `joint` from columns at every sample of each recording.
     pub(crate) fn form<'a>(
         &self,
-        signals: &[Signals],
+        signals: &[BandMotion],
         joint: usize,
         columns: impl IntoIterator<Item = &'a [f64]>,
     ) -> Vec<f64> {
@@ -191,7 +191,7 @@ impl Observations {
     /// The same of a law: nothing before it acts.
     pub(crate) fn form_law<'a>(
         &self,
-        signals: &[Signals],
+        signals: &[BandMotion],
         joint: usize,
         columns: impl IntoIterator<Item = &'a [f64]>,
     ) -> Vec<f64> {

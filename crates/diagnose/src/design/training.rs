@@ -14,7 +14,7 @@ use crate::design::compliant_link::{CompliantLink, Posed};
 use crate::design::linear_problem::LinearProblem;
 use crate::design::link_error_prior::{as_large_as, inertial_error_directions};
 use armident_model::OperatingPoint;
-use armident_motion::Signals;
+use armident_motion::BandMotion;
 
 /// Share of the time of the reference in which a joint is no faster than its usual speed,
 const USUAL: f64 = 0.99;
@@ -25,7 +25,7 @@ const FASTER: f64 = 1.2;
 pub(crate) struct Design<'a> {
     pub(crate) chain: &'a DrivingAxisChain,
     pub(crate) names: Vec<String>,
-    pub(crate) signals: Arc<[Signals]>,
+    pub(crate) signals: Arc<[BandMotion]>,
     pub(crate) observations: Observations,
     /// size of each joint's motion
     pub(crate) scale: Vec<MotionScale>,
@@ -36,7 +36,7 @@ pub(crate) struct Design<'a> {
 }
 
 impl<'a> Design<'a> {
-    pub(crate) fn new(chain: &'a DrivingAxisChain, signals: Vec<Signals>) -> Self {
+    pub(crate) fn new(chain: &'a DrivingAxisChain, signals: Vec<BandMotion>) -> Self {
         let arm = RigidArm::from_chain(chain);
         let n = arm.dof();
         let inertia: Vec<Vec<Vec<f64>>> =
@@ -45,13 +45,13 @@ impl<'a> Design<'a> {
         let longest = signals.iter().map(|s| s.time_s[s.len() - 1]).fold(0.0, f64::max);
         let scale = (0..n)
             .map(|j| {
-                let pooled = |of: &dyn Fn(&Signals) -> &Vec<f64>, about: f64| {
+                let pooled = |of: &dyn Fn(&BandMotion) -> &Vec<f64>, about: f64| {
                     let all = signals.iter().flat_map(|s| of(s).iter());
-                    let count = signals.iter().map(Signals::len).sum::<usize>() as f64;
+                    let count = signals.iter().map(BandMotion::len).sum::<usize>() as f64;
                     (all.map(|x| (x - about).powi(2)).sum::<f64>() / count).sqrt()
                 };
                 let mean = signals.iter().flat_map(|s| s.position[j].iter()).sum::<f64>()
-                    / signals.iter().map(Signals::len).sum::<usize>() as f64;
+                    / signals.iter().map(BandMotion::len).sum::<usize>() as f64;
                 MotionScale {
                     kind: arm.joints[j].kind,
                     speed_rms: pooled(&|s| &s.velocity[j], 0.0).max(f64::MIN_POSITIVE),
@@ -427,7 +427,7 @@ impl<'a> Design<'a> {
                             return at.recorded_arm_columns(law, j, self.chain);
                         }
                         // the clock shifts all that is recorded, not the rigid body alone
-                        let all = at.signals.with_taken(effort.clone());
+                        let all = at.signals.with_known_effort(effort.clone());
                         law.arm_columns(j, &at.arm_motion(self.chain, &all))
                     })
                     .collect();
@@ -486,7 +486,7 @@ pub(crate) fn push_law(
 }
 
 /// Root mean square of every entry of the inertia matrix over some instants of a recording.
-fn inertia_root_mean_square(arm: &RigidArm, signals: &Signals) -> Vec<Vec<f64>> {
+fn inertia_root_mean_square(arm: &RigidArm, signals: &BandMotion) -> Vec<Vec<f64>> {
     const INSTANTS: usize = 20;
     let n = arm.dof();
     let mut squares = vec![vec![0.0; n]; n];

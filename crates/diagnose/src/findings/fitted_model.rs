@@ -220,7 +220,7 @@ mod tests {
     use super::*;
     use crate::selection::iterate::select;
     use crate::test_arms::{swung, ur5};
-    use armident_motion::Signals;
+    use armident_motion::BandMotion;
 
     /// The UR5, and one with other links.
     fn given_and_true() -> (DrivingAxisChain, DrivingAxisChain) {
@@ -235,7 +235,7 @@ mod tests {
     }
 
     /// The model fitted to a recording.
-    fn fitted_to(recorded: &Signals, chain: &DrivingAxisChain) -> ArmModel {
+    fn fitted_to(recorded: &BandMotion, chain: &DrivingAxisChain) -> ArmModel {
         let design = Design::new(chain, vec![recorded.clone()]);
         let (design, selection) = select(&design).unwrap();
         let metric = selection.metric();

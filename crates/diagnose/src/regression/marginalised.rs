@@ -305,7 +305,7 @@ mod tests {
     use armident_effects::ViscousFriction;
     use armident_model::SmoothBasis;
     use armident_motion::BAND_HZ;
-    use armident_motion::Signals;
+    use armident_motion::BandMotion;
     use armident_recording::{JointChannels, Recording};
 
     /// A hinge that swings for 10 s.
@@ -314,7 +314,7 @@ mod tests {
         let position = Some(time.iter().map(|t| (3.0 * t).sin()).collect());
         let joint = JointChannels { position, ..JointChannels::new("hinge") };
         let recording = Recording::new("made", time, vec![joint]).unwrap();
-        let signals = Signals::below(&recording, &["hinge".to_owned()], BAND_HZ).unwrap();
+        let signals = BandMotion::below(&recording, &["hinge".to_owned()], BAND_HZ).unwrap();
         Observations::new(&[signals], &[vec![vec![1.0]]])
     }
 

@@ -268,12 +268,12 @@ mod tests {
     use armident_effects::JointElasticity;
     use armident_model::FittedTransmission;
     use armident_model::Spring;
-    use armident_motion::Signals;
+    use armident_motion::BandMotion;
 
     /// Joints of the changes that stay significant.
     fn stays(
-        before: Signals,
-        after: Signals,
+        before: BandMotion,
+        after: BandMotion,
         wanted: impl Fn(&Candidate) -> bool,
     ) -> (Vec<Vec<usize>>, Vec<Inconclusive>) {
         let chain = ur5();

@@ -109,7 +109,7 @@ fn reversals_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<ReversalMo
 
 /// Least cross-validated gain of a reversal model on a joint, in standard errors.
 fn least_gain(design: &Design<'_>, joint: usize) -> f64 {
-    match design.signals.iter().any(|s| s.rests(joint)) {
+    match design.signals.iter().any(|s| s.has_dwell(joint)) {
         true => CLEAR_T,
         false => EXPECTED_T,
     }

@@ -1,7 +1,7 @@
 //! What a drive does where its joint stops: it does not jump, and goes on from what it needed before to what it needs
 //! after.
 
-use super::Stop;
+use super::Standstill;
 
 /// A drive gives up what its joint needed to slow down within this time of a rest \[s\].
 const HELD_S: f64 = 0.3;
@@ -12,7 +12,7 @@ const SHORT_S: f64 = 0.08;
 /// of 4 Hz and 0.6.
 const STIFFNESS_PER_DAMPING: f64 = 20.0;
 
-impl Stop {
+impl Standstill {
     /// The same, but not longer than a drive gives up what its joint needed to slow down.
     fn while_held(&self, rate_hz: f64) -> Self {
         Self { to: self.to.min(self.from + HELD_S * rate_hz), ..*self }
@@ -33,7 +33,7 @@ impl Stop {
 }
 
 /// The acceleration that a drive answers: in a rest it goes from that of before to none.
-pub(crate) fn held(acceleration: &[f64], stops: &[Stop], rate_hz: f64) -> Vec<f64> {
+pub(crate) fn held(acceleration: &[f64], stops: &[Standstill], rate_hz: f64) -> Vec<f64> {
     let mut held = acceleration.to_vec();
     for stop in stops {
         let Some((start, end)) = stop.rest() else { continue };
@@ -48,7 +48,7 @@ pub(crate) fn held(acceleration: &[f64], stops: &[Stop], rate_hz: f64) -> Vec<f6
 }
 
 /// Efforts without a jump where the joint stops.
-pub fn continued(effort: &[f64], stops: &[Stop], rate_hz: f64) -> Vec<f64> {
+pub fn continued(effort: &[f64], stops: &[Standstill], rate_hz: f64) -> Vec<f64> {
     let mut all = effort.to_vec();
     for stop in stops {
         let Some((start, end)) = stop.rest() else { continue };
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn a_drive_does_not_jump() {
         for length in [12.0, 80.0] {
-            let stop = Stop { from: 20.25, to: 20.25 + length, directions: [1.0, -1.0] };
+            let stop = Standstill { from: 20.25, to: 20.25 + length, directions: [1.0, -1.0] };
             let (start, end) = stop.samples();
             // half of the time gone, a quarter of the way
             let bend = 0.5 * STIFFNESS_PER_DAMPING * length / RATE_HZ;
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn a_turn_is_left_as_it_is() {
         let effort: Vec<f64> = (0..50).map(f64::from).collect();
-        let turn = Stop { from: 20.5, to: 20.5, directions: [1.0, -1.0] };
+        let turn = Standstill { from: 20.5, to: 20.5, directions: [1.0, -1.0] };
         assert_eq!(continued(&effort, &[turn], RATE_HZ), effort);
         assert_eq!(held(&effort, &[turn], RATE_HZ), effort);
     }

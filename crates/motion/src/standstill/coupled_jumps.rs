@@ -6,7 +6,7 @@
 
 use armident_recording::RecordingError;
 
-use super::Stop;
+use super::Standstill;
 use super::local_polynomial::{Fit, Sample, nearness};
 use crate::decimate::low_pass;
 
@@ -23,30 +23,30 @@ const SMEARED_HZ: f64 = 4000.0;
 
 /// By how much the accelerations of all joints jump where one of them stops, and nothing for itself.
 #[derive(Debug, Clone)]
-pub(crate) struct Reaction {
-    stop: Stop,
+pub(crate) struct CoupledJump {
+    stop: Standstill,
     jumps: Vec<f64>,
 }
 
 /// A motion with jumps of its accelerations: positions of all joints, and their noises.
-pub(crate) fn react(
-    stops: &[Stop],
+pub(crate) fn coupled_jumps_of(
+    stops: &[Standstill],
     of: usize,
     positions: &[Vec<f64>],
     noises: &[f64],
     rate_hz: f64,
-) -> Vec<Reaction> {
-    let jumps = |stop: &Stop| {
+) -> Vec<CoupledJump> {
+    let jumps = |stop: &Standstill| {
         let jump = |(j, (position, noise)): (usize, (&Vec<f64>, &f64))| {
             if j == of { 0.0 } else { jump_at(position, stop.from, *noise, rate_hz) }
         };
         positions.iter().zip(noises).enumerate().map(jump).collect()
     };
     let stops = stops.iter().filter(|stop| stop.stops());
-    stops.map(|stop| Reaction { stop: *stop, jumps: jumps(stop) }).collect()
+    stops.map(|stop| CoupledJump { stop: *stop, jumps: jumps(stop) }).collect()
 }
 
-impl Reaction {
+impl CoupledJump {
     /// Restores the jumps of accelerations that went through a low-pass; while the joint rests they go on in a line where
     /// what its drive answers is asked for (`held`).
     pub(crate) fn restore(
@@ -61,7 +61,7 @@ impl Reaction {
         let wide = (SMEARED_S * rate_hz).ceil();
         let first = (stop.from - wide).max(0.0) as usize;
         let last = ((stop.to + wide) as usize).min(samples);
-        let begun = Stop { to: stop.from, ..*stop };
+        let begun = Standstill { to: stop.from, ..*stop };
         for t in first..last {
             let sharp = if held { stop.share_at(t) } else { begun.share_at(t) };
             let more = sharp - step.at((t as f64 - stop.from) / rate_hz);
@@ -164,8 +164,8 @@ mod tests {
         let sharp: Vec<f64> = (0..800).map(|k| 4.0 * f64::from(u8::from(k as f64 >= AT))).collect();
         let smeared = kinematics_filter(RATE_HZ).unwrap().filter(&sharp);
         let step = SmearedStep::of(kinematics_cutoff_hz(RATE_HZ)).unwrap();
-        let stop = Stop { from: AT, to: AT + 20.0, directions: [1.0, -1.0] };
-        let reaction = Reaction { stop, jumps: vec![4.0] };
+        let stop = Standstill { from: AT, to: AT + 20.0, directions: [1.0, -1.0] };
+        let reaction = CoupledJump { stop, jumps: vec![4.0] };
         let off = |held: bool, expected: &dyn Fn(usize) -> f64| -> f64 {
             let mut restored = vec![smeared.clone()];
             reaction.restore(&mut restored, held, &step, RATE_HZ);

@@ -1,6 +1,6 @@
 //! The direction of a joint, and of its friction where it stops.
 
-use super::Stop;
+use super::Standstill;
 
 /// A speed below this many standard deviations of its noise has no sign...
 const SIGN_DEVIATIONS: f64 = 5.0;
@@ -26,14 +26,14 @@ const LATER_S: f64 = 0.03;
 pub(crate) fn directions_and_stops(
     velocity: &[f64],
     acceleration: &[f64],
-    stops: &[Stop],
+    stops: &[Standstill],
     noise: f64,
     rate_hz: f64,
 ) -> (Vec<f64>, Vec<bool>) {
     let n = velocity.len();
     let (rms, threshold) = sure_speed(velocity, noise);
     let rests: Vec<(usize, usize)> =
-        stops.iter().map(Stop::samples).filter(|(start, end)| start < end).collect();
+        stops.iter().map(Standstill::samples).filter(|(start, end)| start < end).collect();
     let mut velocity = velocity.to_vec();
     let mut resting = vec![false; n];
     for (start, end) in &rests {
@@ -81,11 +81,11 @@ struct Bridge {
     after: f64,
     rest: Option<(usize, usize)>,
     /// the one stop that it is
-    stop: Option<Stop>,
+    stop: Option<Standstill>,
 }
 
 /// Where the direction is not sure; a joint may also turn between two samples, `[start, start)`.
-fn doubtful(velocity: &[f64], threshold: f64, stops: &[Stop]) -> Vec<(usize, usize)> {
+fn doubtful(velocity: &[f64], threshold: f64, stops: &[Standstill]) -> Vec<(usize, usize)> {
     let mut found = spells(velocity, threshold);
     for stop in stops.iter().filter(|stop| stop.turns() && stop.stops()) {
         let (start, end) = stop.samples();
@@ -104,14 +104,14 @@ pub(super) fn sure_speed(velocity: &[f64], noise: f64) -> (f64, f64) {
 }
 
 /// The stop in some samples or beside them, if it is one.
-fn stop_in(stops: &[Stop], start: usize, end: usize) -> Option<Stop> {
-    let within = |stop: &&Stop| stop.to > start as f64 - 1.0 && stop.from < end as f64;
+fn stop_in(stops: &[Standstill], start: usize, end: usize) -> Option<Standstill> {
+    let within = |stop: &&Standstill| stop.to > start as f64 - 1.0 && stop.from < end as f64;
     let mut stops = stops.iter().filter(within);
     let stop = stops.next()?;
     stops.next().is_none().then_some(*stop)
 }
 
-impl Stop {
+impl Standstill {
     /// Takes away what a low-pass makes of a sudden stop or break-away: speeds beside it of the wrong sign.
     fn overshoots(&self, velocity: &mut [f64], threshold: f64, rate_hz: f64) {
         let [before, after] = self.directions;

@@ -22,10 +22,10 @@ const AT_REST_DEVIATIONS: f64 = 2.5;
 impl Channels<'_> {
     /// Where the joint stays at one place though it would have left it at its accelerations around: among them the
     /// rests of stick and slip, too short to be seen in a filtered velocity. `noise` is that of the position.
-    pub(super) fn rests(&self, acceleration: &[f64], noise: f64) -> Vec<(usize, usize)> {
+    pub(super) fn dwells(&self, acceleration: &[f64], noise: f64) -> Vec<(usize, usize)> {
         // a joint that mostly stands still has no noise to tell its encoder's step by
         let deviation = noise.max(SAME_PLACE_STEPS / SAME_PLACE_DEVIATIONS * self.step);
-        let mut found = rests(self.position, acceleration, deviation, self.rate_hz);
+        let mut found = dwells(self.position, acceleration, deviation, self.rate_hz);
         for (start, end) in &mut found {
             let mut places = self.position[*start..*end].to_vec();
             let (_, middle, _) = places.select_nth_unstable_by((*end - *start) / 2, f64::total_cmp);
@@ -42,7 +42,7 @@ impl Channels<'_> {
 
 /// Stretches in which a joint stays at one place though at its accelerations around it would have left: the
 /// rests of stick and slip, too short to be seen in a filtered velocity.
-fn rests(
+fn dwells(
     position: &[f64],
     acceleration: &[f64],
     deviation: f64,
@@ -113,16 +113,16 @@ mod tests {
             (0..800).map(|k| of(f64::from(k) / RATE_HZ)).collect()
         };
         let position = sampled(&slides);
-        let found = rests(&position, &twice(&position), 2e-5 / SAME_PLACE_DEVIATIONS, RATE_HZ);
+        let found = dwells(&position, &twice(&position), 2e-5 / SAME_PLACE_DEVIATIONS, RATE_HZ);
         // 2 s hold 23 of them; the first samples of a slide are still at the place
         assert!((20..=24).contains(&found.len()), "{found:?}");
         assert!(found.iter().all(|(start, end)| (8..=14).contains(&(end - start))), "{found:?}");
         let sine = sampled(&|t: f64| (3.0 * t).sin());
-        assert_eq!(rests(&sine, &twice(&sine), 2e-5 / SAME_PLACE_DEVIATIONS, RATE_HZ), []);
+        assert_eq!(dwells(&sine, &twice(&sine), 2e-5 / SAME_PLACE_DEVIATIONS, RATE_HZ), []);
         // nor is a speed that touches zero and goes on
         let through = sampled(&|t: f64| 0.4 * (t - 1.0).powi(3) + 0.02 * (t - 1.0).powi(4));
-        assert_eq!(rests(&through, &twice(&through), 1e-5, RATE_HZ), []);
+        assert_eq!(dwells(&through, &twice(&through), 1e-5, RATE_HZ), []);
         // a joint at rest is none of stick and slip either
-        assert_eq!(rests(&[0.5; 800], &[0.0; 800], 2e-5 / SAME_PLACE_DEVIATIONS, RATE_HZ), []);
+        assert_eq!(dwells(&[0.5; 800], &[0.0; 800], 2e-5 / SAME_PLACE_DEVIATIONS, RATE_HZ), []);
     }
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use armident_numeric::{Cholesky, dot};
 
-use super::Stop;
+use super::Standstill;
 use super::local_polynomial::{Fit, Sample, nearness};
 
 /// So much of the motion before and after a stop \[s\], and so many samples at least, say where it is...
@@ -69,11 +69,11 @@ impl Side {
 #[derive(Clone, Copy)]
 struct Tried {
     left: f64,
-    stop: Stop,
+    stop: Standstill,
 }
 
 impl Tried {
-    fn or_better(best: &mut Option<Self>, left: f64, stop: Stop) {
+    fn or_better(best: &mut Option<Self>, left: f64, stop: Standstill) {
         if best.is_none_or(|best| left < best.left) {
             *best = Some(Self { left, stop });
         }
@@ -124,7 +124,7 @@ impl Around {
     }
 
     /// The likeliest stop, and whether it is clearly likelier than none. `noise` is that of the position.
-    pub(super) fn stop(&self, directions: [f64; 2], noise: f64) -> Option<(Stop, bool)> {
+    pub(super) fn stop(&self, directions: [f64; 2], noise: f64) -> Option<(Standstill, bool)> {
         if self.position.len() < 2 * LEAST || noise <= 0.0 {
             return None;
         }
@@ -158,7 +158,7 @@ impl Around {
         let variance = (noise * noise).max(left / self.weight.iter().sum::<f64>());
         let is_clear = (self.left_by_one()? - left) / variance > CLEAR;
         let (from, to) = (stop.from + self.first, stop.to + self.first);
-        Some((Stop { from, to, ..stop }, is_clear))
+        Some((Standstill { from, to, ..stop }, is_clear))
     }
 
     /// Places between two, so many in a sample.
@@ -178,7 +178,7 @@ impl Around {
             let both = before.and(after);
             let [a, b] = [before, after].map(|side| side.acceleration_at(both.place()));
             if a * b > 0.0 && a.abs() > b.abs() {
-                let stop = Stop { from: t, to: t, directions };
+                let stop = Standstill { from: t, to: t, directions };
                 Tried::or_better(&mut best.turn, both.left(), stop);
             }
         }
@@ -191,7 +191,7 @@ impl Around {
         for (&from, before) in from.iter().zip(&before) {
             for (&to, after) in to.iter().zip(&after).filter(|(to, _)| **to >= from) {
                 let (Some(before), Some(after)) = (before, after) else { continue };
-                let stop = Stop { from, to, directions };
+                let stop = Standstill { from, to, directions };
                 let resting = self.resting(from.ceil() as usize..to.floor() as usize + 1);
                 Tried::or_better(&mut best.rest, before.and(*after).and(resting).left(), stop);
             }
@@ -272,7 +272,7 @@ mod tests {
 
     /// A joint of inertia 1 with dry friction behind a drive of this natural frequency \[rad/s\] follows two sines.
     /// Gives its positions at this rate, and its stops.
-    fn followed(friction: f64, frequency: f64, rate_hz: f64) -> (Vec<f64>, Vec<Stop>) {
+    fn followed(friction: f64, frequency: f64, rate_hz: f64) -> (Vec<f64>, Vec<Standstill>) {
         const STEP_S: f64 = 1e-5;
         const DAMPING: f64 = 0.7;
         let (mut q, mut v) = (0.0_f64, 0.0_f64);
@@ -297,7 +297,7 @@ mod tests {
                     v = (effort - friction.copysign(effort)) * STEP_S;
                     if let Some((from, before)) = since.take() {
                         let directions = [before.signum(), v.signum()];
-                        stops.push(Stop { from, to: t * rate_hz, directions });
+                        stops.push(Standstill { from, to: t * rate_hz, directions });
                     }
                 }
             } else {

@@ -19,24 +19,24 @@ mod segments;
 
 pub use actuator::continued;
 pub(crate) use actuator::held;
-pub(crate) use coupled_jumps::{Reaction, SmearedStep, react};
+pub(crate) use coupled_jumps::{CoupledJump, SmearedStep, coupled_jumps_of};
 pub(crate) use direction::directions_and_stops;
 pub(crate) use record_ends::{stands_at_ends, starts_at_rest};
 pub use segments::{ChannelSeries, Kind, filter_between};
 
-use crate::Continuation;
+use crate::EndExtension;
 use direction::{spells, sure_speed};
 use event_time::Around;
 
 /// A stop shorter than this is none for friction that fades \[s\]: the joint turns back.
-const LASTS_S: f64 = 0.008;
+const DWELL_S: f64 = 0.008;
 
 /// A joint that turns back comes from where it goes to, so long before a rest and after it \[s\].
 const AWAY_S: f64 = 0.02;
 
 /// Where a joint comes to a stop, and where it breaks away, in samples; the same where it turns back at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
+pub struct Standstill {
     /// Where the joint comes to a stop, in samples.
     pub from: f64,
     /// Where it breaks away, in samples.
@@ -45,7 +45,7 @@ pub struct Stop {
     pub directions: [f64; 2],
 }
 
-impl Stop {
+impl Standstill {
     /// Its samples, `[start, end)`: none where a joint turns back between two.
     pub fn samples(&self) -> (usize, usize) {
         let start = self.from.ceil() as usize;
@@ -63,8 +63,8 @@ impl Stop {
     }
 
     /// Whether the joint stays where it is for a while.
-    pub fn lasts(&self, rate_hz: f64) -> bool {
-        self.to - self.from > LASTS_S * rate_hz
+    pub fn is_dwell(&self, rate_hz: f64) -> bool {
+        self.to - self.from > DWELL_S * rate_hz
     }
 
     /// How much of the stop is over, a mean of the time around a sample.
@@ -100,7 +100,7 @@ pub(crate) struct Channels<'a> {
     pub step: f64,
     pub rate_hz: f64,
     /// how position and velocity go on past the ends of the recording
-    pub goes_on: [Continuation; 2],
+    pub extensions: [EndExtension; 2],
     /// whether the joint stands at the first sample, and at the last
     pub stands: [bool; 2],
 }
@@ -117,7 +117,12 @@ struct Glimpse {
 impl Channels<'_> {
     /// Where the joint rests, and where it turns back with another acceleration, as exactly as its motion says. `motion`
     /// is that through a low-pass; the noises are those of the position and of the speed.
-    pub(crate) fn stops(&self, motion: &SmoothMotion, noise: f64, of_speed: f64) -> Vec<Stop> {
+    pub(crate) fn stops(
+        &self,
+        motion: &SmoothMotion,
+        noise: f64,
+        of_speed: f64,
+    ) -> Vec<Standstill> {
         let seen = self.glimpses(motion, noise, of_speed);
         let samples = self.position.len();
         let deviation = noise.max(quantisation(self.step));
@@ -132,12 +137,14 @@ impl Channels<'_> {
             match found.flatten() {
                 // a motion that is smooth all through may turn as well
                 Some((stop, is_clear)) => (is_clear || rests).then_some(stop),
-                None => {
-                    rests.then_some(Stop { from: start as f64, to: end as f64 - 1.0, directions })
-                }
+                None => rests.then_some(Standstill {
+                    from: start as f64,
+                    to: end as f64 - 1.0,
+                    directions,
+                }),
             }
         };
-        let mut found: Vec<Stop> = seen.iter().enumerate().filter_map(exact).collect();
+        let mut found: Vec<Standstill> = seen.iter().enumerate().filter_map(exact).collect();
         found.sort_by(|a, b| a.from.total_cmp(&b.from));
         // one after the other: of two that overlap, noise moved one into the other
         let mut last = f64::MIN;
@@ -153,9 +160,9 @@ impl Channels<'_> {
     fn glimpses(&self, motion: &SmoothMotion, noise: f64, of_speed: f64) -> Vec<Glimpse> {
         let velocity = &motion.velocity;
         let n = velocity.len();
-        let rests = self.rests(&motion.acceleration, noise);
+        let dwells = self.dwells(&motion.acceleration, noise);
         let touches =
-            |start: usize, end: usize| rests.iter().any(|rest| rest.0 <= end && start <= rest.1);
+            |start: usize, end: usize| dwells.iter().any(|rest| rest.0 <= end && start <= rest.1);
         let (_, threshold) = sure_speed(velocity, of_speed);
         let reverses = |t: &usize| {
             let [before, after] = [velocity[t - 1], velocity[*t]];
@@ -170,7 +177,7 @@ impl Channels<'_> {
             let turns = directions[0] * directions[1] < 0.0;
             turns.then_some(Glimpse { start, end, rests: false, directions })
         });
-        let at_rest = rests.iter().map(|&(start, end)| {
+        let at_rest = dwells.iter().map(|&(start, end)| {
             let directions = self.ways_beside((start, end));
             Glimpse { start, end, rests: true, directions }
         });
@@ -220,12 +227,12 @@ mod tests {
     }
 
     fn channels(position: &[f64]) -> Channels<'_> {
-        let goes_on = Continuation::of(position, 2, &kinematics_filter(RATE_HZ).unwrap());
-        let (goes_on, stands) = ([goes_on; 2], [false; 2]);
-        Channels { position, velocity: None, step: 0.0, rate_hz: RATE_HZ, goes_on, stands }
+        let extensions = EndExtension::of(position, 2, &kinematics_filter(RATE_HZ).unwrap());
+        let (extensions, stands) = ([extensions; 2], [false; 2]);
+        Channels { position, velocity: None, step: 0.0, rate_hz: RATE_HZ, extensions, stands }
     }
 
-    fn seen(position: &[f64]) -> (Vec<Stop>, SmoothMotion, SmoothMotion) {
+    fn seen(position: &[f64]) -> (Vec<Standstill>, SmoothMotion, SmoothMotion) {
         let low_pass = kinematics_filter(RATE_HZ).unwrap();
         let channels = channels(position);
         let blurred = channels.smooth(&low_pass);
@@ -240,7 +247,7 @@ mod tests {
     fn a_stop_keeps_its_acceleration() {
         let (stops, blurred, sharp) = seen(&stopping(0.1, 1.0));
         let &[stop] = stops.as_slice() else { panic!("{stops:?}") };
-        assert!(stop.turns() && stop.lasts(RATE_HZ));
+        assert!(stop.turns() && stop.is_dwell(RATE_HZ));
         assert!((stop.from - 200.0).abs() < 0.3 && (stop.to - 240.0).abs() < 0.5, "{stop:?}");
         let (start, end) = stop.samples();
         let off = |motion: &SmoothMotion, t: usize, expected: f64| {
@@ -327,10 +334,10 @@ mod tests {
     #[test]
     fn friction_of_a_joint_that_rests() {
         let joined = |turning_s: f64| -> Vec<f64> {
-            let (turns, goes_on) = (stopping(turning_s, 1.0), stopping(0.1, -1.0));
-            let offset = turns[599] - goes_on[0];
+            let (turns, extensions) = (stopping(turning_s, 1.0), stopping(0.1, -1.0));
+            let offset = turns[599] - extensions[0];
             // the end of the first and the start of the second move fast and differently: cut there
-            turns.iter().copied().chain(goes_on.iter().map(|q| q + offset)).collect()
+            turns.iter().copied().chain(extensions.iter().map(|q| q + offset)).collect()
         };
         let middles = |turning_s: f64| -> [f64; 2] {
             let (stops, _, motion) = seen(&joined(turning_s));
@@ -338,19 +345,23 @@ mod tests {
             let (direction, stuck) =
                 directions_and_stops(velocity, acceleration, &stops, 1e-6, RATE_HZ);
             // the middle of it is neither
-            let rests: Vec<&Stop> = stops.iter().filter(|stop| stop.lasts(RATE_HZ)).collect();
-            let &[turns, goes_on] = rests.as_slice() else { panic!("{stops:?}") };
-            assert!(turns.turns() && !goes_on.turns());
-            [turns, goes_on].map(|stop| {
+            let rests: Vec<&Standstill> =
+                stops.iter().filter(|stop| stop.is_dwell(RATE_HZ)).collect();
+            let &[turns, extensions] = rests.as_slice() else { panic!("{stops:?}") };
+            assert!(turns.turns() && !extensions.turns());
+            [turns, extensions].map(|stop| {
                 let middle = (0.5 * (stop.from + stop.to)).round() as usize;
                 assert!(stuck[middle]);
                 direction[middle]
             })
         };
-        let [turned, goes_on] = middles(0.02);
+        let [turned, extensions] = middles(0.02);
         // it tells of four fifths of a reversal; of a joint that did not turn back, of half as much
-        assert!(turned.abs() < 0.3 && goes_on > 0.0 && goes_on < 0.3, "{turned} {goes_on}");
-        let [turned, goes_on] = middles(0.29);
-        assert!(turned.abs() < 0.05 && goes_on > 0.7, "{turned} {goes_on}");
+        assert!(
+            turned.abs() < 0.3 && extensions > 0.0 && extensions < 0.3,
+            "{turned} {extensions}"
+        );
+        let [turned, extensions] = middles(0.29);
+        assert!(turned.abs() < 0.05 && extensions > 0.7, "{turned} {extensions}");
     }
 }

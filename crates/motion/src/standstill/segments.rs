@@ -1,8 +1,8 @@
 //! A recording cut where its joint stops: what lies between two stops is smooth, and smoothed for itself.
 
-use crate::{Continuation, ZeroPhaseLowPass, differentiate};
+use crate::{EndExtension, ZeroPhaseLowPass, differentiate};
 
-use super::{Channels, SmoothMotion, Stop};
+use super::{Channels, SmoothMotion, Standstill};
 use crate::decimate::between;
 
 /// Efforts are continued past a stop by so much of their mirror image \[s\].
@@ -21,7 +21,7 @@ impl Channels<'_> {
     /// as if it went back the way it came, which keeps its acceleration up to there.
     pub(crate) fn smooth_between(
         &self,
-        stops: &[Stop],
+        stops: &[Standstill],
         low_pass: &ZeroPhaseLowPass,
         mut motion: SmoothMotion,
     ) -> SmoothMotion {
@@ -52,7 +52,7 @@ impl Channels<'_> {
         low_pass: &ZeroPhaseLowPass,
     ) -> (ChannelSeries<'_>, Option<ChannelSeries<'_>>) {
         let of = |values, k: usize, kind| {
-            ChannelSeries::of(values, kind, self.goes_on[k], self.stands, low_pass)
+            ChannelSeries::of(values, kind, self.extensions[k], self.stands, low_pass)
         };
         let velocity = self.velocity.map(|velocity| of(velocity, 1, Kind::Velocity));
         (of(self.position, 0, Kind::Position), velocity)
@@ -61,8 +61,8 @@ impl Channels<'_> {
 
 /// What lies between two stops.
 struct Piece {
-    after: Option<Stop>,
-    before: Option<Stop>,
+    after: Option<Standstill>,
+    before: Option<Standstill>,
 }
 
 impl Piece {
@@ -77,8 +77,8 @@ impl Piece {
 
 /// A recording cut where its joint stops, without what is too short to be smoothed for itself; nothing if it never
 /// does.
-fn pieces(stops: &[Stop], samples: usize, rate_hz: f64) -> Vec<Piece> {
-    let stops: Vec<Stop> = stops.iter().copied().filter(Stop::stops).collect();
+fn pieces(stops: &[Standstill], samples: usize, rate_hz: f64) -> Vec<Piece> {
+    let stops: Vec<Standstill> = stops.iter().copied().filter(Standstill::stops).collect();
     if stops.is_empty() {
         return Vec::new();
     }
@@ -130,11 +130,11 @@ impl<'a> ChannelSeries<'a> {
     pub fn of(
         values: &'a [f64],
         kind: Kind,
-        goes_on: Continuation,
+        extensions: EndExtension,
         stands: [bool; 2],
         low_pass: &ZeroPhaseLowPass,
     ) -> Self {
-        let (mut before, margin) = goes_on.past_ends(values, low_pass);
+        let (mut before, margin) = extensions.past_ends(values, low_pass);
         let after = before.split_off(margin + values.len());
         before.truncate(margin);
         let mut series = Self { values, kind, before, after, margin };
@@ -148,7 +148,7 @@ impl<'a> ChannelSeries<'a> {
     }
 
     /// Where a joint rests, or what is recorded where it breaks away.
-    fn pivot(&self, stop: &Stop) -> f64 {
+    fn pivot(&self, stop: &Standstill) -> f64 {
         let (start, end) = stop.samples();
         if self.kind == Kind::Position && start < end {
             self.values[start..end].iter().sum::<f64>() / (end - start) as f64
@@ -224,7 +224,7 @@ fn smooth_piece(
 /// A low-pass that leaves what jumps where a joint stops as it is.
 pub fn filter_between(
     values: &[f64],
-    stops: &[Stop],
+    stops: &[Standstill],
     low_pass: &ZeroPhaseLowPass,
     rate_hz: f64,
 ) -> Vec<f64> {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::{Continuation, EvenGrid, differentiate};
+use crate::{EndExtension, EvenGrid, differentiate};
 use armident_numeric::dot;
 use armident_recording::{Quantity, Recording, RecordingError};
 use rayon::prelude::*;
@@ -15,8 +15,8 @@ use crate::decimate::{
 };
 use crate::noise_spectrum::{Noise, noise_of};
 use crate::standstill::{
-    Channels, Reaction, SmearedStep, SmoothMotion, Stop, directions_and_stops, held, least_step,
-    quantisation, react, stands_at_ends, starts_at_rest,
+    Channels, CoupledJump, SmearedStep, SmoothMotion, Standstill, coupled_jumps_of,
+    directions_and_stops, held, least_step, quantisation, stands_at_ends, starts_at_rest,
 };
 
 /// Share of the acceleration noise from the position that is clearly better.
@@ -35,7 +35,7 @@ const SEARCHED_HZ: f64 = 250.0;
 
 /// Channels of the joints of a chain on an even grid, joint-major.
 #[derive(Debug, Clone)]
-pub struct Signals {
+pub struct BandMotion {
     /// Where the recording comes from.
     pub source: String,
     /// Samples per second of the grid.
@@ -47,7 +47,7 @@ pub struct Signals {
     /// Positions on the grid, not filtered \[rad or m\].
     pub recorded_position: Vec<Vec<f64>>,
     /// How these go on past the ends of the recording.
-    pub goes_on: Vec<Continuation>,
+    pub extensions: Vec<EndExtension>,
     /// Whether the arm is at rest at the first and at the last sample.
     pub stands: [bool; 2],
     /// Whether the arm rests at the first sample, however suddenly it moves then.
@@ -61,20 +61,20 @@ pub struct Signals {
     /// The same with the jumps where the joint stops.
     pub own_acceleration: Vec<Vec<f64>>,
     /// The same as the drive answers it: during a dwell it goes from that of before to none.
-    pub held_acceleration: Vec<Vec<f64>>,
+    pub actuator_acceleration: Vec<Vec<f64>>,
     /// Sign of the velocity, between -1 and 1 where a joint reverses within a sample or rests.
     pub direction: Vec<Vec<f64>>,
     /// Whether the joint rests at a sample.
     pub stuck: Vec<Vec<bool>>,
     /// Standstills of each joint, in the order of time.
-    pub stops: Vec<Vec<Stop>>,
+    pub standstills: Vec<Vec<Standstill>>,
     /// accelerations of the other joints where one stops
-    reactions: Vec<Vec<Reaction>>,
+    coupled_jumps: Vec<Vec<CoupledJump>>,
     smeared_step: Arc<SmearedStep>,
     /// Efforts on the grid \[N m or N\]; empty for a joint whose effort is not recorded.
     pub effort: Vec<Vec<f64>>,
     /// Known part of the recorded effort, no longer in `effort` \[N m or N\].
-    pub taken: Vec<Vec<f64>>,
+    pub known_effort: Vec<Vec<f64>>,
     /// Noise of the effort of one recorded sample \[N m or N\].
     pub effort_noise: Vec<f64>,
     /// Noise of the effort in the band \[N m or N\].
@@ -94,7 +94,7 @@ struct VelocityNoise {
     acceleration_in_band: f64,
 }
 
-impl Signals {
+impl BandMotion {
     /// At every sample, to be compared below this frequency.
     ///
     /// # Errors
@@ -152,19 +152,19 @@ impl Signals {
             position: Vec::new(),
             time_s,
             recorded_position,
-            goes_on: Vec::new(),
+            extensions: Vec::new(),
             stands: [false; 2],
             starts_at_rest: false,
             velocity: Vec::new(),
             acceleration: Vec::new(),
             direction: Vec::new(),
             stuck: Vec::new(),
-            stops: Vec::new(),
-            reactions: Vec::new(),
+            standstills: Vec::new(),
+            coupled_jumps: Vec::new(),
             smeared_step: Arc::new(SmearedStep::of(kinematics_cutoff_hz(rate_hz))?),
             own_acceleration: Vec::new(),
-            held_acceleration: Vec::new(),
-            taken: effort.iter().map(|e| vec![0.0; e.len()]).collect(),
+            actuator_acceleration: Vec::new(),
+            known_effort: effort.iter().map(|e| vec![0.0; e.len()]).collect(),
             effort,
         };
         for effort in &signals.effort {
@@ -181,7 +181,7 @@ impl Signals {
                 velocity: None,
                 step,
                 rate_hz,
-                goes_on: [Continuation::of(position, 2, &low_pass); 2],
+                extensions: [EndExtension::of(position, 2, &low_pass); 2],
                 stands: [false; 2],
             })
             .collect();
@@ -199,13 +199,13 @@ impl Signals {
                 && let Some(of_recorded) = signals.better_velocity(recorded, &motion.velocity)
             {
                 channels.velocity = Some(recorded);
-                channels.goes_on[1] = Continuation::of(recorded, 1, &low_pass);
+                channels.extensions[1] = EndExtension::of(recorded, 1, &low_pass);
                 motion = channels.smooth(&low_pass);
                 noise = of_recorded.deviation * signals.kinematics_gain(0);
                 acceleration_noise = of_recorded.acceleration_in_band;
             }
             signals.acceleration_noise.push(acceleration_noise);
-            signals.goes_on.push(channels.goes_on[0]);
+            signals.extensions.push(channels.extensions[0]);
             let stops = channels.stops(&motion, of_position.deviation, noise);
             // where a joint stops its neighbours' accelerations jump as well, and are smeared: to them it is as smeared
             signals.acceleration.push(motion.acceleration.clone());
@@ -214,39 +214,40 @@ impl Signals {
             let (direction, stuck) =
                 directions_and_stops(&velocity, &acceleration, &stops, noise, rate_hz);
             signals.position.push(position);
-            signals.held_acceleration.push(held(&acceleration, &stops, rate_hz));
+            signals.actuator_acceleration.push(held(&acceleration, &stops, rate_hz));
             signals.own_acceleration.push(acceleration);
-            signals.stops.push(stops);
+            signals.standstills.push(stops);
             signals.velocity.push(velocity);
             signals.direction.push(direction);
             signals.stuck.push(stuck);
         }
         let noises: Vec<f64> =
             noises.iter().zip(&steps).map(|(noise, step)| noise.max(quantisation(*step))).collect();
-        let of_joint =
-            |(j, stops): (usize, &Vec<Stop>)| react(stops, j, &positions, &noises, rate_hz);
-        signals.reactions = signals.stops.par_iter().enumerate().map(of_joint).collect();
+        let of_joint = |(j, stops): (usize, &Vec<Standstill>)| {
+            coupled_jumps_of(stops, j, &positions, &noises, rate_hz)
+        };
+        signals.coupled_jumps = signals.standstills.par_iter().enumerate().map(of_joint).collect();
         Ok(signals)
     }
 
     /// Accelerations of all joints as they are on one of them: its own and, where it stops, the others' jump. While it rests
     /// they are what its drive answers if that is asked for (`held`).
     pub fn accelerations_on(&self, row: usize, held: bool) -> Cow<'_, [Vec<f64>]> {
-        if self.stops[row].is_empty() {
+        if self.standstills[row].is_empty() {
             return Cow::Borrowed(&self.acceleration);
         }
-        let own = if held { &self.held_acceleration } else { &self.own_acceleration };
+        let own = if held { &self.actuator_acceleration } else { &self.own_acceleration };
         let mut all = self.acceleration.clone();
         all[row].clone_from(&own[row]);
-        for reaction in &self.reactions[row] {
+        for reaction in &self.coupled_jumps[row] {
             reaction.restore(&mut all, held, &self.smeared_step, self.rate_hz);
         }
         Cow::Owned(all)
     }
 
     /// Samples at which a joint rests.
-    pub fn rests_of(&self, joint: usize) -> impl Iterator<Item = Range<usize>> {
-        let lasting = self.stops[joint].iter().filter(|stop| stop.lasts(self.rate_hz));
+    pub fn dwells_of(&self, joint: usize) -> impl Iterator<Item = Range<usize>> {
+        let lasting = self.standstills[joint].iter().filter(|stop| stop.is_dwell(self.rate_hz));
         lasting.map(|stop| {
             let (start, end) = stop.samples();
             start.min(self.len())..end.min(self.len())
@@ -259,8 +260,8 @@ impl Signals {
     }
 
     /// Whether a joint rests somewhere.
-    pub fn rests(&self, joint: usize) -> bool {
-        self.stops[joint].iter().any(|stop| stop.lasts(self.rate_hz))
+    pub fn has_dwell(&self, joint: usize) -> bool {
+        self.standstills[joint].iter().any(|stop| stop.is_dwell(self.rate_hz))
     }
 
     /// Number of samples.
@@ -283,24 +284,28 @@ impl Signals {
             &mut self.velocity,
             &mut self.acceleration,
             &mut self.own_acceleration,
-            &mut self.held_acceleration,
+            &mut self.actuator_acceleration,
         ];
         for values in motions.into_iter().flatten() {
             *values = every(step, values);
         }
         // directions jump, as efforts do
-        let jumping =
-            [&mut self.recorded_position, &mut self.direction, &mut self.effort, &mut self.taken];
+        let jumping = [
+            &mut self.recorded_position,
+            &mut self.direction,
+            &mut self.effort,
+            &mut self.known_effort,
+        ];
         for values in jumping.into_iter().flatten() {
             *values = means(step, values);
         }
         for stuck in &mut self.stuck {
             *stuck = every(step, stuck);
         }
-        for stop in self.stops.iter_mut().flatten() {
+        for stop in self.standstills.iter_mut().flatten() {
             *stop = stop.thinned(step);
         }
-        for reaction in self.reactions.iter_mut().flatten() {
+        for reaction in self.coupled_jumps.iter_mut().flatten() {
             *reaction = reaction.thinned(step);
         }
         self.time_s = every(step, &self.time_s);
@@ -361,32 +366,38 @@ impl Signals {
     }
 }
 
-impl Signals {
+impl BandMotion {
     /// The efforts as they were before a delay \[s\]: at every instant, what is recorded that much
     /// later.
     pub fn effort_before(&self, delay_s: f64) -> Vec<Vec<f64>> {
         // what was recorded is late, what is known is not
-        let before = |(all, taken): (Vec<f64>, &Vec<f64>)| {
+        let before = |(all, known_effort): (Vec<f64>, &Vec<f64>)| {
             let before = later(&all, delay_s * self.rate_hz);
-            before.iter().zip(taken).map(|(e, taken)| e - taken).collect()
+            before.iter().zip(known_effort).map(|(e, known_effort)| e - known_effort).collect()
         };
-        self.with_taken(self.effort.clone()).into_iter().zip(&self.taken).map(before).collect()
+        self.with_known_effort(self.effort.clone())
+            .into_iter()
+            .zip(&self.known_effort)
+            .map(before)
+            .collect()
     }
 
-    /// Efforts with what was taken out of the recorded ones.
-    pub fn with_taken(&self, mut effort: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        for (effort, taken) in effort.iter_mut().zip(&self.taken) {
-            effort.iter_mut().zip(taken).for_each(|(e, taken)| *e += taken);
+    /// Efforts with what was known_effort out of the recorded ones.
+    pub fn with_known_effort(&self, mut effort: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        for (effort, known_effort) in effort.iter_mut().zip(&self.known_effort) {
+            effort.iter_mut().zip(known_effort).for_each(|(e, known_effort)| *e += known_effort);
         }
         effort
     }
 
-    /// The same with a known part of the efforts taken out.
+    /// The same with a known part of the efforts known_effort out.
     pub fn without(mut self, known: Vec<Vec<f64>>) -> Self {
-        for ((effort, taken), known) in self.effort.iter_mut().zip(&mut self.taken).zip(known) {
-            for ((effort, taken), known) in effort.iter_mut().zip(taken).zip(known) {
+        for ((effort, known_effort), known) in
+            self.effort.iter_mut().zip(&mut self.known_effort).zip(known)
+        {
+            for ((effort, known_effort), known) in effort.iter_mut().zip(known_effort).zip(known) {
                 *effort -= known;
-                *taken += known;
+                *known_effort += known;
             }
         }
         self
@@ -395,7 +406,7 @@ impl Signals {
 
 #[cfg(test)]
 mod tests {
-    use super::{SEARCHED_SAMPLES, Signals};
+    use super::{BandMotion, SEARCHED_SAMPLES};
     use crate::compare_band::BAND_HZ;
     use armident_recording::{JointChannels, Recording};
 
@@ -411,7 +422,7 @@ mod tests {
         joint.effort = Some(time.iter().map(|t| rate(t).signum() + 4.0 * motion(t)).collect());
         let recording = Recording::new("made", time, vec![joint]).unwrap();
         let joints = ["a".to_owned()];
-        let all = Signals::below(&recording, &joints, BAND_HZ).unwrap();
+        let all = BandMotion::below(&recording, &joints, BAND_HZ).unwrap();
         let few = all.clone().thinned(recording.len());
         // just beyond the budget: half of them; and what is long enough goes down to 250 Hz
         assert_eq!(recording.len().div_ceil(SEARCHED_SAMPLES), 2);
@@ -421,7 +432,7 @@ mod tests {
         for few in [few, all.clone().thinned(1_000_000)] {
             let size =
                 |rows: &[f64]| (armident_numeric::dot(rows, rows) / rows.len() as f64).sqrt();
-            let channels = |s: &Signals| -> [Vec<f64>; 5] {
+            let channels = |s: &BandMotion| -> [Vec<f64>; 5] {
                 [&s.position, &s.velocity, &s.acceleration, &s.direction, &s.effort]
                     .map(|channel| s.band.rows(&channel[0]))
             };
