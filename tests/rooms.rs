@@ -12,9 +12,25 @@ use syn::{Attribute, Item, ItemUse, UseTree, Visibility};
 use crate::shared::project;
 
 /// Rooms of a crate in the order of the data, base first: a room may use those before it. The face is last.
-const ROOMS: [(&str, &[&str]); 4] = [
+const ROOMS: [(&str, &[&str]); 7] = [
     ("diagnose", &["checks", "design", "regression", "uncertainty", "selection", "findings"]),
     ("effects", &["laws"]),
+    ("recording", &["mapping", "formats"]),
+    (
+        "ident",
+        &[
+            "minimal_set",
+            "consistency",
+            "regression",
+            "estimators",
+            "structure",
+            "calibration",
+            "checks",
+            "experiment",
+            "identify",
+        ],
+    ),
+    ("report", &["layout", "results", "sections", "text"]),
     ("challenge", &["contract", "arms", "hidden", "cases", "score", "studies"]),
     ("motion", &["standstill", "quality"]),
 ];

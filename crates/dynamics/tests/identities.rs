@@ -550,7 +550,7 @@ proptest! {
         assert_close("energy", &[there], &[kinetic(&body, v, w)], EXACT);
     }
 
-    /// A last joint that stands still may be removed and its link glued to the one before.
+    /// A last joint at rest may be removed and its link glued to the one before.
     #[test]
     fn fixed_link_gives_lumped_effort(case in cases(), any in any_numbers()) {
         let Case { arm, q, mut dq, mut ddq } = case;

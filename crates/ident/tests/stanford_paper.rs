@@ -249,7 +249,7 @@ const ARMS: [Arm; 15] = [
     upright("ur5", "RRRRRR", 34),
     upright("ur10", "RRRRRR", 34),
     upright("tx40", "RRRRRR", 34),
-    // axes 1 and 2 are 70 mm apart: no point stands still
+    // axes 1 and 2 are 70 mm apart: no point is at rest
     upright("irb140", "RRRRRR", 36),
     // axes 1 to 3 meet in the shoulder, gravity or not
     upright("panda", "RRRRRRR", 39),

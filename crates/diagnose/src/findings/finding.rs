@@ -209,7 +209,7 @@ fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alter
         joints: vec![design.names[last].clone()],
         link: link_of(design, &candidates[candidate]),
         left_more: 0.0,
-        separated_by: Some("no motion of this arm, whose efforts do not hold the mass: weigh it"),
+        separated_by: Some("No motion of this arm distinguishes them, because its efforts do not depend on the mass: weigh the load."),
     })
 }
 

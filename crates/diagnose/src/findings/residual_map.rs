@@ -270,18 +270,18 @@ impl States {
         ]
         .map(|name| (name, Vec::with_capacity(n)))
         .to_vec();
-        // in the words of the library's laws, with the effects that each suggests
+        // each with the effects that it suggests
         let mut functions: Vec<(&'static str, &'static str, Vec<f64>)> = [
             ("sign(v)", "Coulomb friction"),
-            ("v", "viscous friction, or a delay"),
-            ("v abs(v)", "drag"),
-            ("1", "an offset, or gravity"),
-            ("q", "a spring, or gravity"),
-            ("rigid", "a gain of the channel, or wrong masses"),
-            ("abs(rigid) sign(v)", "friction that grows with the load"),
-            ("a", "the inertia of a rotor"),
-            ("d rigid/dt", "a delay"),
-            ("v (1 - 2 t/T)", "friction that drifts"),
+            ("v", "viscous friction or effort delay"),
+            ("v abs(v)", "quadratic drag"),
+            ("1", "offset or gravity"),
+            ("q", "joint spring or gravity"),
+            ("rigid", "effort gain or mass error"),
+            ("abs(rigid) sign(v)", "load-dependent friction"),
+            ("a", "rotor inertia"),
+            ("d rigid/dt", "effort delay"),
+            ("v (1 - 2 t/T)", "friction drift"),
         ]
         .map(|(name, points_to)| (name, points_to, Vec::with_capacity(n)))
         .to_vec();

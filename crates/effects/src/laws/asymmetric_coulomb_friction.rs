@@ -28,11 +28,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "torque_offset",
-            separated_by: "nothing on one joint: Coulomb friction and an offset are the same effort; a run with the drive off shows the offset alone",
+            separated_by: "Motion of one joint cannot distinguish them; a recording with the drive off shows the offset alone.",
         },
         LookAlike {
             slug: "payload",
-            separated_by: "other poses of the arm: the effort of a load follows gravity, friction does not",
+            separated_by: "Change the pose: a payload's effort varies with gravity, friction does not.",
         },
     ],
     catalogue: Some(&CATALOGUE),

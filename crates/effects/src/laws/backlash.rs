@@ -35,11 +35,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "presliding_hysteresis",
-            separated_by: "with and without gravity load: hysteresis stays at reversals, play moves to where the transmitted effort changes sign",
+            separated_by: "Record with and without gravity load on the joint: hysteresis stays at the reversals, backlash moves to where the transmitted effort changes sign.",
         },
         LookAlike {
             slug: "joint_elasticity",
-            separated_by: "with and without gravity load on the joint",
+            separated_by: "Record with and without gravity load on the joint: backlash acts only where the transmitted effort changes sign.",
         },
     ],
     catalogue: Some(&CATALOGUE),

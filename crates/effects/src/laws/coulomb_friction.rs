@@ -20,15 +20,15 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "torque_offset",
-            separated_by: "motion in both directions through the same positions",
+            separated_by: "Move in both directions through the same positions: friction changes sign, an offset does not.",
         },
         LookAlike {
             slug: "viscous_friction",
-            separated_by: "slow and fast runs: at one speed the two are the same column",
+            separated_by: "Move slowly and fast: at a single speed the two are collinear.",
         },
         LookAlike {
             slug: "presliding_hysteresis",
-            separated_by: "small slow reversals: presliding follows the travel since the reversal",
+            separated_by: "Make small, slow reversals: presliding friction depends on the travel since the reversal.",
         },
     ],
     export: Export { urdf: Some("friction"), mjcf: Some("frictionloss") },

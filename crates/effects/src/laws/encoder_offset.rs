@@ -27,11 +27,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "gravity_direction",
-            separated_by: "motion of the other joints, or a level on the base",
+            separated_by: "Move the other joints, or measure the base with a level.",
         },
         LookAlike {
             slug: "link_inertia_error",
-            separated_by: "several poses of the joints before it; on the last joint that gravity loads, nothing: a turned centre of mass is the same",
+            separated_by: "Move the joints before it to several poses; on the last joint that gravity loads, a rotated centre of mass is equivalent.",
         },
     ],
     catalogue: Some(&CATALOGUE),

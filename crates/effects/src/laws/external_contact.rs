@@ -29,9 +29,9 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "coulomb_friction",
-            separated_by: "the same motion without the surroundings",
+            separated_by: "Repeat the motion away from obstacles.",
         },
-        LookAlike { slug: "payload", separated_by: "the time: a contact ends" },
+        LookAlike { slug: "payload", separated_by: "A contact ends; a payload does not." },
     ],
     catalogue: Some(&CATALOGUE),
     ..Law::BLANK

@@ -23,10 +23,13 @@ const LAW: Law = Law {
     ],
     contains: &["viscous_friction"],
     look_alikes: &[
-        LookAlike { slug: "viscous_friction", separated_by: "a second run on the warm arm" },
+        LookAlike {
+            slug: "viscous_friction",
+            separated_by: "Repeat the motion on the warm arm: drift disappears, viscous friction remains.",
+        },
         LookAlike {
             slug: "payload",
-            separated_by: "the part that is even in the speed: friction drifts only in the odd part",
+            separated_by: "Separate the even and odd parts in speed: drift appears only in the odd part.",
         },
     ],
     catalogue: Some(&CATALOGUE),

@@ -18,7 +18,7 @@ pub struct GravityDirection;
 
 const LAW: Law = Law {
     slug: "gravity_direction",
-    title: "tilted base",
+    title: "base tilt",
     formula: "gravity turned by the rotation vector (tilt_x, tilt_y, 0) of the base in the world",
     scope: Scope::Arm,
     roles: &[LawRole::Gravity],
@@ -33,11 +33,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "encoder_offset",
-            separated_by: "a level on the base, or the arm turned about its first axis",
+            separated_by: "Measure the base with a level, or rotate the arm about its first axis.",
         },
         LookAlike {
             slug: "link_inertia_error",
-            separated_by: "the first axis, if it is vertical: only a tilt loads it with gravity",
+            separated_by: "On a vertical first axis only a base tilt causes gravity load.",
         },
     ],
     catalogue: Some(&CATALOGUE),

@@ -27,11 +27,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "coulomb_friction",
-            separated_by: "both joints in motion at once, in equal and in opposite directions",
+            separated_by: "Move both joints at once, in equal and in opposite directions.",
         },
         LookAlike {
             slug: "viscous_friction",
-            separated_by: "both joints in motion at once, in equal and in opposite directions",
+            separated_by: "Move both joints at once, in equal and in opposite directions.",
         },
     ],
     catalogue: Some(&CATALOGUE),

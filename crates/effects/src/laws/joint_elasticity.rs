@@ -32,15 +32,15 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "rotor_inertia",
-            separated_by: "faster motion: elasticity resonates and moves the other joints",
+            separated_by: "Excite higher frequencies: elasticity resonates and moves the other joints.",
         },
         LookAlike {
             slug: "backlash",
-            separated_by: "with and without gravity load on the joint: play needs a change of sign of the transmitted effort",
+            separated_by: "Record with and without gravity load: backlash acts only where the transmitted effort changes sign.",
         },
         LookAlike {
             slug: "time_delay",
-            separated_by: "a fast excitation: elasticity has a peak, a delay has not",
+            separated_by: "Excite high frequencies: elasticity has a resonance peak, a delay does not.",
         },
     ],
     catalogue: Some(&CATALOGUE),

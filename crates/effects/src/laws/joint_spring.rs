@@ -23,11 +23,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "payload",
-            separated_by: "a wide travel: a load follows the sine of the angle, a spring the angle",
+            separated_by: "Move over a wide range: a payload varies with the sine of the angle, a spring with the angle.",
         },
         LookAlike {
             slug: "presliding_hysteresis",
-            separated_by: "a long travel in both directions: a spring has no loop",
+            separated_by: "Move far in both directions: a spring has no hysteresis loop.",
         },
     ],
     export: Export { urdf: None, mjcf: Some("stiffness") },

@@ -34,11 +34,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "payload",
-            separated_by: "on the last link nothing: a payload is an inertial error; with and without the load",
+            separated_by: "On the last link they are equivalent; otherwise repeat the motion with and without the payload.",
         },
         LookAlike {
             slug: "torque_scale",
-            separated_by: "the efforts of the joints before: a link loads all of them",
+            separated_by: "Compare the joints before the link: a link inertia loads all of them.",
         },
     ],
     export: Export { urdf: Some("inertial"), mjcf: Some("inertial") },

@@ -25,11 +25,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "torque_scale",
-            separated_by: "up and down through the same poses: a gain keeps its sign, friction changes it",
+            separated_by: "Move up and down through the same poses: friction changes sign with direction, a gain error does not.",
         },
         LookAlike {
             slug: "coulomb_friction",
-            separated_by: "the same motion with another payload or in another pose",
+            separated_by: "Repeat the motion with another payload or in another pose.",
         },
     ],
     catalogue: Some(&CATALOGUE),

@@ -35,11 +35,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "link_inertia_error",
-            separated_by: "the same motion with and without the load",
+            separated_by: "Repeat the motion with and without the payload.",
         },
         LookAlike {
             slug: "gravity_direction",
-            separated_by: "the first axis, if it is vertical: only a tilt loads it with gravity",
+            separated_by: "On a vertical first axis only a base tilt causes gravity load.",
         },
     ],
     export: Export { urdf: Some("inertial"), mjcf: Some("inertial") },

@@ -25,13 +25,16 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "stribeck_friction",
-            separated_by: "slow reversals of different acceleration: presliding keeps its width in travel, Stribeck in speed",
+            separated_by: "Reverse slowly with different accelerations: the Stribeck peak has a constant width in speed, presliding friction in travel.",
         },
         LookAlike {
             slug: "backlash",
-            separated_by: "with and without gravity load on the joint: backlash moves to where the transmitted effort changes sign",
+            separated_by: "Record with and without gravity load on the joint: hysteresis stays at the reversals, backlash moves to where the transmitted effort changes sign.",
         },
-        LookAlike { slug: "joint_spring", separated_by: "a long travel: presliding saturates" },
+        LookAlike {
+            slug: "joint_spring",
+            separated_by: "Move over a long travel: presliding friction saturates, a spring does not.",
+        },
     ],
     catalogue: Some(&CATALOGUE),
     ..Law::BLANK

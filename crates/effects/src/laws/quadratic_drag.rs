@@ -17,8 +17,8 @@ const LAW: Law = Law {
     roles: &[LawRole::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m s2/rad2", "N s2/m2").main()],
     look_alikes: &[
-        LookAlike { slug: "viscous_friction", separated_by: "a ladder of speeds" },
-        LookAlike { slug: "coulomb_friction", separated_by: "a ladder of speeds" },
+        LookAlike { slug: "viscous_friction", separated_by: "Record several constant speeds." },
+        LookAlike { slug: "coulomb_friction", separated_by: "Record several constant speeds." },
     ],
     catalogue: Some(&CATALOGUE),
     ..Law::BLANK

@@ -21,15 +21,15 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "U_33",
-            separated_by: "nothing on the first rotational joint, where rotor and link turn together; the rotor inertia of the data sheet times the squared gear ratio",
+            separated_by: "On the first rotational joint they are equivalent; compare with the data-sheet rotor inertia times the squared gear ratio.",
         },
         LookAlike {
             slug: "joint_elasticity",
-            separated_by: "faster motion: elasticity resonates and moves the other joints",
+            separated_by: "Excite higher frequencies: elasticity resonates and moves the other joints.",
         },
         LookAlike {
             slug: "link_inertia_error",
-            separated_by: "motion of the other joints: a link is felt by them, a rotor is not",
+            separated_by: "Move the other joints: a link inertia loads them, a rotor inertia does not.",
         },
     ],
     export: Export { urdf: None, mjcf: Some("armature") },

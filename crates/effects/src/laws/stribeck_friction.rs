@@ -27,15 +27,15 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "presliding_hysteresis",
-            separated_by: "slow reversals of different acceleration: Stribeck keeps its width in speed, presliding in travel",
+            separated_by: "Reverse slowly with different accelerations: the Stribeck peak has a constant width in speed, presliding friction in travel.",
         },
         LookAlike {
             slug: "coulomb_friction",
-            separated_by: "constant speeds below and above the Stribeck velocity",
+            separated_by: "Record constant speeds below and above the Stribeck velocity.",
         },
         LookAlike {
             slug: "viscous_friction",
-            separated_by: "constant speeds: Stribeck friction falls where viscous friction rises",
+            separated_by: "Record several constant speeds: Stribeck friction falls with speed, viscous friction rises.",
         },
     ],
     catalogue: Some(&CATALOGUE),

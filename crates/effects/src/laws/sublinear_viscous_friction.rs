@@ -16,15 +16,15 @@ const LINEAR_BELOW: f64 = 1e-3;
 
 const LAW: Law = Law {
     slug: "sublinear_viscous_friction",
-    title: "sub-linear viscous friction",
+    title: "sublinear viscous friction",
     formula: "f = c v / sqrt(abs(v) + 0.001)",
     scope: Scope::Joint,
     roles: &[LawRole::Drag],
     parameters: &[Parameter::non_negative("coefficient", "N m (s/rad)^0.5", "N (s/m)^0.5")],
     naming: Naming::PredictionOnly,
     look_alikes: &[
-        LookAlike { slug: "viscous_friction", separated_by: "a ladder of speeds" },
-        LookAlike { slug: "coulomb_friction", separated_by: "a ladder of speeds" },
+        LookAlike { slug: "viscous_friction", separated_by: "Record several constant speeds." },
+        LookAlike { slug: "coulomb_friction", separated_by: "Record several constant speeds." },
     ],
     ..Law::BLANK
 };

@@ -13,7 +13,7 @@ pub struct TimeDelay;
 
 const LAW: Law = Law {
     slug: "time_delay",
-    title: "time delay",
+    title: "effort delay",
     formula: "recorded effort(t) = true effort(t - delay), all joints",
     scope: Scope::Arm,
     roles: &[LawRole::Time],
@@ -23,11 +23,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "viscous_friction",
-            separated_by: "the same amplitude at two frequencies: friction grows with the speed, a delay with its cube",
+            separated_by: "Repeat the motion with the same amplitude at two frequencies: friction grows with the speed, the effect of a delay with its cube.",
         },
         LookAlike {
             slug: "rotor_inertia",
-            separated_by: "efforts without acceleration: a delay shifts gravity too",
+            separated_by: "Compare phases without acceleration: a delay also shifts the gravity effort.",
         },
     ],
     catalogue: Some(&CATALOGUE),

@@ -20,11 +20,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "asymmetric_coulomb_friction",
-            separated_by: "nothing on one joint: the two are the same effort; a run with the drive off shows the offset alone",
+            separated_by: "Motion of one joint cannot distinguish them; a recording with the drive off shows the offset alone.",
         },
         LookAlike {
             slug: "payload",
-            separated_by: "other poses of the arm: the effort of a load follows gravity, an offset does not",
+            separated_by: "Change the pose: a payload's effort varies with gravity, an offset does not.",
         },
     ],
     catalogue: Some(&CATALOGUE),

@@ -27,11 +27,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "unmodelled",
-            separated_by: "a slow sweep over the whole travel: ripple has one order everywhere",
+            separated_by: "Sweep the whole range slowly: ripple has the same order everywhere.",
         },
         LookAlike {
             slug: "joint_elasticity",
-            separated_by: "two speeds: ripple keeps its order in position, a resonance its frequency",
+            separated_by: "Move at two speeds: ripple keeps its order in position, a resonance its frequency.",
         },
     ],
     catalogue: Some(&CATALOGUE),

@@ -12,7 +12,7 @@ pub struct TorqueScale;
 
 const LAW: Law = Law {
     slug: "torque_scale",
-    title: "effort gain",
+    title: "effort gain error",
     formula: "recorded effort = gain * true effort",
     scope: Scope::Joint,
     roles: &[LawRole::Gain],
@@ -21,11 +21,11 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "link_inertia_error",
-            separated_by: "nothing if every joint has the same gain: a known mass; else the efforts of the other joints",
+            separated_by: "If all joints share the factor, only a known mass distinguishes them; otherwise compare the efforts of the other joints.",
         },
         LookAlike {
             slug: "load_dependent_friction",
-            separated_by: "up and down through the same poses: friction changes its sign",
+            separated_by: "Move up and down through the same poses: friction changes sign with direction, a gain error does not.",
         },
     ],
     catalogue: Some(&CATALOGUE),

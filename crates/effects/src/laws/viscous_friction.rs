@@ -20,15 +20,15 @@ const LAW: Law = Law {
     look_alikes: &[
         LookAlike {
             slug: "time_delay",
-            separated_by: "the same amplitude at two frequencies: friction grows with the speed, a delay with its cube",
+            separated_by: "Repeat the motion with the same amplitude at two frequencies: friction grows with the speed, the effect of a delay with its cube.",
         },
         LookAlike {
             slug: "coulomb_friction",
-            separated_by: "slow and fast runs: at one speed the two are the same column",
+            separated_by: "Move slowly and fast: at a single speed the two are collinear.",
         },
         LookAlike {
             slug: "friction_drift",
-            separated_by: "a second run on the warm arm: drift is gone, viscous friction stays",
+            separated_by: "Repeat the motion on the warm arm: drift disappears, viscous friction remains.",
         },
     ],
     export: Export { urdf: Some("damping"), mjcf: Some("damping") },

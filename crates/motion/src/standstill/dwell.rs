@@ -23,7 +23,7 @@ impl Channels<'_> {
     /// Where the joint stays at one place though it would have left it at its accelerations around: among them the
     /// rests of stick and slip, too short to be seen in a filtered velocity. `noise` is that of the position.
     pub(super) fn dwells(&self, acceleration: &[f64], noise: f64) -> Vec<(usize, usize)> {
-        // a joint that mostly stands still has no noise to tell its encoder's step by
+        // a joint that is mostly at rest has no noise from which its encoder's step could be estimated
         let deviation = noise.max(SAME_PLACE_STEPS / SAME_PLACE_DEVIATIONS * self.step);
         let mut found = dwells(self.position, acceleration, deviation, self.rate_hz);
         for (start, end) in &mut found {
