@@ -245,7 +245,11 @@ fn detects_faults_of_bundled_recording() {
         assert!(channel(&found, joint).1.contains("another unit"), "{joint}");
     }
     let degrees = case.checked(&case.table.scaled(&case.table.of("/position"), 57.295_779_513));
-    assert!(wrong(&degrees).iter().any(|w| w.contains("in degrees")), "{:?}", wrong(&degrees));
+    assert!(
+        wrong(&degrees).iter().any(|w| w.contains("probably degrees")),
+        "{:?}",
+        wrong(&degrees)
+    );
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn lay_out(folder: &Path) {
     run_in(folder, &identify).fine();
     let model = std::fs::read_to_string(folder.join("model.json")).unwrap();
     write("broken.json", model.split("\"joints\"").next().unwrap().as_bytes());
-    write("schema.json", model.replace("armident.model/1", "armident.model/7").as_bytes());
+    write("schema.json", model.replace("armident.model/2", "armident.model/7").as_bytes());
     write("effect.json", model.replace("coulomb_friction", "coulomb_fiction").as_bytes());
     let mut skewed: serde_json::Value = serde_json::from_str(&model).unwrap();
     skewed["base_from_e0"]["quaternion_wxyz"][0] = 9.0.into();

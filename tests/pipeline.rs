@@ -305,7 +305,7 @@ fn batch_fit_recovers_simulated_parameters() {
     // a second run says the same bytes
     let twice = run_in(&folder, &[&args[..], &["--json", "-"]].concat()).fine().json();
     assert_eq!(twice, identified);
-    assert_eq!(read_json(&folder.join("model.json"))["schema"], "armident.model/1");
+    assert_eq!(read_json(&folder.join("model.json"))["schema"], "armident.model/2");
 }
 
 /// A fitted model has friction of either sign within its noise; it simulates all the same.

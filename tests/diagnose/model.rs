@@ -25,7 +25,7 @@ fn writes_holdout_model_and_fields() {
     assert_eq!(unproven(&with), unproven(&without));
     assert!(list(&with["findings"]).iter().all(|f| f["confirmed"] == true));
     assert!(list(&without["findings"]).iter().all(|f| f["confirmed"].is_null()));
-    assert!(string(&with["sentence"]).ends_with("it is confirmed by the hold-out"));
+    assert!(string(&with["sentence"]).ends_with("are confirmed by the hold-out"));
     assert_eq!(with["verdict"], without["verdict"]);
     assert_eq!(with["fit"]["train"], without["fit"]["train"]);
     assert!(without["fit"]["holdout"].is_null());
@@ -304,7 +304,7 @@ fn validates_the_whole_model() {
     for command in ["check", "identify"] {
         let told = run_in(&folder, &[command, "model.json", "train.csv"]).fine();
         let told = told.stderr.replace('\n', " ");
-        let note = "of model.json only the links are used, not its ";
+        let note = "using only the links of model.json; ignoring ";
         assert!(told.contains(note) && told.contains("torque_scale"), "{command}: {told}");
     }
 }

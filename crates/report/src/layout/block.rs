@@ -130,4 +130,20 @@ impl Table {
         self.rows.extend(rows.into_iter().map(|row| row.into_iter().map(Into::into).collect()));
         self
     }
+
+    /// The table without the columns that are empty in every row.
+    #[must_use]
+    pub fn without_empty_columns(mut self) -> Self {
+        let is_empty = |cell: &Cell| matches!(cell, Cell::Text(text) if text.is_empty());
+        let kept: Vec<bool> = (0..self.columns.len())
+            .map(|column| !self.rows.iter().all(|row| is_empty(&row[column])))
+            .collect();
+        let mut keeps = kept.iter();
+        self.columns.retain(|_| *keeps.next().expect("one a column"));
+        for row in &mut self.rows {
+            let mut keeps = kept.iter();
+            row.retain(|_| *keeps.next().expect("one a column"));
+        }
+        self
+    }
 }

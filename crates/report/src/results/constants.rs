@@ -23,7 +23,7 @@ pub struct ConstantRow {
     pub joint: String,
     /// Unit.
     pub unit: String,
-    /// EstimateRow; `null` when no step determined it.
+    /// Estimate; `null` when no step determined it.
     pub value: Option<f64>,
     /// Standard error.
     pub standard_error: Option<f64>,
@@ -57,7 +57,7 @@ impl ConstantRow {
         }
     }
 
-    /// EstimateRow less URDF, in standard errors.
+    /// Estimate less URDF, in standard errors.
     pub fn deviation(&self) -> Option<f64> {
         let deviation = (self.value? - self.urdf) / self.standard_error?;
         deviation.is_finite().then_some(deviation)
@@ -130,7 +130,7 @@ pub(crate) fn text_table(constants: &[ConstantRow], joints: &[String]) -> Block 
         "unit",
         "prior share",
     ]);
-    Block::Table(table.with(rows))
+    Block::Table(table.with(rows).without_empty_columns())
 }
 
 /// The table of a page, with intervals.
@@ -171,5 +171,5 @@ pub(crate) fn page_table(constants: &[ConstantRow]) -> Block {
     let table = Table::new("Inertia constants", &["constant", "joint", "relative std error"])
         .numbers(&["estimate", "std error", "95 % interval", "URDF", "(est-URDF)/se"])
         .texts(&["unit", "prior share"]);
-    Block::Table(table.with(rows))
+    Block::Table(table.with(rows).without_empty_columns())
 }

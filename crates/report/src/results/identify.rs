@@ -110,7 +110,7 @@ pub struct EffectRow {
     pub parameter: String,
     /// Unit.
     pub unit: String,
-    /// EstimateRow.
+    /// Estimate.
     pub value: f64,
     /// Standard error; `null` at the bound.
     pub standard_error: Option<f64>,
@@ -128,7 +128,7 @@ pub struct EffectRow {
 pub struct DriveGainRow {
     /// Joint name.
     pub joint: String,
-    /// EstimateRow; relative to one drive where only ratios are identifiable.
+    /// Estimate; relative to one drive where only ratios are identifiable.
     pub value: f64,
     /// Standard error; `null` for the drive that the others are relative to.
     pub standard_error: Option<f64>,

@@ -14,7 +14,7 @@ use crate::words::{effect_at, effect_label, location};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct EstimateRow {
-    /// EstimateRow.
+    /// Estimate.
     pub value: f64,
     /// Standard error; `null` where it is not known.
     pub stderr: Option<f64>,
