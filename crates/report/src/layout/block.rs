@@ -87,6 +87,10 @@ impl From<&str> for Cell {
     }
 }
 
+fn of_kept<T>(all: Vec<T>, kept: &[bool]) -> Vec<T> {
+    all.into_iter().zip(kept).filter_map(|(one, kept)| kept.then_some(one)).collect()
+}
+
 /// A table. Every row has one cell a column.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
@@ -138,12 +142,8 @@ impl Table {
         let kept: Vec<bool> = (0..self.columns.len())
             .map(|column| !self.rows.iter().all(|row| is_empty(&row[column])))
             .collect();
-        let mut keeps = kept.iter();
-        self.columns.retain(|_| *keeps.next().expect("one a column"));
-        for row in &mut self.rows {
-            let mut keeps = kept.iter();
-            row.retain(|_| *keeps.next().expect("one a column"));
-        }
+        self.columns = of_kept(self.columns, &kept);
+        self.rows = self.rows.into_iter().map(|row| of_kept(row, &kept)).collect();
         self
     }
 }
