@@ -1,5 +1,8 @@
 //! Command-line arguments.
 
+// the doc comments of arguments are their help texts, in which [rad] is a unit
+#![allow(rustdoc::broken_intra_doc_links)]
+
 mod arm;
 mod around;
 mod challenge;
