@@ -9,7 +9,7 @@ use crate::contract::truth::{Named, PerJoint};
 /// A diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// `armident.diagnosis/1`.
+    /// `armident.diagnosis/2`.
     pub schema: String,
     /// Whether model and recordings agree.
     pub verdict: AnswerVerdict,
