@@ -32,7 +32,7 @@ impl KnownModel {
         Self { model, body, joint_effects }
     }
 
-    /// The rigid body that recordings are compared with once the rest is taken out of them.
+    /// The rigid-body part of the model: recordings are compared with it once all other known efforts are subtracted.
     pub(crate) fn body(&self) -> &ArmModel {
         &self.body
     }

@@ -82,7 +82,7 @@ fn dwells(
     found
 }
 
-/// Whether a quartic leaves no more than that.
+/// Whether the residual of a quartic through the positions is within their noise.
 fn is_smooth(position: &[f64], noise: f64) -> bool {
     let n = position.len();
     let Some(quartics) = Quartics::of_length(n, 0.0) else { return true };
