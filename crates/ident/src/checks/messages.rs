@@ -430,24 +430,32 @@ pub(super) fn noise(
             (rate.min(m.rate_hz), cutoff.max(cutoff_hz), share.max(m.independent_share()))
         });
     let exact = motions.iter().any(|m| m.filter.is_none());
+    let noise = |level: String, (sigma, step), unit, (share, of): (f64, &str), advice: &str| {
+        let noisy = share > NOISY;
+        let message = format!(
+            "{level}{} ({:.1} % of the {of} after the low-pass)",
+            stepped(step),
+            100.0 * share
+        );
+        Check {
+            joint: Some(name.to_owned()),
+            value: Some(sigma),
+            unit,
+            advice: noisy.then(|| advice.to_owned()),
+            ..robot_wide(Topic::Noise, if noisy { Verdict::Doubtful } else { Verdict::Ok }, message)
+        }
+    };
     let mut checks = Vec::new();
     if let Some((sigma, step)) = worst(Quantity::Effort) {
         let of_signal =
             sigma * share.sqrt() / rms(&|m| m.effort.as_ref().map_or(&[], |e| &e[joint]));
-        let noisy = of_signal > NOISY;
-        let message = format!(
-            "effort {} {newton}{} ({:.1} % of the signal after the low-pass)",
-            scientific(sigma),
-            stepped(step),
-            100.0 * of_signal
-        );
-        checks.push(Check {
-            joint: Some(name.to_owned()),
-            value: Some(sigma),
-            unit: "N m or N",
-            advice: noisy.then(|| "move this joint more, or longer".to_owned()),
-            ..robot_wide(Topic::Noise, if noisy { Verdict::Doubtful } else { Verdict::Ok }, message)
-        });
+        checks.push(noise(
+            format!("effort {} {newton}", scientific(sigma)),
+            (sigma, step),
+            "N m or N",
+            (of_signal, "signal"),
+            "move this joint more, or longer",
+        ));
     }
     let moving = activity(motions, joint).range >= RESTING_RANGE;
     if let Some((sigma, step)) = worst(Quantity::Position).filter(|_| moving && !exact) {
@@ -455,20 +463,13 @@ pub(super) fn noise(
         let omega = std::f64::consts::TAU * cutoff_hz;
         let of_acceleration = sigma * omega * omega * (2.0 * cutoff_hz / (5.0 * rate_hz)).sqrt();
         let of_signal = of_acceleration / rms(&|m| &m.acceleration[joint]);
-        let noisy = of_signal > NOISY;
-        let message = format!(
-            "position {} {metre}{} ({:.1} % of the acceleration after the low-pass)",
-            scientific(sigma),
-            stepped(step),
-            100.0 * of_signal
-        );
-        checks.push(Check {
-            joint: Some(name.to_owned()),
-            value: Some(sigma),
-            unit: "rad or m",
-            advice: noisy.then(|| "accelerate more, or lower --cutoff-hz".to_owned()),
-            ..robot_wide(Topic::Noise, if noisy { Verdict::Doubtful } else { Verdict::Ok }, message)
-        });
+        checks.push(noise(
+            format!("position {} {metre}", scientific(sigma)),
+            (sigma, step),
+            "rad or m",
+            (of_signal, "acceleration"),
+            "accelerate more, or lower --cutoff-hz",
+        ));
     }
     checks
 }

@@ -31,16 +31,6 @@ impl Verdict {
             _ => Self::Wrong,
         }
     }
-
-    /// Name in texts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::CannotTell => "inconclusive",
-            Self::Doubtful => "doubtful",
-            Self::Wrong => "wrong",
-        }
-    }
 }
 
 /// What was checked.
@@ -61,21 +51,6 @@ pub enum Topic {
     Excitation,
     /// Properties of the samples that need no model.
     Quality,
-}
-
-impl Topic {
-    /// In words.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rate => "rate",
-            Self::Noise => "noise",
-            Self::Channel => "effort column",
-            Self::Order => "joint order",
-            Self::Delay => "delay",
-            Self::Excitation => "excitation",
-            Self::Quality => "quality",
-        }
-    }
 }
 
 /// One check with its verdict.

@@ -17,8 +17,10 @@ pub trait Estimator: fmt::Debug + Send + Sync {
     /// Name of the method for people, as in "identified by weighted least squares".
     fn title(&self) -> &'static str;
 
-    /// The method in a clause, for help texts.
-    fn description(&self) -> &'static str;
+    /// The method in a clause, for help texts; the title by default.
+    fn description(&self) -> &'static str {
+        self.title()
+    }
 
     /// Estimates all terms of a problem, in their order, with standard errors. By-products are
     /// [notes](BatchEstimate::notes) of the estimate.

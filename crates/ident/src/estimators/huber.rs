@@ -35,10 +35,6 @@ impl Estimator for Huber {
         "robust weighted least squares (Huber)"
     }
 
-    fn description(&self) -> &'static str {
-        "robust weighted least squares (Huber)"
-    }
-
     fn fit(
         &self,
         problem: &BatchProblem,

@@ -21,10 +21,6 @@ impl Estimator for Ols {
         "ordinary least squares"
     }
 
-    fn description(&self) -> &'static str {
-        "ordinary least squares"
-    }
-
     fn fit(
         &self,
         problem: &BatchProblem,

@@ -44,9 +44,4 @@ impl StepMotion {
         let decay = (-s * t).exp();
         [1.0 - (1.0 + s * t) * decay, s * s * t * decay, s * s * (1.0 - s * t) * decay]
     }
-
-    /// Largest speed, reached at `t = 1/σ` \[rad/s or m/s\].
-    pub fn peak_speed(&self) -> f64 {
-        self.amplitude.abs() * self.sigma_per_s / std::f64::consts::E
-    }
 }
