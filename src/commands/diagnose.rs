@@ -98,10 +98,7 @@ fn write_diagnosis(
     diagnosis: &Diagnosis,
 ) -> Result<Outcome, Failure> {
     if let Some(path) = &args.save_model {
-        let text = diagnosis.model.to_json().map_err(|error| {
-            Failure::new(format!("cannot write JSON: {error}"), path.display(), None::<String>)
-        })?;
-        output::write_file(path, (text + "\n").as_bytes())?;
+        diagnosis.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
     let training = diagnosis.prepared(&diagnosis.recordings)?;
     let holdout = diagnosis.prepared(&diagnosis.holdout)?;

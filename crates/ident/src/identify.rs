@@ -152,10 +152,7 @@ impl<'a> Prepared<'a> {
         let set = MinimalSet::of(&arm)?;
         let mut problem = BatchProblem::new(&arm, &set).with_loads(request.loads);
         let converted = efforts_of_currents(&mut problem, request, &joints, cutoff_hz)?;
-        let (train, holdout) = match &converted {
-            Some(converted) => (&converted.train[..], &converted.holdout[..]),
-            None => (request.train, request.holdout),
-        };
+        let [train, holdout] = with_efforts(request, converted.as_ref());
         let motions = |recordings: &[Recording]| -> Result<Vec<Motion>, IdentifyError> {
             let motions = motions_with_effort(recordings, &joints, cutoff_hz)?;
             let unloaded = |motion| without_loads(&arm, motion, request.loads);
@@ -198,10 +195,7 @@ impl<'a> Prepared<'a> {
     pub fn fit(&self, estimator: &dyn Estimator) -> Result<Identification, IdentifyError> {
         let Self { request, problem, structure, .. } = self;
         let (model, settings) = (request.model, &structure.settings);
-        let (train, holdout) = match &self.converted {
-            Some(converted) => (&converted.train[..], &converted.holdout[..]),
-            None => (request.train, request.holdout),
-        };
+        let [train, holdout] = with_efforts(request, self.converted.as_ref());
         (request.progress)(Stage::Fit);
         let recorded = [
             Recorded { recordings: train, motions: &self.train_motions },
@@ -274,6 +268,17 @@ impl<'a> Prepared<'a> {
             rows: fitted.rows,
             holdout_rows: fitted.holdout_rows,
         })
+    }
+}
+
+/// Training and hold-out recordings with efforts, recorded or converted from currents.
+fn with_efforts<'r>(
+    request: &IdentifyRequest<'r>,
+    converted: Option<&'r Converted>,
+) -> [&'r [Recording]; 2] {
+    match converted {
+        Some(converted) => [&converted.train, &converted.holdout],
+        None => [request.train, request.holdout],
     }
 }
 
