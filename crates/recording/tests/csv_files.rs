@@ -158,10 +158,12 @@ fn value() -> impl Strategy<Value = f64> {
     NORMAL | SUBNORMAL | ZERO | POSITIVE | NEGATIVE
 }
 
+/// Values between which no step can be taken for a full turn, which reading would undo.
 fn joints() -> impl Strategy<Value = Vec<JointChannels>> {
     let name = "[a-z\"',;/ _é.-]{0,6}[a-z0-9\"]";
+    let value = value().prop_filter("no turn", |value| !(1.0..20.0).contains(&value.abs()));
     let channels =
-        proptest::collection::vec(proptest::option::of(proptest::collection::vec(value(), 10)), 8);
+        proptest::collection::vec(proptest::option::of(proptest::collection::vec(value, 10)), 8);
     let joint = (name, channels).prop_map(|(name, channels)| {
         let mut joint = JointChannels::new(name.trim());
         for (quantity, values) in Quantity::ALL.into_iter().zip(channels) {
