@@ -1,29 +1,16 @@
-//! The prior of the inertia constants: the URDF's links, each with an error relative to its size.
-//!
-//! Method: a link of pseudo-inertia `J = L Lᵀ` differs from the URDF's by `L X Lᵀ` with `X` symmetric, its diagonal normal
-//! with the standard deviation `r` (the prior scale), the rest with `r / √2`: every second moment of mass, along every
-//! line, is known to `r` of its size, and the mass too. It depends on neither units nor frames: `tr((J⁻¹ dJ)²)` is the
-//! metric that the physical consistency uses too. Errors of each parameter apart, relative to mass times length squared,
-//! would doubt a slender link's thickness as much as its length.
+//! The prior of the inertia constants: that of the links (`armident_model::link_errors`), in the constants.
 //!
 //! Links `π ~ N(π₀, D)` give constants `x = T π ~ N(T π₀, T D Tᵀ)`: the prior of a constant follows from that of the links
 //! it is made of, with all its correlations.
 //!
-//! References: T. Lee, F. C. Park, A geometric algorithm for robust multibody inertial parameter
-//! identification, IEEE RA-L 3(3), 2018.
-
-use std::f64::consts::FRAC_1_SQRT_2;
-
-use armident_dynamics::RigidArm;
-use armident_kinematics::InertialParameters;
-use armident_numeric::{Mat, NumericError, PseudoInverse};
-use nalgebra::Matrix4;
+//! Source: own, from the prior on the links.
 
 use crate::minimal_set::MinimalSet;
+use armident_dynamics::RigidArm;
+use armident_kinematics::InertialParameters;
+use armident_model::{LEAST_SHARE, LinkError, MeanLink, link_errors, radius_of_gyration_m};
+use armident_numeric::{Mat, NumericError, PseudoInverse};
 
-/// A link the description gives next to nothing for may still have this share of the mean link's
-/// mass, and be as thick as this share of its length.
-const FLOOR: f64 = 0.1;
 /// Widening of the constants that rotor inertia is part of, on which a URDF has no information.
 pub(crate) const UNKNOWN: f64 = 1e3;
 /// Cut of the decomposition of `T D Tᵀ`; constants of a minimal set are independent.
@@ -72,17 +59,14 @@ impl LinkPrior {
 /// Columns `T dπ`: what each independent error of a link, of one standard deviation, does to the
 /// constants. None when no link has mass.
 fn spread_of_links(arm: &RigidArm, set: &MinimalSet, relative: f64) -> Option<Vec<Vec<f64>>> {
-    let mean = MeanLink::of(arm, set)?;
-    let least = Least { mass_kg: FLOOR * mean.mass_kg, radius_m: FLOOR * mean.length_m };
-    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * arm.links.len());
-    for (i, link) in arm.links.iter().enumerate() {
-        let root = least.root_of(link);
-        for error in directions() {
-            let of_link = root * error * root.transpose() * relative;
-            spread.push(alone(arm, set, i, InertialParameters::from_pseudo_inertia(&of_link)));
-        }
+    if set.is_empty() {
+        return None;
     }
-    Some(spread)
+    let in_constants = |error: LinkError| {
+        let change = error.change.to_array().map(|x| x * relative);
+        alone(arm, set, error.link, InertialParameters::from_array(&change))
+    };
+    Some(link_errors(&arm.links)?.into_iter().map(in_constants).collect())
 }
 
 /// The same where every parameter of a link has an error of its own, as a typing error makes it: the mass
@@ -98,13 +82,13 @@ pub(crate) fn spread_of_numbers(
     relative: f64,
     load: f64,
 ) -> Option<Vec<Vec<f64>>> {
-    let mean = MeanLink::of(arm, set)?;
+    let mean = MeanLink::of(&arm.links).filter(|_| !set.is_empty())?;
     let mut spread: Vec<Vec<f64>> = Vec::with_capacity(10 * (arm.links.len() + 1));
     let last = arm.links.len() - 1;
     let load = (load > 0.0).then_some((last, load * mean.mass_kg, mean.length_m));
     let own = arm.links.iter().enumerate().map(|(i, link)| {
-        let mass = relative * link.mass_kg.abs().max(FLOOR * mean.mass_kg);
-        (i, mass, gyration(link).max(FLOOR * mean.length_m))
+        let mass = relative * link.mass_kg.abs().max(LEAST_SHARE * mean.mass_kg);
+        (i, mass, radius_of_gyration_m(link).max(LEAST_SHARE * mean.length_m))
     });
     for (i, mass, length) in own.chain(load) {
         for number in 0..InertialParameters::COUNT {
@@ -126,53 +110,4 @@ fn alone(arm: &RigidArm, set: &MinimalSet, index: usize, link: InertialParameter
     alone.links.fill(InertialParameters::zero());
     alone.links[index] = link;
     set.values(&alone.constants())
-}
-
-/// Radius of gyration about the frame origin \[m\]; 0 without mass.
-fn gyration(link: &InertialParameters) -> f64 {
-    let half_trace = 0.5 * link.inertia_origin_kgm2.trace().abs();
-    if link.mass_kg == 0.0 { 0.0 } else { (half_trace / link.mass_kg.abs()).sqrt() }
-}
-
-/// What the links of an arm are like in the mean.
-struct MeanLink {
-    mass_kg: f64,
-    length_m: f64,
-}
-
-impl MeanLink {
-    /// None where there is no prior: no link has mass, or efforts depend on no constant.
-    fn of(arm: &RigidArm, set: &MinimalSet) -> Option<Self> {
-        let count = arm.links.len() as f64;
-        let mass_kg = arm.links.iter().map(|l| l.mass_kg.abs()).sum::<f64>() / count;
-        let length_m = arm.links.iter().map(gyration).sum::<f64>() / count;
-        (mass_kg > 0.0 && length_m > 0.0 && !set.is_empty()).then_some(Self { mass_kg, length_m })
-    }
-}
-
-/// An orthonormal basis of the symmetric matrices.
-fn directions() -> impl Iterator<Item = Matrix4<f64>> {
-    (0..4).flat_map(|i| (i..4).map(move |j| (i, j))).map(|(i, j)| {
-        let mut error = Matrix4::zeros();
-        let size = if i == j { 1.0 } else { FRAC_1_SQRT_2 };
-        (error[(i, j)], error[(j, i)]) = (size, size);
-        error
-    })
-}
-
-/// What a description may be wrong by even where it gives next to nothing.
-struct Least {
-    mass_kg: f64,
-    radius_m: f64,
-}
-
-impl Least {
-    /// A root `L` of the pseudo-inertia `J = L L'` of the nearest real body that is heavy and thick enough.
-    fn root_of(&self, link: &InertialParameters) -> Matrix4<f64> {
-        let body = link.nearest_physical();
-        let mass = body.mass_kg.max(self.mass_kg);
-        let eigen = body.second_moment_com_kgm2().symmetric_eigen();
-        let thick = eigen.eigenvalues.map(|x| x.max(mass * self.radius_m.powi(2)));
-        InertialParameters::pseudo_inertia_root(mass, body.com_m(), &eigen.eigenvectors, &thick)
-    }
 }

@@ -18,7 +18,7 @@ pub use constants::{ConstantRow, NOT_IDENTIFIED};
 pub use diagnosis::{
     AlternativeRow, CharacterRow, DiagnoseInputs, DiagnoseReport, DriveGainOfMasses, EffortErrors,
     EstimateRow, EvidenceRow, FindingRow, Fits, InputCheckRows, JointResiduals, MoreData,
-    Regressor, RegressorBin, VariableShare,
+    Regressor, RegressorBin, VariableShare, in_noise_levels,
 };
 pub use identify::{
     DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,

@@ -2,8 +2,8 @@
 
 use armident_effects::effect;
 use armident_report::{
-    DiagnoseReport, EstimateRow, FindingRow, capital, effect_label, parameter_label, percent,
-    sentence, significant, uncertain, unit_after_number,
+    DiagnoseReport, EstimateRow, FindingRow, capital, effect_label, in_noise_levels,
+    parameter_label, percent, sentence, significant, uncertain, unit_after_number,
 };
 
 use super::evidence::{size, strength};
@@ -72,7 +72,7 @@ fn evidence(finding: &FindingRow) -> String {
          else.",
         capital(&strength(finding)),
         finding.confidence,
-        number(of.materiality, 2),
+        in_noise_levels(of.materiality, 2),
         of.joint,
         number(of.materiality_threshold, 2),
     );

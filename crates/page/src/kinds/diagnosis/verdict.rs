@@ -1,7 +1,8 @@
 //! The verdict of a diagnosis.
 
 use armident_report::{
-    ByJoint, DiagnoseReport, EffortErrors, FindingRow, ReplayPair, capital, counted, percent,
+    ByJoint, DiagnoseReport, EffortErrors, FindingRow, ReplayPair, capital, counted,
+    in_noise_levels, percent,
 };
 
 use super::evidence::{WHITE, is_marginal, size, strength};
@@ -104,7 +105,7 @@ fn largest_error(of: &DiagnoseReport, errors: &EffortErrors) -> Option<String> {
         .filter_map(|j| Some((errors.after.get(j)? / of.effort_noise.get(j)?, j)))
         .filter(|(r, _)| r.is_finite());
     let (times, joint) = over_noise.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(format!("Worst joint: RMS error {} noise levels ({joint}).", number(times, 2)))
+    Some(format!("Worst joint: RMS error {} noise levels ({joint}).", in_noise_levels(times, 2)))
 }
 
 fn confirmation(of: &DiagnoseReport) -> Option<String> {

@@ -10,4 +10,5 @@ pub use finding::{AlternativeRow, CharacterRow, EstimateRow, EvidenceRow, Findin
 pub use input_checks::{DriveGainOfMasses, InputCheckRows};
 pub use report::{DiagnoseInputs, DiagnoseReport, EffortErrors, Fits, MoreData};
 pub use residual_map::{JointResiduals, Regressor, RegressorBin, VariableShare};
-pub(crate) use verdict::{NOISE_UNRELIABLE, worse_on_holdout};
+pub use verdict::in_noise_levels;
+pub(crate) use verdict::worse_on_holdout;

@@ -10,7 +10,15 @@ use crate::words::counted;
 const CLEARLY_WORSE: f64 = 1.1;
 /// Residual in noise levels beyond which the noise level is unreliable: a channel that was smoothed before it was
 /// recorded has next to no noise.
-pub(crate) const NOISE_UNRELIABLE: f64 = 100.0;
+const NOISE_UNRELIABLE: f64 = 100.0;
+
+/// A residual or an effort in noise levels, as people read it: `4.4`, or `> 100` where the noise level is unreliable.
+pub fn in_noise_levels(times: f64, digits: usize) -> String {
+    match times > NOISE_UNRELIABLE {
+        true => format!("> {NOISE_UNRELIABLE}"),
+        false => significant(times, digits, 0.0),
+    }
+}
 
 impl DiagnoseReport {
     /// Sets the verdict and its sentence from the data.

@@ -1,7 +1,7 @@
 //! Residual of each joint, and what it depends on.
 
 use crate::layout::{Block, Table, significant};
-use crate::results::diagnosis::NOISE_UNRELIABLE;
+use crate::results::diagnosis::in_noise_levels;
 use crate::results::{DiagnoseReport, JointResiduals};
 use crate::section::{DiagnosisSection, Section};
 
@@ -61,16 +61,12 @@ fn row(joint: &JointResiduals) -> Vec<String> {
         }
         _ => "-".to_owned(),
     };
-    let over_noise = match joint.residual_over_noise() {
-        most if most > NOISE_UNRELIABLE => format!("> {NOISE_UNRELIABLE}"),
-        over_noise => significant(over_noise, 3, 0.0),
-    };
     vec![
         joint.joint.clone(),
         significant(joint.before, 3, 0.0),
         explained(joint.rigid),
         explained(joint.after),
-        over_noise,
+        in_noise_levels(joint.residual_over_noise(), 3),
         strongest,
     ]
 }
