@@ -1,9 +1,11 @@
 //! The prior on link inertias: the URDF's links, each with an error relative to its size.
 //!
-//! Method: a link of pseudo-inertia `J = L Lᵀ` differs from the URDF's by `L X Lᵀ` with `X` symmetric, its diagonal normal
-//! with the standard deviation `r` (the prior scale), the rest with `r / √2`: every second moment of mass, along every
-//! line, is known to `r` of its size, and the mass too. It depends on neither units nor frames: `tr((J⁻¹ dJ)²)` is the
-//! metric that the physical consistency uses too. Errors of each parameter apart, relative to mass times length squared,
+//! Method: a link of pseudo-inertia `J = L Lᵀ` differs from the URDF's by `L (x 1 + X) Lᵀ`. Its density is known to the
+//! prior scale `r`: `x` is normal with this standard deviation, and all moments of mass go with it, as in a link of another
+//! material or wall thickness. So is its shape: `X` is symmetric, its diagonal normal with `r`, the rest with `r / √2`, so
+//! that every second moment of mass, along every line, is known to `r` of its size. The prior depends on neither units nor frames: `tr((J⁻¹ dJ)²)` is the
+//! metric that the physical consistency uses too; in it alone a link that is only heavier would be as unlikely as four errors
+//! of its shape. Errors of each parameter apart, relative to mass times length squared,
 //! would doubt a slender link's thickness as much as its length.
 //!
 //! References: T. Lee, F. C. Park, A geometric algorithm for robust multibody inertial parameter
@@ -27,13 +29,13 @@ pub struct LinkError {
     pub change: InertialParameters,
 }
 
-/// Ten independent errors for each of the links, in their order. None when no link has mass or extent: there is no
+/// Independent errors of the links, as many for each, in their order. None when no link has mass or extent: there is no
 /// prior.
 pub fn link_errors(links: &[InertialParameters]) -> Option<Vec<LinkError>> {
     let mean = MeanLink::of(links)?;
     let of_link = |(link, given): (usize, &InertialParameters)| {
         let root = mean.least_root_of(given);
-        symmetric_basis().map(move |error| {
+        std::iter::once(Matrix4::identity()).chain(symmetric_basis()).map(move |error| {
             let change =
                 InertialParameters::from_pseudo_inertia(&(root * error * root.transpose()));
             LinkError { link, change }
@@ -93,22 +95,24 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix3, Vector3};
 
-    /// The mass is known to the prior scale, and so is every second moment of a body about a point of its own; a link
+    /// Mass and second moments of a body are known to the same share; a link
     /// without mass has the errors of a tenth of the mean link.
     #[test]
     fn mass_and_second_moments_are_known_to_the_same_share() {
         let inertia = Matrix3::from_diagonal(&Vector3::new(0.2, 0.3, 0.4));
         let heavy = InertialParameters::from_com(2.0, Vector3::new(0.3, 0.0, 0.4), inertia);
         let errors = link_errors(&[heavy, InertialParameters::zero()]).unwrap();
-        assert_eq!(errors.len(), 20);
+        assert_eq!(errors.len(), 22);
         let deviation = |link: usize, of: &dyn Fn(&InertialParameters) -> f64| {
             let errors = errors.iter().filter(|error| error.link == link);
             errors.map(|error| of(&error.change).powi(2)).sum::<f64>().sqrt()
         };
-        assert!((deviation(0, &|change| change.mass_kg) - 2.0).abs() < 1e-9);
+        // of density and of shape
+        let twice = 2f64.sqrt();
+        assert!((deviation(0, &|change| change.mass_kg) - 2.0 * twice).abs() < 1e-9);
         let second = |change: &InertialParameters| change.pseudo_inertia()[(2, 2)];
-        assert!((deviation(0, &second) - second(&heavy)).abs() < 1e-9);
-        assert!((deviation(1, &|change| change.mass_kg) - 0.1).abs() < 1e-9);
+        assert!((deviation(0, &second) - second(&heavy) * twice).abs() < 1e-9);
+        assert!((deviation(1, &|change| change.mass_kg) - 0.1 * twice).abs() < 1e-9);
         assert!(link_errors(&[InertialParameters::zero()]).is_none());
     }
 }

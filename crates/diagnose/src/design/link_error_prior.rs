@@ -5,7 +5,7 @@ use armident_model::{LinkError, link_errors};
 
 use crate::design::observations::JointColumns;
 
-/// Ten directions a link, each an error of relative size 1.
+/// Directions of the errors of each link, each an error of relative size 1.
 pub(crate) fn inertial_error_directions(links: &[InertialParameters]) -> LinkErrorPrior {
     const COUNT: usize = InertialParameters::COUNT;
     let errors = link_errors(links).unwrap_or_default();

@@ -8,6 +8,8 @@ use crate::design::comparison::Comparison;
 
 /// Most weight of a row in which its joint sticks: its friction is then no function of its motion.
 const STUCK_WEIGHT: f64 = 0.15;
+/// Residual at rest, in noise levels, that leaves rows at rest no weight while that residual is measured.
+const AT_REST_UNKNOWN: f64 = 1e3;
 /// Share of a row's kernel over stuck samples (or other samples that are excluded) from which on the
 /// row counts as stuck.
 const STUCK_SHARE: f64 = 0.12;
@@ -32,8 +34,23 @@ pub(crate) struct Weights {
     pub(crate) discrepancy: Vec<f64>,
     /// the same before a change
     pub(crate) discrepancy_before: Vec<f64>,
-    /// `[joint]`: weight of the rows in which it sticks
-    pub(crate) stuck: Vec<f64>,
+    /// `[joint]`: residual of a rest, in noise levels; 0 before it is known
+    at_rest: Vec<f64>,
+}
+
+/// Weight of a row in a rest of so many rows that has this residual, in noise levels.
+///
+/// A joint that rests answers with any effort between the breakaway levels: one unknown value for the whole rest. The rest
+/// is an interval, then: one observation whose deviation is that residual, however many rows record it.
+fn weight_at_rest(residual: f64, rows: usize) -> f64 {
+    let of_friction = (residual * residual - 1.0).max(0.0);
+    STUCK_WEIGHT.min((1.0 + of_friction * rows as f64).sqrt().recip())
+}
+
+/// Number of rows of the rest that each row is in, 1 where the joint moves.
+fn rows_of_rests(stuck: &[bool]) -> Vec<usize> {
+    let of_run = |run: &[bool]| vec![if run[0] { run.len() } else { 1 }; run.len()];
+    stuck.chunk_by(|a, b| a == b).flat_map(of_run).collect()
 }
 
 impl Weights {
@@ -56,6 +73,8 @@ pub(crate) struct Observations {
     pub(crate) rows_hz: f64,
     /// `[joint][row]`
     pub(crate) stuck: Vec<Vec<bool>>,
+    /// `[joint][row]`: rows of the rest it is in
+    rows_of_rest: Vec<Vec<usize>>,
     pub(crate) comparison: Comparison,
     /// first recording in which laws act: the first judged, or the first of all where they may have acted before
     laws_from: usize,
@@ -77,12 +96,13 @@ impl Observations {
                 / signals.len() as f64,
             discrepancy: vec![1.0; joints],
             discrepancy_before: vec![1.0; joints],
-            stuck: vec![STUCK_WEIGHT; joints],
+            at_rest: vec![0.0; joints],
         };
         let mut rows = Self {
             deviation: vec![Vec::new(); joints],
             sample_deviation: vec![0.0; joints],
             stuck: vec![Vec::new(); joints],
+            rows_of_rest: vec![Vec::new(); joints],
             rows_hz: signals[0].band.rows_hz,
             starts,
             comparison: Comparison::AgainstModel,
@@ -97,7 +117,9 @@ impl Observations {
                     (0..joints).map(|i| (inertia[r][j][i] * s.acceleration_noise[i]).powi(2)).sum();
                 let deviation = (from_effort + from_encoders).sqrt();
                 squares += s.effort_noise[j].powi(2) / signals.len() as f64;
-                for stuck in touched(s, &s.stuck[j]) {
+                let stuck: Vec<bool> = touched(s, &s.stuck[j]).collect();
+                rows.rows_of_rest[j].extend(rows_of_rests(&stuck));
+                for stuck in stuck {
                     let weight = if stuck { STUCK_WEIGHT } else { 1.0 };
                     let known = !s.effort[j].is_empty() && deviation > 0.0;
                     rows.weights.by_row[j].push(if known { weight / deviation } else { 0.0 });
@@ -248,35 +270,38 @@ impl Observations {
         Weights { discrepancy_before, ..weights }
     }
 
-    /// Largest weight of the rows in which a joint sticks, from their residual: static friction is anything up to the breakaway
-    /// effort, which may be many times the noise.
-    pub(crate) fn stuck_weight_for(&self, joint: usize, left_over: &[f64]) -> f64 {
+    /// Residual of the rows in which a joint rests, in noise levels: static friction is anything up to the breakaway effort,
+    /// which may be many times the noise. None where it does not rest.
+    pub(crate) fn residual_at_rest(&self, joint: usize, residual: &[f64]) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
-        for (k, left) in left_over.iter().enumerate() {
+        for (k, left) in residual.iter().enumerate() {
             let weight = self.weights.by_row[joint][k];
             if self.stuck[joint][k] && weight > 0.0 {
                 sum += (left / (weight * self.deviation[joint][k])).powi(2);
                 count += 1;
             }
         }
-        if count == 0 {
-            return STUCK_WEIGHT;
-        }
-        STUCK_WEIGHT.min((f64::from(count) / sum).sqrt())
+        (count > 0).then(|| (sum / f64::from(count)).sqrt())
     }
 
-    /// Weights with these for the rows in which each joint sticks.
-    pub(crate) fn with_stuck_weights(&self, stuck: Vec<f64>) -> Weights {
+    /// Weights with which rows at rest decide nothing, so that a fit shows their residual.
+    pub(crate) fn without_rests(&self) -> Weights {
+        self.with_residual_at_rest(vec![AT_REST_UNKNOWN; self.joints()])
+    }
+
+    /// Weights for these residuals of each joint at rest, in noise levels.
+    pub(crate) fn with_residual_at_rest(&self, at_rest: Vec<f64>) -> Weights {
         let mut weights = self.weights.clone();
-        for (joint, weight) in stuck.iter().enumerate() {
-            let change = weight / weights.stuck[joint];
-            for (w, is_stuck) in weights.by_row[joint].iter_mut().zip(&self.stuck[joint]) {
+        for (joint, new) in at_rest.iter().enumerate() {
+            let old = weights.at_rest[joint];
+            let rests = self.stuck[joint].iter().zip(&self.rows_of_rest[joint]);
+            for (w, (is_stuck, rows)) in weights.by_row[joint].iter_mut().zip(rests) {
                 if *is_stuck {
-                    *w *= change;
+                    *w *= weight_at_rest(*new, *rows) / weight_at_rest(old, *rows);
                 }
             }
         }
-        Weights { stuck, ..weights }
+        Weights { at_rest, ..weights }
     }
 
     /// Root mean square of weighted rows of one joint that do not stick, in units of the noise in the

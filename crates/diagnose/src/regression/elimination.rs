@@ -11,6 +11,9 @@ use crate::design::linear_problem::LinearProblem;
 use armident_numeric::{Cholesky, dot};
 use std::sync::Arc;
 
+/// Prior scales of an inflated link over that of all others: a link of a draft, another body, one many times as heavy.
+pub(crate) const INFLATIONS: [f64; 3] = [4.0, 12.0, 40.0];
+
 /// A link with a larger prior scale than all others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct InflatedLink {

@@ -7,6 +7,7 @@
 
 use crate::design::candidate::Candidate;
 use crate::design::linear_problem::LinearProblem;
+use crate::regression::elimination::INFLATIONS;
 use crate::regression::marginalised::Marginalised;
 use armident_effects::Onset;
 
@@ -30,9 +31,16 @@ impl Marginalised<'_> {
         let samples = self.effective_rows * self.problem.observations.weights.share;
         let searched: usize = set.iter().map(|g| self.problem.candidates[*g].searched).sum();
         samples.ln() * (columns + searched) as f64
-            + PRICE_OF_CHOICE * (set.len() + self.inflated.len()) as f64
+            + PRICE_OF_CHOICE * set.len() as f64
+            + self.price_of_inflated_links()
             + self.price_of_onsets(set)
             + self.log_determinant
+    }
+
+    /// Price of the inflated links: each was chosen from all links, at each of the factors tried.
+    fn price_of_inflated_links(&self) -> f64 {
+        let choices = self.problem.link_error_prior.links.max(1) * INFLATIONS.len();
+        2.0 * (choices as f64).ln() * self.inflated.len() as f64
     }
 
     /// Price of rare changes; 0 without a reference.

@@ -32,7 +32,7 @@ use crate::selection::reversal::with_reversal_models;
 use crate::selection::rivals::{baseline_first, load_first};
 use crate::selection::simulated_candidates::with_simulated_candidates;
 use crate::selection::weights::{
-    discrepancies, discrepancies_after, initial_discrepancies, stuck_weights,
+    discrepancies, discrepancies_after, initial_discrepancies, weights_with_rests,
 };
 use armident_model::OperatingPoint;
 
@@ -83,16 +83,9 @@ pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)>
 /// Initial weights, from the residual of all columns. None where the reference cannot be fitted.
 fn initial_weights(design: &Design<'_>, point: &OperatingPoint) -> Option<Weights> {
     let seeks_change = design.observations.comparison.seeks_change();
-    let mut first = design.problem(point);
-    let mut weights = design.observations.weights.clone();
-    if !seeks_change {
-        let stuck = stuck_weights(&first);
-        if stuck != weights.stuck {
-            weights = design.observations.with_stuck_weights(stuck);
-            first = design.weighted(weights.clone()).problem(point);
-        }
-    }
-    let weighted = design.weighted(weights);
+    let weights = weights_with_rests(design, point);
+    let weighted = design.weighted(weights.clone());
+    let first = weighted.problem(point);
     if seeks_change {
         // a change must not count as discrepancy in the effective sample size
         let left_over = imperfection(&first, REFERENCE_SCALE)?;

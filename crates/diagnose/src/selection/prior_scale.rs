@@ -15,7 +15,7 @@ use crate::design::contact::ContactColumns;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::ripple::RippleColumns;
 use crate::design::training::Design;
-use crate::regression::elimination::InflatedLink;
+use crate::regression::elimination::{INFLATIONS, InflatedLink};
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::selection::beam_search::search;
 use crate::selection::materiality::prune;
@@ -23,8 +23,6 @@ use armident_model::OperatingPoint;
 
 /// Prior scales tried: exact, a good data sheet, CAD, a guess, unknown.
 const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
-/// Prior scales of an inflated link over that of all others: a link of a draft, another body, one many times as heavy.
-const TIMES: [f64; 3] = [4.0, 12.0, 40.0];
 /// Largest prior scale at which single links are inflated.
 const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most inflated links.
@@ -240,7 +238,7 @@ pub(crate) fn with_one_more(
     let right =
         (0..problem.link_error_prior.links).filter(|l| inflated.iter().all(|body| body.link != *l));
     let bodies: Vec<InflatedLink> =
-        right.flat_map(|link| TIMES.map(|times| InflatedLink { link, times })).collect();
+        right.flat_map(|link| INFLATIONS.map(|times| InflatedLink { link, times })).collect();
     // the columns of the set alone: link errors of every size are eliminated from them
     let (small, set) = problem.restricted(set);
     let with = |body: &InflatedLink| {

@@ -4,11 +4,13 @@
 //! References: G. V. Bayley, J. M. Hammersley, The "effective" number of independent observations in an autocorrelated time
 //! series, Supplement to the Journal of the Royal Statistical Society 8(2), 1946.
 
+use armident_model::OperatingPoint;
 use armident_numeric::{Cholesky, dot, gram_of_columns};
 use rayon::prelude::*;
 
 use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::observations::Weights;
 use crate::design::smooth;
 use crate::design::training::Design;
 use crate::regression::fit_set::Estimate;
@@ -52,14 +54,18 @@ fn left_by_all(problem: &LinearProblem) -> Vec<Option<(Vec<f64>, f64)>> {
         .collect()
 }
 
-/// Weights of the rows in which joints stick, from the residual of all columns of the library there.
-pub(crate) fn stuck_weights(problem: &LinearProblem) -> Vec<f64> {
-    let left = left_by_all(problem);
-    let weight = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| match left {
-        Some((residual, _)) => problem.observations.stuck_weight_for(j, residual),
-        None => problem.observations.weights.stuck[j],
+/// Weights of rows in which joints rest, from the residual that all columns of the library have there when only the
+/// rows in motion decide.
+pub(crate) fn weights_with_rests(design: &Design<'_>, point: &OperatingPoint) -> Weights {
+    let moving = design.weighted(design.observations.without_rests());
+    let problem = moving.problem(point);
+    let residual = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| {
+        let (residual, _) = left.as_ref()?;
+        problem.observations.residual_at_rest(j, residual)
     };
-    left.iter().enumerate().map(weight).collect()
+    let left = left_by_all(&problem);
+    let at_rest = left.iter().enumerate().map(residual);
+    design.observations.with_residual_at_rest(at_rest.map(Option::unwrap_or_default).collect())
 }
 
 /// Residual of all columns of the library and a smooth term, each joint alone, in units of its noise: a lower bound for any
