@@ -58,6 +58,7 @@ mod grid;
 mod low_pass;
 mod motion;
 mod noise_spectrum;
+mod observations;
 mod quality;
 mod recorded_velocity;
 mod standstill;
@@ -76,6 +77,7 @@ pub use low_pass::{
     CUTOFF_SHARE_BOUND, DEFAULT_ORDER, HIGHEST_ORDER, LOWEST_CUTOFF_SHARE, ZeroPhaseLowPass,
 };
 pub use motion::{DerivativeSource, Motion, MotionSettings};
+pub use observations::Observations;
 pub use quality::{
     ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
 };

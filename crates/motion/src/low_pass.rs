@@ -152,6 +152,19 @@ impl ZeroPhaseLowPass {
         2.0 * self.effective_bandwidth_hz() / self.rate_hz
     }
 
+    /// Standard deviation of the derivative of filtered white noise of deviation 1 a sample \[1/s\].
+    pub(crate) fn noise_gain_of_rate(&self) -> f64 {
+        const POINTS: usize = 400;
+        let cutoff = (PI * self.cutoff_hz / self.rate_hz).tan();
+        let power = |k: usize| {
+            let share = 0.5 * (k as f64 + 0.5) / POINTS as f64;
+            let ratio = (PI * share).tan() / cutoff;
+            let passed = (1.0 + ratio.powi(2 * self.order as i32)).powi(-2);
+            passed * (2.0 * PI * share * self.rate_hz).powi(2)
+        };
+        ((0..POINTS).map(power).sum::<f64>() / POINTS as f64).sqrt()
+    }
+
     /// Order of one pass.
     pub fn order(&self) -> usize {
         self.order

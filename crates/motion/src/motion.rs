@@ -1,11 +1,15 @@
 //! Evenly sampled motion of the joints asked for, with the efforts that drove it.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::cutoff::default_cutoff_hz;
 use crate::duplicate_frames::RepeatedFrames;
 use crate::grid::EvenGrid;
 use crate::low_pass::{DEFAULT_ORDER, ZeroPhaseLowPass};
+use crate::noise_spectrum::noise_of;
+use crate::observations::Observations;
+use crate::standstill::rests_of;
 use armident_recording::{Fault, JointChannels, Quantity, Recording, RecordingError};
 
 /// Where velocity and acceleration come from.
@@ -67,6 +71,8 @@ pub struct Motion {
     pub stamps_s: Vec<f64>,
     /// Those of the recording, and what was chosen here.
     pub notes: Vec<String>,
+    /// Stretches of each joint at rest, in samples.
+    rests: Vec<Vec<Range<usize>>>,
     grid: EvenGrid,
     /// what a thinned motion was thinned from, and by which factor
     fine: Option<(Arc<Motion>, usize)>,
@@ -124,6 +130,8 @@ impl Motion {
 
         let rate_hz = grid.rate_hz();
         let raw_position = on_grid(Quantity::Position)?;
+        let position_noise: Vec<f64> =
+            raw_position.iter().map(|position| noise_of(position, rate_hz).deviation).collect();
         let cutoff_hz = match settings.cutoff_hz {
             None if use_recorded => None,
             None => {
@@ -163,6 +171,12 @@ impl Motion {
                 filtered(on_grid(Quantity::Acceleration)?),
             ),
         };
+        let rests = (velocity.iter().zip(position_noise))
+            .map(|(velocity, noise)| {
+                let gain = filter.as_ref().map_or(0.0, ZeroPhaseLowPass::noise_gain_of_rate);
+                rests_of(velocity, noise * gain, rate_hz)
+            })
+            .collect();
         let effort = recorded(Quantity::Effort).then(|| on_grid(Quantity::Effort)).transpose()?;
         if effort.is_none() {
             notes.extend(effort_note(&channels));
@@ -182,6 +196,7 @@ impl Motion {
             source: recording.source.clone(),
             stamps_s: grid.stamps_s().to_vec(),
             notes,
+            rests,
             grid,
             fine: None,
         })
@@ -222,6 +237,11 @@ impl Motion {
             source: self.source.clone(),
             stamps_s: self.stamps_s.clone(),
             notes: self.notes.clone(),
+            rests: (self.rests.iter())
+                .map(|of| {
+                    of.iter().map(|r| r.start.div_ceil(factor)..r.end.div_ceil(factor)).collect()
+                })
+                .collect(),
             grid: self.grid.clone(),
             fine: Some((Arc::new(self), factor)),
         }
@@ -266,6 +286,20 @@ impl Motion {
         if let Some(filter) = &self.filter {
             filter.filter_columns(columns);
         }
+    }
+
+    /// The samples `of` as observations of the effort of a joint: a rest is one.
+    pub fn observations(&self, joint: usize, of: Range<usize>) -> Observations {
+        Observations::new(&self.rests[joint], of)
+    }
+
+    /// Whether a joint rests, at every sample.
+    pub fn at_rest(&self, joint: usize) -> Vec<bool> {
+        let mut at_rest = vec![false; self.len()];
+        for rest in &self.rests[joint] {
+            at_rest[rest.start..rest.end.min(self.len())].fill(true);
+        }
+        at_rest
     }
 
     /// Share of independent samples in a filtered column of white noise; 1 without a filter.

@@ -92,6 +92,8 @@ impl ChannelRows {
                         effort[joint][edge + t] - fitted
                     })
                     .collect();
+                let kept = motion.observations(joint, edge..motion.len() - edge);
+                let left = kept.beginning_at(edge).of(&left);
                 if k == 0 {
                     squares += left.iter().map(|r| r * r).sum::<f64>();
                 }
@@ -238,8 +240,11 @@ pub(super) fn accumulate(
                 let at = Interpolation::new(&motion.time_s, &later, longest_s);
                 columns.push(at.apply(&effort[joint]));
             }
-            let own = &effort[joint][kept];
-            rows.triangle.push_columns(&columns, own);
+            // a rest is one row
+            let observed = motion.observations(joint, kept.clone()).beginning_at(edge);
+            let columns: Vec<Vec<f64>> = columns.iter().map(|c| observed.of(c)).collect();
+            let own = observed.of(&effort[joint][kept]);
+            rows.triangle.push_columns(&columns, &own);
             rows.samples += own.len() as f64;
             effort_moments.0 += own.iter().sum::<f64>();
             effort_moments.1 += own.iter().map(|e| e * e).sum::<f64>();

@@ -123,13 +123,17 @@ fn residuals(
         Some(used_samples(motion).map(|t| (effort[t] - explained[t]).abs()).collect())
     };
     let roots = (0..motions.len()).map(|index| residual(index).unwrap_or_default());
-    Weighing { roots: roots.collect(), sum: 0.0, within: 0.0, samples: 0.0 }
+    let at_rest = motions.iter().map(|m| m.at_rest(joint)[used_samples(m)].to_vec());
+    let (roots, at_rest) = (roots.collect(), at_rest.collect());
+    Weighing { roots, at_rest, sum: 0.0, within: 0.0, samples: 0.0 }
 }
 
 /// Huber's weights of one joint.
 struct Weighing {
     /// per motion and used sample: absolute residual, then the root of the weight
     roots: Vec<Vec<f64>>,
+    /// per motion and used sample: whether the joint rests
+    at_rest: Vec<Vec<bool>>,
     /// sum of the weights, samples within the scale, and all
     sum: f64,
     within: f64,
@@ -137,9 +141,10 @@ struct Weighing {
 }
 
 impl Weighing {
-    /// Standard deviation of the residual, if it is normal, from its median.
+    /// Standard deviation of the residual in motion, if it is normal, from its median.
     fn scale(&self) -> f64 {
-        let mut left: Vec<f64> = self.roots.concat();
+        let all = self.roots.iter().flatten().zip(self.at_rest.iter().flatten());
+        let mut left: Vec<f64> = all.filter(|(_, rests)| !**rests).map(|(left, _)| *left).collect();
         let middle = left.len() / 2;
         if left.is_empty() {
             return f64::MIN_POSITIVE;

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use armident_motion::Motion;
+use armident_motion::{Motion, Observations};
 use armident_numeric::AccumulatedQr;
 use rayon::prelude::*;
 
@@ -104,17 +104,25 @@ impl RowsOfJoint {
         Self { triangle: AccumulatedQr::new(width), effort: (0, 0.0, 0.0), blocks: Vec::new() }
     }
 
-    /// Adds samples block by block.
+    /// Adds samples block by block; a rest in a block is one row.
     fn add(
         &mut self,
         columns: &[Vec<f64>],
         y: &[f64],
-        blocks: impl IntoIterator<Item = Range<usize>>,
+        effort: &[f64],
+        blocks: impl IntoIterator<Item = Observations>,
     ) {
         for block in blocks {
-            let part: Vec<&[f64]> = columns.iter().map(|c| &c[block.clone()]).collect();
             let mut triangle = AccumulatedQr::new(columns.len());
-            triangle.push_columns(&part, &y[block]);
+            if let Some(samples) = block.without_rest() {
+                let part: Vec<&[f64]> = columns.iter().map(|c| &c[samples.clone()]).collect();
+                triangle.push_columns(&part, &y[samples.clone()]);
+                self.count(&effort[samples]);
+            } else {
+                let part: Vec<Vec<f64>> = columns.iter().map(|c| block.of(c)).collect();
+                triangle.push_columns(&part, &block.of(y));
+                self.count(&block.of(effort));
+            }
             self.triangle.merge(&triangle);
             self.blocks.push(triangle);
         }
@@ -174,8 +182,7 @@ impl BatchProblem {
             let columns = self.columns_beside(joint, motion, &moved, &jumping);
             let effort = effort_of(motion, joint);
             let mut rows = RowsOfJoint::new(columns.len());
-            rows.add(&columns, effort, [part.clone()]);
-            rows.count(&effort[part.clone()]);
+            rows.add(&columns, effort, effort, [motion.observations(joint, part.clone())]);
             rows
         };
         let of_joints = (0..self.by_joint.len()).into_par_iter().map(of_joint).collect();
@@ -219,9 +226,9 @@ fn rows_of_joint(
     for (index, motion) in motions.iter().enumerate() {
         let effort = effort_of(motion, joint);
         let (columns, y) = form(index, joint, effort);
-        rows.add(&columns, &y, blocks_of(motion, total_s));
-        // the effort itself, whatever was made of it
-        rows.count(&effort[used_samples(motion)]);
+        let blocks = blocks_of(motion, total_s).into_iter();
+        // counted is the effort itself, whatever was made of it
+        rows.add(&columns, &y, effort, blocks.map(|block| motion.observations(joint, block)));
     }
     rows
 }

@@ -1,5 +1,7 @@
 //! The direction of a joint, and of its friction where it stops.
 
+use std::ops::Range;
+
 use super::Standstill;
 
 /// A speed below this many standard deviations of its noise has no sign...
@@ -10,6 +12,10 @@ const SIGN_SHARE: f64 = 0.002;
 const STICK_SHARE: f64 = 0.006;
 /// ... if it stays there this long \[s\].
 const STICK_S: f64 = 0.03;
+/// A joint rests when it is slow for this long \[s\], whatever its friction; never where it has this share of the root
+/// mean square speed.
+const REST_S: f64 = 0.2;
+const SLOW_SHARE: f64 = 0.1;
 /// Friction fades to nothing in this time \[s\] when a joint slows down and goes on the same way, and in the second
 /// one when it rests in between.
 const DIP_S: f64 = 0.04;
@@ -71,6 +77,17 @@ pub(crate) fn directions_and_stops(
         }
     }
     (direction, stuck)
+}
+
+/// Stretches in which a joint rests, from its speed and the noise of that: the slow ones that last.
+pub(crate) fn rests_of(velocity: &[f64], noise: f64, rate_hz: f64) -> Vec<Range<usize>> {
+    let (rms, _) = sure_speed(velocity, noise);
+    let slow = (SIGN_DEVIATIONS * noise).min(SLOW_SHARE * rms).max(STICK_SHARE * rms);
+    let spells = spells(velocity, slow).into_iter();
+    spells
+        .filter(|(start, end)| (end - start) as f64 >= REST_S * rate_hz)
+        .map(|(start, end)| start..end)
+        .collect()
 }
 
 /// Samples in which the speed has no sure sign, `[start, end)`, the directions before and after, and the rest within.

@@ -20,7 +20,7 @@ mod segments;
 pub use actuator::continued;
 pub(crate) use actuator::held;
 pub(crate) use coupled_jumps::{CoupledJump, SmearedStep, coupled_jumps_of};
-pub(crate) use direction::directions_and_stops;
+pub(crate) use direction::{directions_and_stops, rests_of};
 pub(crate) use record_ends::{stands_at_ends, starts_at_rest};
 pub use segments::{ChannelSeries, Kind, filter_between};
 
