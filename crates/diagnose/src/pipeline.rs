@@ -11,6 +11,7 @@ use crate::findings::finding::{DoubtfulChange, Finding, reported_findings};
 use crate::findings::fitted_model::{choose_outputs, fitted_model, links_only_fit};
 use crate::findings::placebo::placebo;
 use crate::findings::residual_map::{atlas, character};
+use crate::findings::size::with_size;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::Estimate;
 use crate::selection::bandwidth_test::{NARROW_HZ, is_off_in};
@@ -19,6 +20,7 @@ use crate::selection::iterate::select;
 use crate::selection::materiality::joints_of_inertial_errors;
 use crate::selection::solution::{Selection, Solution};
 use crate::selection::sublinear::with_sublinear_friction;
+use crate::uncertainty::jackknife::Jackknife;
 use crate::uncertainty::minimal_constants::constants;
 use armident_model::ArmModel;
 use armident_motion::BAND_HZ;
@@ -67,8 +69,8 @@ pub(crate) fn against_reference(
     let (design, beyond_reference) =
         design_of(Some(&known), body, &names, &all, band_hz)?.against_reference(reference.len());
     let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
-    let best = predictor(&selection.metric(), &selection.estimate);
-    let selected = Selected { design, selection, best, sublinear: None, narrowed_to_hz };
+    let (selection, best, errors) = with_size(&design, selection);
+    let selected = Selected { design, selection, best, errors, sublinear: None, narrowed_to_hz };
     let mut diagnosis = selected.diagnosis(body, &names)?;
     diagnosis.beyond_reference = beyond_reference;
     diagnosis.put_back(&known);
@@ -99,6 +101,8 @@ struct Selected<'a> {
     design: Design<'a>,
     selection: Selection,
     best: Predictor,
+    /// of what predicts best
+    errors: Jackknife,
     /// with friction that bends over the speed, where joints show that
     sublinear: Option<(LinearProblem, Predictor)>,
     narrowed_to_hz: Option<f64>,
@@ -121,21 +125,20 @@ fn selected<'a>(
         && is_off_in(&narrow, &selection, &best)
         && let Some((design, selection)) = select(&narrow)
     {
-        let best = predictor(&selection.metric(), &selection.estimate);
-        return Ok(Selected::with_sublinear_where_shown(design, selection, best, Some(NARROW_HZ)));
+        return Ok(Selected::with_sublinear_where_shown(design, selection, Some(NARROW_HZ)));
     }
-    Ok(Selected::with_sublinear_where_shown(design, selection, best, None))
+    Ok(Selected::with_sublinear_where_shown(design, selection, None))
 }
 
 impl<'a> Selected<'a> {
     fn with_sublinear_where_shown(
         design: Design<'a>,
         selection: Selection,
-        best: Predictor,
         narrowed_to_hz: Option<f64>,
     ) -> Self {
+        let (selection, best, errors) = with_size(&design, selection);
         let sublinear = with_sublinear_friction(&design, &selection, &best);
-        Self { design, selection, best, sublinear, narrowed_to_hz }
+        Self { design, selection, best, errors, sublinear, narrowed_to_hz }
     }
 
     /// What the model is made of.
@@ -148,7 +151,7 @@ impl<'a> Selected<'a> {
 
     /// The diagnosis: findings, models and where the residual is.
     fn diagnosis(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
-        let Self { design, selection, best, narrowed_to_hz, .. } = self;
+        let Self { design, selection, best, errors, narrowed_to_hz, .. } = self;
         let (problem, predicting) = self.predicting();
         let metric = selection.metric();
         let best_metric = selection.problem.marginalised(best.scale, &selection.inflated);
@@ -159,7 +162,7 @@ impl<'a> Selected<'a> {
         let (mut fitted, links_off) = fitted_model(model, &model_solution);
         choose_outputs(&mut fitted, design)?;
         let constants = constants(model, &fitted, &model_metric, &predicting.estimate);
-        let reported_findings = reported_findings(design, selection, &best_solution);
+        let reported_findings = reported_findings(design, selection, &best_solution, errors);
         // the model of another estimate, all that is not in question as in the model learned
         let model_of = |estimate: &Estimate, inflated: &[InflatedLink]| {
             let metric = problem.marginalised(predicting.scale, inflated);

@@ -4,5 +4,7 @@ pub(crate) mod ablation;
 pub(crate) mod finding;
 pub(crate) mod fitted_model;
 pub(crate) mod next_experiment;
+pub(crate) mod numbers;
 pub(crate) mod placebo;
 pub(crate) mod residual_map;
+pub(crate) mod size;
