@@ -4,6 +4,7 @@ use crate::checks::effort_columns::InputChecks;
 use crate::checks::usable::usable_signals;
 use crate::design::known_effort::KnownModel;
 use crate::design::linear_problem::LinearProblem;
+use crate::design::placeholder::placeholders;
 use crate::design::training::Design;
 use crate::diagnosis::Diagnosis;
 use crate::error::DiagnoseError;
@@ -73,6 +74,7 @@ pub(crate) fn against_reference(
     let selected = Selected { design, selection, best, errors, sublinear: None, narrowed_to_hz };
     let mut diagnosis = selected.diagnosis(body, &names)?;
     diagnosis.beyond_reference = beyond_reference;
+    diagnosis.placeholder_links = placeholder_links(model);
     diagnosis.put_back(&known);
     Ok(diagnosis)
 }
@@ -88,6 +90,12 @@ fn model_of(
     let rigid = rigid_model(model, design)?;
     let (fitted, _) = sound_model(model, design, selection, (problem, predicting), &rigid)?;
     Ok((fitted, *narrowed_to_hz))
+}
+
+/// Links of a model whose inertials are placeholders.
+fn placeholder_links(model: &ArmModel) -> Vec<String> {
+    let joints = model.chain.joints.iter().zip(placeholders(&model.chain));
+    joints.filter(|(_, is_one)| *is_one).map(|(joint, _)| joint.child_link.clone()).collect()
 }
 
 fn names_of(model: &ArmModel) -> Vec<String> {
@@ -230,6 +238,7 @@ impl<'a> Selected<'a> {
             narrowed_to_hz: *narrowed_to_hz,
             beyond_reference: BTreeMap::new(),
             input_checks: InputChecks::default(),
+            placeholder_links: placeholder_links(model),
             placebo: None,
             recordings: Vec::new(),
             holdout: Vec::new(),

@@ -8,13 +8,15 @@ use serde::Serialize;
 use crate::design::candidate::{Candidate, CandidateKind};
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::Design;
+use crate::findings::confidence::Evidence;
 use crate::findings::numbers::{Numbers, Value, numbers, numbers_of_link};
 use crate::findings::residual_map::Character;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::selection::change_significance::{Inconclusive, ReferenceUncertainty};
 use crate::selection::materiality::{
-    Materiality, link_materiality, materiality, surrogate_threshold_beside,
+    Materiality, excess, excess_before, held, link_materiality, materiality,
+    surrogate_threshold_beside,
 };
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::selection::solution::{Selection, Solution};
@@ -70,7 +72,8 @@ pub struct Finding {
     pub recording: Option<String>,
     /// Parameters of the law.
     pub parameters: BTreeMap<&'static str, Value>,
-    /// 0.5 at the materiality threshold, 0.95 at twice the threshold.
+    /// How far the name can be relied upon, 0 to 1: 0.5 at the threshold of its weaker evidence, 0.95 at twice that, less
+    /// beside rivals and where the hold-out contradicts.
     pub confidence: f64,
     /// Whether the model with it predicts recordings kept out better than the model without it; none
     /// without such recordings, or where they cannot say (a contact happened once).
@@ -79,10 +82,6 @@ pub struct Finding {
     pub evidence: FindingEvidence,
     /// Effects that it may be instead.
     pub alternatives: Vec<Alternative>,
-}
-
-fn confidence(size: &Materiality) -> f64 {
-    1.0 / (1.0 + (-3.0 * (size.ratio() - 1.0)).exp())
 }
 
 /// A finding and the estimates beside it.
@@ -117,6 +116,13 @@ pub(crate) fn reported_findings(
     let metric = selection.metric();
     let solution = selection.solution(design, &metric);
     let chance = surrogate_threshold_beside(&metric, &selection.estimate);
+    let left = excess(&selection.problem, &metric.residual(&selection.estimate.fit));
+    let seeks_change = selection.problem.observations.comparison.seeks_change();
+    let confidence = |materiality: &Materiality, size: Option<f64>, behind: Vec<f64>| {
+        let j = materiality.joint;
+        let left = seeks_change.then(|| [excess_before(&selection.problem, j), left[j]]);
+        Evidence { materiality, size, left, behind }.confidence()
+    };
     let mut found: Vec<ReportedFinding> = selection
         .estimate
         .set
@@ -128,6 +134,11 @@ pub(crate) fn reported_findings(
             let mut finding = finding_of_candidate(&solution, g, &size, numbers);
             let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
             let alternative_of = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
+            let behind = behind(selection, InPlace::Candidate(g), &rivals);
+            let named = confidence(&size, finding.evidence.size, behind);
+            let candidate = &selection.problem.candidates[g];
+            let described = has_smooth_friction(&selection.problem, &selection.estimate, candidate);
+            finding.confidence = if described { named.min(BESIDE_SMOOTH_TERM) } else { named };
             finding.alternatives = rivals.iter().map(alternative_of).collect();
             finding.alternatives.extend(load_unweighed(&solution, g));
             ReportedFinding {
@@ -155,6 +166,8 @@ pub(crate) fn reported_findings(
         let mut finding = inflated_link(design, link, &size, numbers);
         let rivals = rivals_of_body(&metric, &selection.estimate, link);
         let alternative_of = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
+        let behind = behind(selection, InPlace::Body(link), &rivals);
+        finding.confidence = confidence(&size, finding.evidence.size, behind);
         finding.alternatives = rivals.iter().map(alternative_of).collect();
         found.push(ReportedFinding {
             finding,
@@ -167,6 +180,27 @@ pub(crate) fn reported_findings(
     found.retain(|reported| reported.finding.evidence.size.is_none_or(|size| size >= 1.0));
     found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
     found
+}
+
+/// By how much worse the rivals of a finding score; none of those with another zero or clock, whose efforts are others, and of
+/// the same body by another name.
+fn behind(selection: &Selection, of: InPlace, rivals: &[Rival]) -> Vec<f64> {
+    let candidates = &selection.problem.candidates;
+    let link = |place: InPlace| match place {
+        InPlace::Body(link) => Some(link),
+        InPlace::Candidate(g) if candidates[g].is_of_link() => {
+            candidates[g].location.joints.first().copied()
+        }
+        InPlace::Candidate(_) => None,
+    };
+    if let InPlace::Candidate(g) = of
+        && !held(&candidates[g], &selection.point).is_empty()
+    {
+        return Vec::new();
+    }
+    let is_same = |rival: &&Rival| link(of).is_some() && link(of) == link(rival.by);
+    let others = rivals.iter().filter(|rival| !is_same(rival));
+    others.map(|rival| rival.estimate.score - selection.estimate.score).collect()
 }
 
 fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
@@ -254,11 +288,9 @@ fn finding_of_candidate(
     size: &Materiality,
     numbers: Numbers,
 ) -> Finding {
-    let Solution { design, metric, estimate, .. } = *solution;
+    let Solution { design, metric, .. } = *solution;
     let candidate = &metric.problem.candidates[id];
     let names = |joints: &[usize]| joints.iter().map(|j| design.names[*j].clone()).collect();
-    let confidence = confidence(size);
-    let described = has_smooth_friction(metric.problem, estimate, candidate);
     Finding {
         effect: candidate.slug().to_owned(),
         joints: names(&candidate.location.joints),
@@ -266,7 +298,7 @@ fn finding_of_candidate(
         window: candidate.location.window.map(|w| w.1),
         recording: candidate.location.window.map(|w| stem(&design.signals[w.0].source)),
         parameters: numbers.parameters,
-        confidence: if described { confidence.min(BESIDE_SMOOTH_TERM) } else { confidence },
+        confidence: 0.0,
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,
@@ -319,7 +351,7 @@ fn inflated_link(
         window: None,
         recording: None,
         parameters: numbers.parameters,
-        confidence: confidence(size),
+        confidence: 0.0,
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,

@@ -1,6 +1,7 @@
 //! Findings, and the model that results.
 
 pub(crate) mod ablation;
+pub(crate) mod confidence;
 pub(crate) mod finding;
 pub(crate) mod fitted_model;
 pub(crate) mod next_experiment;

@@ -9,6 +9,7 @@
 use crate::design::training::Design;
 use crate::findings::finding::honest_errors;
 use crate::findings::numbers::numbers;
+use crate::regression::admissible::admissible;
 use crate::regression::fit_set::{Estimate, fit_any_sign};
 use crate::selection::cross_validation::{Predictor, predictor};
 use crate::selection::materiality::{estimate_without, held};
@@ -46,7 +47,11 @@ fn without_least_certain(
     let candidates = &selection.problem.candidates;
     let is_held = |g: usize| !held(&candidates[g], &selection.point).is_empty();
     let sizes = selection.estimate.set.iter().filter(|g| !is_held(**g)).filter_map(|&g| {
-        let size = numbers(best, g, jackknife).size?;
+        // beside the small terms it may have a sign that its law has not
+        let size = match admissible(best.metric.problem, &candidates[g], &best.estimate.fit) {
+            true => numbers(best, g, jackknife).size?,
+            false => 0.0,
+        };
         (size < 1.0).then_some((size, g))
     });
     let (_, least) = sizes.min_by(|a, b| a.0.total_cmp(&b.0))?;
