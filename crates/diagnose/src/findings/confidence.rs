@@ -1,16 +1,15 @@
 //! Confidence of a name.
 //!
 //! ```text
-//! c = L(3 (min(m, s) - 1)) · 1 / (1 + Σ exp(-Δ / 2)) · h,   L(x) = 1 / (1 + exp(-x))
+//! c = L(3 (r - 1)) · 1 / (1 + Σ exp(-Δ / 2)) · h,   r = (m^-2 + s^-2)^(-1/2),   L(x) = 1 / (1 + exp(-x))
 //! ```
 //!
-//! `m` is the materiality over its threshold, `s` the size over two honest standard errors: a name is as good as the weaker of
-//! the two, 0.50 where one of them only just holds and 0.95 at twice that. `Δ` is by how much worse each rival scores, twice a
-//! log odds: what two laws explain equally well has either with the same probability. `h` is one half where the hold-out is
-//! predicted better without the finding. The threshold of `m` holds the model discrepancy: of a joint whose model errs, an
-//! effect must explain as much as the model leaves over. Of a change it is enough to explain a share of what the model leaves
-//! over in the reference too, which repeats; what it leaves over only since, on motion that the reference did not show, counts
-//! in full.
+//! `m` is the materiality over its threshold, which holds the error of the model, `s` the size over two honest standard errors:
+//! the two errors add as independent ones do. Where one is small a name has 0.50 at the threshold of the other and 0.95 at
+//! twice that. `Δ` is by how much worse each rival scores, twice a log odds: what two laws explain equally well has either with
+//! the same probability. `h` is one half where the hold-out is predicted better without the finding. The threshold of `m` is what
+//! the model leaves over on the joint. Of a change it is a share of what the model leaves over in the reference too, which
+//! repeats; what it leaves over only since, on motion that the reference did not show, counts in full.
 //!
 //! References: own.
 
@@ -45,8 +44,9 @@ impl Evidence<'_> {
                 self.materiality.value / least
             }
         };
-        let weaker = materiality.min(self.size.unwrap_or(f64::INFINITY));
-        let alone = 1.0 / (1.0 + (-STEEPNESS * (weaker - 1.0)).exp());
+        let of_size = self.size.map_or(0.0, |size| size.powi(-2));
+        let both = (materiality.powi(-2) + of_size).powf(-0.5);
+        let alone = 1.0 / (1.0 + (-STEEPNESS * (both - 1.0)).exp());
         let rivals: f64 = self.behind.iter().map(|behind| (-0.5 * behind.max(0.0)).exp()).sum();
         alone / (1.0 + rivals)
     }
@@ -63,10 +63,11 @@ mod tests {
     }
 
     #[test]
-    fn weaker_evidence_decides() {
-        assert!((confidence(1.0, 9.0, None, &[]) - 0.5).abs() < 1e-12);
-        assert!((confidence(9.0, 1.0, None, &[]) - 0.5).abs() < 1e-12);
-        assert!(confidence(2.0, 2.0, None, &[]) > 0.95);
+    fn either_threshold_alone_gives_one_half() {
+        assert!((confidence(1.0, 99.0, None, &[]) - 0.5).abs() < 1e-3);
+        assert!((confidence(99.0, 1.0, None, &[]) - 0.5).abs() < 1e-3);
+        assert!(confidence(1.0, 1.0, None, &[]) < 0.3);
+        assert!(confidence(2.0, 20.0, None, &[]) > 0.94);
     }
 
     #[test]

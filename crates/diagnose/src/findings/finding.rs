@@ -158,8 +158,13 @@ pub(crate) fn reported_findings(
             selection.inflated.iter().copied().filter(|body| body.link != link).collect();
         let others = selection.problem.marginalised(selection.scale, &inflated);
         let change = &errors[10 * link..10 * (link + 1)];
-        let numbers =
-            numbers_of_link(design, link, change, &jackknife.covariance_of_link(&metric, link));
+        let numbers = numbers_of_link(
+            design,
+            link,
+            change,
+            &jackknife.covariance_of_link(&metric, link),
+            jackknife.freedom(),
+        );
         if numbers.size.is_some_and(|size| size < 1.0) {
             continue;
         }

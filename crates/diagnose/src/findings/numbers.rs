@@ -1,14 +1,14 @@
 //! The numbers of findings: parameters with standard errors, and the size of a finding over its error.
 //!
-//! Statistic: Wald statistic of the main parameters of a law, or of the mass and first moment of a body, against nothing;
-//! propagation of the block-jackknife covariance through the formulas.
+//! Statistic: Wald statistic of the main parameters of a law, or of the mass and first moment of a body, against nothing, F
+//! distributed with the degrees of freedom of the block jackknife; propagation of the block-jackknife covariance through the formulas.
 //! References: A. Wald, Tests of statistical hypotheses concerning several parameters when the number of observations is large,
 //! Transactions of the American Mathematical Society 54(3), 1943.
 
 use std::collections::BTreeMap;
 
 use armident_effects::{LawRole, OperatingTerm};
-use armident_inference::chi_square_quantile;
+use armident_inference::f_quantile;
 use armident_numeric::{Mat, symmetric_eigen};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -76,9 +76,13 @@ const TWO_STANDARD_ERRORS: f64 = 0.954_499_736;
 /// Variance of a combination of normalised estimates below which it is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Distance of an estimate from nothing by its full covariance, 1 on the border of the region of two standard errors; none
-/// without a variance.
-pub(crate) fn size_over_error(estimate: &[f64], covariance: &[Vec<f64>]) -> Option<f64> {
+/// Distance of an estimate from nothing by its full covariance, which so many blocks less one determine, 1 on the border of the
+/// region of two standard errors; none without a variance.
+pub(crate) fn size_over_error(
+    estimate: &[f64],
+    covariance: &[Vec<f64>],
+    freedom: f64,
+) -> Option<f64> {
     let known: Vec<usize> = (0..estimate.len()).filter(|k| covariance[*k][*k] > 0.0).collect();
     let deviation = |k: usize| covariance[known[k]][known[k]].sqrt();
     let correlation =
@@ -93,7 +97,8 @@ pub(crate) fn size_over_error(estimate: &[f64], covariance: &[Vec<f64>]) -> Opti
             along * along / values[k]
         })
         .sum();
-    let border = chi_square_quantile(TWO_STANDARD_ERRORS, seen.len() as f64)?;
+    let count = seen.len() as f64;
+    let border = count * f_quantile(TWO_STANDARD_ERRORS, count, freedom)?;
     (!seen.is_empty()).then(|| (squares / border).sqrt())
 }
 
@@ -105,6 +110,7 @@ pub(crate) fn numbers(solution: &Solution<'_, '_>, id: usize, jackknife: &Jackkn
     let kind = design.chain.joints[candidate.location.joints.first().copied().unwrap_or(0)].kind;
     let coefficients = estimate.fit.of_candidate(candidate);
     let covariance = jackknife.joint_covariance(metric, estimate, id);
+    let freedom = jackknife.freedom();
     let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
         let first = candidate.location.joints.first().copied();
         match (law.law().operating, first) {
@@ -172,10 +178,10 @@ pub(crate) fn numbers(solution: &Solution<'_, '_>, id: usize, jackknife: &Jackkn
             .map(|p| moments.iter().zip(&coefficients).map(|(t, c)| t[p] * c).sum())
             .collect();
         let spread = |p: usize| (0..4).map(|q| propagated(&moments, p, q)).collect();
-        let size = size_over_error(&change, &(0..4).map(spread).collect::<Vec<_>>());
+        let size = size_over_error(&change, &(0..4).map(spread).collect::<Vec<_>>(), freedom);
         return Numbers {
             parameters,
-            size: size.or_else(|| size_over_error(&coefficients, &covariance)),
+            size: size.or_else(|| size_over_error(&coefficients, &covariance, freedom)),
         };
     }
     // constants of shape have no size: an order is never 0; transmissions have nothing else
@@ -188,7 +194,7 @@ pub(crate) fn numbers(solution: &Solution<'_, '_>, id: usize, jackknife: &Jackkn
     let off: Vec<f64> =
         judged.iter().map(|p| values[*p] - law.law().parameters[*p].neutral).collect();
     let spread = |p: &usize| judged.iter().map(|q| propagated(&slopes, *p, *q)).collect();
-    let size = size_over_error(&off, &judged.iter().map(spread).collect::<Vec<_>>());
+    let size = size_over_error(&off, &judged.iter().map(spread).collect::<Vec<_>>(), freedom);
     Numbers { parameters, size }
 }
 
@@ -198,6 +204,7 @@ pub(crate) fn numbers_of_link(
     link: usize,
     change: &[f64],
     covariance: &[Vec<f64>],
+    freedom: f64,
 ) -> Numbers {
     let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
     let units = ["kg", "kg m", "kg m", "kg m"];
@@ -219,25 +226,33 @@ pub(crate) fn numbers_of_link(
             (names[p], Value { value: in_link[p], stderr, unit: units[p] })
         })
         .collect();
-    Numbers { parameters, size: size_over_error(&change[..4], covariance) }
+    Numbers { parameters, size: size_over_error(&change[..4], covariance, freedom) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// One parameter at two standard errors; two whose sum alone is known; and nothing known.
+    /// Many blocks: the border is that of the normal distribution.
+    const MANY: f64 = 1e6;
+
     #[test]
     fn size_is_one_at_two_standard_errors() {
-        let one = size_over_error(&[0.6], &[vec![0.09]]).unwrap();
-        assert!((one - 1.0).abs() < 1e-6, "{one}");
+        let one = size_over_error(&[0.6], &[vec![0.09]], MANY).unwrap();
+        assert!((one - 1.0).abs() < 1e-4, "{one}");
+        let few = size_over_error(&[0.6], &[vec![0.09]], 4.0).unwrap();
+        assert!((0.6..0.8).contains(&few), "{few}");
+        assert!(size_over_error(&[2.0], &[vec![0.0]], MANY).is_none());
+    }
+
+    /// Of two of which the sum alone is known; and where a combination has no variance.
+    #[test]
+    fn size_follows_full_covariance() {
         let correlated = [vec![1.0, -0.99], vec![-0.99, 1.0]];
         let [apart, together] =
-            [[2.0, -2.0], [2.0, 2.0]].map(|of| size_over_error(&of, &correlated).unwrap());
+            [[2.0, -2.0], [2.0, 2.0]].map(|of| size_over_error(&of, &correlated, MANY).unwrap());
         assert!(apart < 1.2 && together > 8.0, "{apart} {together}");
-        // a combination without a variance is no evidence
         let singular = [vec![1.0, 1.0], vec![1.0, 1.0]];
-        assert!(size_over_error(&[2.0, 2.0], &singular).unwrap() < 1.01);
-        assert!(size_over_error(&[2.0], &[vec![0.0]]).is_none());
+        assert!(size_over_error(&[2.0, 2.0], &singular, MANY).unwrap() < 1.01);
     }
 }

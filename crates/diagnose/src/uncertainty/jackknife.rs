@@ -40,6 +40,8 @@ pub(crate) struct Jackknife {
     shapes: Vec<ProfileCurvature>,
     /// by inflated link: variances of its mass and first moment
     links: BTreeMap<usize, Vec<f64>>,
+    /// blocks that were left out
+    blocks: usize,
 }
 
 impl Jackknife {
@@ -79,6 +81,7 @@ impl Jackknife {
             by_reference,
             shapes: Vec::new(),
             links,
+            blocks: fits.len(),
         }
     }
 
@@ -170,6 +173,11 @@ impl Jackknife {
             }
         }
         covariance
+    }
+
+    /// Degrees of freedom of its variances.
+    pub(crate) fn freedom(&self) -> f64 {
+        self.blocks.saturating_sub(1).max(1) as f64
     }
 
     /// Covariance of mass and first moment of an inflated link, in its driving-axis frame: that of the fit, widened to
