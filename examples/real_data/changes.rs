@@ -93,10 +93,26 @@ struct Tally {
     /// numbers of the load within their 95 % interval
     in_interval: usize,
     lines: Vec<String>,
+    /// confidence of each finding, and whether it is the load or may be it
+    named: Vec<(f64, bool)>,
 }
+
+/// Findings of less confidence are not counted.
+const COUNTED: f64 = 0.5;
+/// Lowest confidences of the rows of the reliability table, the highest first.
+const LEVELS: [f64; 4] = [0.95, 0.9, 0.7, COUNTED];
 
 /// The tables.
 pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
+    print_of(folder, |_| true)
+}
+
+/// The same without payloads: every finding is false.
+pub(crate) fn print_placebos(folder: &Path) -> Result<(), Box<dyn Error>> {
+    print_of(folder, |load_kg| load_kg == 0.0)
+}
+
+fn print_of(folder: &Path, wanted: impl Fn(f64) -> bool) -> Result<(), Box<dyn Error>> {
     println!("\n## Changes\n");
     println!(
         "Parts of a set are compared with each other (`--reference`): each part with each other one, and with \
@@ -111,9 +127,9 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
         "| set | compared | payload [kg] | on | comparisons | right | as alternative | other findings | in interval |"
     );
     println!("| --- | --- | ---: | --- | ---: | ---: | ---: | ---: | ---: |");
-    let mut lines = Vec::new();
+    let (mut lines, mut named) = (Vec::new(), Vec::new());
     for compared in &COMPARED {
-        for &load_kg in compared.loads_kg {
+        for &load_kg in compared.loads_kg.iter().filter(|load_kg| wanted(**load_kg)) {
             let tally = compared.tally(folder, load_kg)?;
             println!(
                 "| {} | {} | {load_kg} | {} | {} | {} | {} | {} | {} |",
@@ -127,7 +143,22 @@ pub(crate) fn print(folder: &Path) -> Result<(), Box<dyn Error>> {
                 tally.in_interval
             );
             lines.extend(tally.lines);
+            named.extend(tally.named);
         }
+    }
+    println!("\nAll comparisons together, by the confidence of the findings:\n");
+    println!("| confidence | findings | of the payload, or with it as alternative |");
+    println!("| ---: | ---: | ---: |");
+    let mut below = f64::INFINITY;
+    for level in LEVELS {
+        let here: Vec<bool> = named
+            .iter()
+            .filter(|(c, _)| (level..below).contains(c))
+            .map(|(_, right)| *right)
+            .collect();
+        let right = here.iter().filter(|right| **right).count();
+        println!("| {level} and more | {} | {right} |", here.len());
+        below = level;
     }
     println!("\nAll findings:\n");
     lines.iter().for_each(|line| println!("* {line}"));
@@ -207,13 +238,18 @@ impl Tally {
                 && others
                     .any(|a| is_body(&a.effect) && a.link.as_deref() == Some(&*carrier.child_link))
         };
-        let findings = || diagnosis.findings.iter().filter(|_| load_kg > 0.0);
+        let counted: Vec<&Finding> =
+            diagnosis.findings.iter().filter(|finding| finding.confidence >= COUNTED).collect();
+        let findings = || counted.iter().copied().filter(|_| load_kg > 0.0);
         let load = findings().find(is_load);
         let doubted = findings().find(|finding| load.is_none() && may_be_load(finding));
         self.right += usize::from(load.is_some());
         self.in_doubt += usize::from(doubted.is_some());
         let accounted = usize::from(load.or(doubted).is_some());
-        self.wrong += usize::from(diagnosis.findings.len() > accounted);
+        self.wrong += usize::from(counted.len() > accounted);
+        let accounts =
+            |finding: &&Finding| load_kg > 0.0 && (is_load(finding) || may_be_load(finding));
+        self.named.extend(counted.iter().map(|finding| (finding.confidence, accounts(finding))));
         self.in_interval +=
             usize::from(load.is_some_and(|load| holds(load, load_kg, &place_m.coords)));
         if !diagnosis.findings.is_empty() {
@@ -287,5 +323,6 @@ fn in_words(finding: &Finding) -> String {
         .take(if finding.parameters.contains_key("mass") { 1 } else { 3 })
         .map(|of| format!("{:.3} +- {:.3} {}", of.value, of.stderr.unwrap_or(0.0), of.unit))
         .collect();
-    format!("{} {}", named(finding), numbers.join(", ")).trim_end().to_owned()
+    let numbers = numbers.join(", ");
+    format!("{} ({:.2}) {numbers}", named(finding), finding.confidence).trim_end().to_owned()
 }

@@ -7,7 +7,8 @@
 //! cargo run --release --example real_data -- ../shared/data > docs/real-data.md
 //! ```
 //!
-//! `estimators`, `check`, `diagnosis` or `changes` behind the folder prints that section alone.
+//! `estimators`, `check`, `diagnosis` or `changes` behind the folder prints that section alone, `placebos` the changes
+//! without payloads.
 
 #![allow(clippy::print_stdout, reason = "the tables are the output")]
 
@@ -32,6 +33,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("changes", changes::print),
     ];
     if let Some(only) = arguments.next() {
+        if only == "placebos" {
+            return changes::print_placebos(folder);
+        }
         let (_, print) =
             sections.into_iter().find(|(name, _)| *name == only).ok_or("no such section")?;
         return print(folder);

@@ -10,6 +10,7 @@ use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::findings::confidence::NOT_CONFIRMED;
 use crate::findings::finding::{DoubtfulChange, Finding};
 use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
 use crate::findings::placebo::Placebo;
@@ -61,6 +62,8 @@ pub struct Diagnosis {
     pub beyond_reference: BTreeMap<String, f64>,
     /// With a reference: changes that are not certain enough to be named.
     pub doubtful_changes: Vec<DoubtfulChange>,
+    /// Links whose given inertials are placeholders: no prior was taken from them.
+    pub placeholder_links: Vec<String>,
     /// Joints on which these errors of all links together matter, whether or not a single link is named.
     pub inertias_matter_on: Vec<String>,
     /// Where the mismatch is, joint by joint, on the recordings fitted.
@@ -112,8 +115,8 @@ impl Diagnosis {
     }
 
     /// Marks every finding as confirmed or not by the hold-out: whether it is predicted better with the finding than
-    /// without it, all else fitted again, on the joint where it matters most. Changes neither names nor confidences
-    /// nor the model.
+    /// without it, all else fitted again, on the joint where it matters most. Changes neither names nor the model; what is
+    /// not confirmed is less sure.
     pub(crate) fn confirm(&mut self) -> Result<(), RecordingError> {
         let holdout = self.prepared(&self.holdout)?;
         let with = self.error_of(&self.model, &holdout)?;
@@ -130,6 +133,9 @@ impl Diagnosis {
         let confirmed = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
         for (finding, confirmed) in self.findings.iter_mut().zip(confirmed) {
             finding.confirmed = confirmed;
+            if confirmed == Some(false) {
+                finding.confidence *= NOT_CONFIRMED;
+            }
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use armident_recording::Recording;
 
 use crate::checks::effort_columns::InputChecks;
 use crate::design::known_effort::KnownModel;
+use crate::design::placeholder::placeholders;
 use crate::diagnosis::Diagnosis;
 use crate::error::{DiagnoseError, WrongColumns};
 use crate::findings::finding::Finding;
@@ -75,6 +76,10 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     let [recordings, reference, holdout] = [recordings, reference, holdout].map(in_effort);
     if request.trust_columns {
         checks.faults.clear();
+    }
+    // sign, unit and order are read off the efforts of the links, which nobody measured
+    if placeholders(&model.chain).contains(&true) {
+        checks.faults.retain(|fault| fault.topic == Topic::Quality);
     }
     let of = |recordings: &[Recording], reference: &[Recording]| match reference {
         [] => against_model(model, known.as_ref(), recordings, request.placebo_terms),

@@ -10,6 +10,7 @@ pub(crate) mod known_effort;
 pub(crate) mod linear_problem;
 pub(crate) mod link_error_prior;
 pub(crate) mod observations;
+pub(crate) mod placeholder;
 pub(crate) mod rebuild;
 pub(crate) mod ripple;
 pub(crate) mod smooth;

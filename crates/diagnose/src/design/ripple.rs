@@ -12,6 +12,9 @@ use crate::design::training::Design;
 const HIGHEST_ORDER: usize = 130;
 /// Orders tried on a translational joint \[cycles per metre\].
 const TRANSLATIONAL: (f64, f64, f64) = (4.0, 60.0, 0.25);
+/// Fewest waves of a ripple over the travel of its joint: what is no full wave is a curve over the position, whose period,
+/// amplitude and offset are not determined together.
+const FEWEST_WAVES: f64 = 1.0;
 /// Least share of a joint's leftover that a peak must explain.
 const LEAST_SHARE: f64 = 0.06;
 /// Peaks offered a joint, and their least distance in orders.
@@ -20,6 +23,18 @@ const APART: f64 = 2.0;
 
 /// Order, sine rows, cosine rows.
 type Wave = (f64, Vec<f64>, Vec<f64>);
+
+/// Least order of a ripple on a joint: one wave over the range that the judged recordings travel \[cycles per turn or metre\].
+pub(crate) fn least_order(design: &Design<'_>, joint: usize) -> f64 {
+    let judged = design.signals.iter().skip(design.observations.comparison.first_judged());
+    let positions = || judged.clone().flat_map(|s| s.position[joint].iter().copied());
+    let travel = positions().fold(f64::MIN, f64::max) - positions().fold(f64::MAX, f64::min);
+    let turn = match design.chain.joints[joint].kind {
+        JointKind::Rotational => std::f64::consts::TAU,
+        JointKind::Translational => 1.0,
+    };
+    FEWEST_WAVES * turn / travel.max(f64::MIN_POSITIVE)
+}
 
 /// Sine and cosine rows of every order, for every joint: formed once for a set of recordings.
 pub(crate) struct RippleColumns {
@@ -53,7 +68,8 @@ impl RippleColumns {
                     };
                     (order, rows(0), rows(1))
                 };
-                orders.into_iter().map(wave).collect()
+                let least = least_order(design, j);
+                orders.into_iter().filter(|order| *order >= least).map(wave).collect()
             })
             .collect();
         Self { joints }

@@ -13,6 +13,7 @@ use crate::design::candidate::{Candidate, CandidateKind, Location};
 use crate::design::compliant_link::{CompliantLink, Posed};
 use crate::design::linear_problem::LinearProblem;
 use crate::design::link_error_prior::{as_large_as, inertial_error_directions};
+use crate::design::placeholder::sizes_of_links;
 use armident_model::OperatingPoint;
 use armident_motion::BandMotion;
 
@@ -204,8 +205,7 @@ impl<'a> Design<'a> {
             })
             .collect();
         let mut rigid = self.rigid_columns(at);
-        let arm = RigidArm::from_chain(self.chain);
-        let mut link_error_prior = inertial_error_directions(&arm.links);
+        let mut link_error_prior = inertial_error_directions(&sizes_of_links(self.chain));
         if self.observations.comparison.seeks_change() {
             let (columns, deviations) = self.baseline_columns(at, &effort);
             rigid.extend(columns);

@@ -2,37 +2,25 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Effect, LawRole, LinkInertiaError, OperatingTerm, Payload, UNMODELLED};
-use nalgebra::Vector3;
+use armident_effects::{Effect, LawRole, LinkInertiaError, Payload, UNMODELLED};
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind};
-use crate::design::compliant_link::mean_inertia;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::Design;
-use crate::findings::fitted_model::law_parameters;
+use crate::findings::confidence::Evidence;
+use crate::findings::numbers::{Numbers, Value, numbers, numbers_of_link};
 use crate::findings::residual_map::Character;
 use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::selection::change_significance::{Inconclusive, ReferenceUncertainty};
 use crate::selection::materiality::{
-    Materiality, link_materiality, materiality, surrogate_threshold_beside,
+    Materiality, excess, excess_before, held, link_materiality, materiality,
+    surrogate_threshold_beside,
 };
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::selection::solution::{Selection, Solution};
 use crate::uncertainty::jackknife::Jackknife;
-use armident_model::FittedTransmission;
-
-/// A number with its standard error.
-#[derive(Debug, Clone, Serialize)]
-pub struct Value {
-    /// Estimate.
-    pub value: f64,
-    /// Standard error, if it is known.
-    pub stderr: Option<f64>,
-    /// Unit.
-    pub unit: &'static str,
-}
 
 /// Another effect that the recordings do not distinguish from a finding.
 #[derive(Debug, Clone, Serialize)]
@@ -58,6 +46,9 @@ pub struct FindingEvidence {
     pub least_materiality: f64,
     /// That joint.
     pub joint: String,
+    /// Distance of its main parameters from nothing: 1 at two standard errors; none where these are not known.
+    #[serde(skip)]
+    pub size: Option<f64>,
     /// Regressors of an unmodelled structure.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variables: Vec<String>,
@@ -81,7 +72,8 @@ pub struct Finding {
     pub recording: Option<String>,
     /// Parameters of the law.
     pub parameters: BTreeMap<&'static str, Value>,
-    /// 0.5 at the materiality threshold, 0.95 at twice the threshold.
+    /// How far the name can be relied upon, 0 to 1: 0.5 at the threshold of its weaker evidence, 0.95 at twice that, less
+    /// beside rivals and where the hold-out contradicts.
     pub confidence: f64,
     /// Whether the model with it predicts recordings kept out better than the model without it; none
     /// without such recordings, or where they cannot say (a contact happened once).
@@ -90,10 +82,6 @@ pub struct Finding {
     pub evidence: FindingEvidence,
     /// Effects that it may be instead.
     pub alternatives: Vec<Alternative>,
-}
-
-fn confidence(size: &Materiality) -> f64 {
-    1.0 / (1.0 + (-3.0 * (size.ratio() - 1.0)).exp())
 }
 
 /// A finding and the estimates beside it.
@@ -105,24 +93,36 @@ pub(crate) struct ReportedFinding {
     pub(crate) rivals: Vec<(Estimate, Vec<InflatedLink>)>,
 }
 
-/// The findings, the most material first. `numbers` has the findings and the small terms of the model: parameters without
+/// Standard errors of an estimate, with all that widens them.
+pub(crate) fn honest_errors(design: &Design<'_>, of: &Solution<'_, '_>) -> Jackknife {
+    let Solution { metric, estimate, .. } = *of;
+    let step_s = design.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
+    let mut jackknife = Jackknife::with_lag(metric, estimate, step_s);
+    if design.observations.comparison.seeks_change() {
+        let open = ReferenceUncertainty::of(design, of.at(), metric, estimate);
+        open.widen(&mut jackknife, metric, estimate);
+    }
+    jackknife.with_shapes(design, of.at(), metric, estimate)
+}
+
+/// The findings, the most material first. `best` has the findings and the small terms of the model: parameters without
 /// these would be biased.
 pub(crate) fn reported_findings(
     design: &Design<'_>,
     selection: &Selection,
-    numbers: &Solution<'_, '_>,
+    best: &Solution<'_, '_>,
+    jackknife: &Jackknife,
 ) -> Vec<ReportedFinding> {
     let metric = selection.metric();
     let solution = selection.solution(design, &metric);
-    let step_s = design.signals.iter().map(|s| 1.0 / s.recorded_hz).fold(0.0, f64::max);
-    let mut jackknife = Jackknife::with_lag(numbers.metric, numbers.estimate, step_s);
-    if design.observations.comparison.seeks_change() {
-        let Solution { metric, estimate, .. } = *numbers;
-        let open = ReferenceUncertainty::of(design, numbers.at(), metric, estimate);
-        open.widen(&mut jackknife, metric, estimate);
-    }
-    let jackknife = jackknife.with_shapes(design, numbers.at(), numbers.metric, numbers.estimate);
     let chance = surrogate_threshold_beside(&metric, &selection.estimate);
+    let left = excess(&selection.problem, &metric.residual(&selection.estimate.fit));
+    let seeks_change = selection.problem.observations.comparison.seeks_change();
+    let confidence = |materiality: &Materiality, size: Option<f64>, behind: Vec<f64>| {
+        let j = materiality.joint;
+        let left = seeks_change.then(|| [excess_before(&selection.problem, j), left[j]]);
+        Evidence { materiality, size, left, behind }.confidence()
+    };
     let mut found: Vec<ReportedFinding> = selection
         .estimate
         .set
@@ -130,10 +130,15 @@ pub(crate) fn reported_findings(
         .map(|&g| {
             let (size, without) =
                 materiality(&metric, &selection.estimate, g, &selection.point, &chance);
-            let numbers = parameters(numbers, g, &jackknife);
+            let numbers = numbers(best, g, jackknife);
             let mut finding = finding_of_candidate(&solution, g, &size, numbers);
             let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
             let alternative_of = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
+            let behind = behind(selection, InPlace::Candidate(g), &rivals);
+            let named = confidence(&size, finding.evidence.size, behind);
+            let candidate = &selection.problem.candidates[g];
+            let described = has_smooth_friction(&selection.problem, &selection.estimate, candidate);
+            finding.confidence = if described { named.min(BESIDE_SMOOTH_TERM) } else { named };
             finding.alternatives = rivals.iter().map(alternative_of).collect();
             finding.alternatives.extend(load_unweighed(&solution, g));
             ReportedFinding {
@@ -153,11 +158,21 @@ pub(crate) fn reported_findings(
             selection.inflated.iter().copied().filter(|body| body.link != link).collect();
         let others = selection.problem.marginalised(selection.scale, &inflated);
         let change = &errors[10 * link..10 * (link + 1)];
-        let covariance =
-            metric.inertial_covariance(&(10 * link..10 * link + 4).collect::<Vec<_>>());
-        let mut finding = inflated_link(design, link, change, &covariance, &size);
+        let numbers = numbers_of_link(
+            design,
+            link,
+            change,
+            &jackknife.covariance_of_link(&metric, link),
+            jackknife.freedom(),
+        );
+        if numbers.size.is_some_and(|size| size < 1.0) {
+            continue;
+        }
+        let mut finding = inflated_link(design, link, &size, numbers);
         let rivals = rivals_of_body(&metric, &selection.estimate, link);
         let alternative_of = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
+        let behind = behind(selection, InPlace::Body(link), &rivals);
+        finding.confidence = confidence(&size, finding.evidence.size, behind);
         finding.alternatives = rivals.iter().map(alternative_of).collect();
         found.push(ReportedFinding {
             finding,
@@ -166,8 +181,31 @@ pub(crate) fn reported_findings(
             rivals: rivals.into_iter().map(|r| (r.estimate, r.inflated)).collect(),
         });
     }
+    // parts of the operating point stay in the model; without a size they are no names
+    found.retain(|reported| reported.finding.evidence.size.is_none_or(|size| size >= 1.0));
     found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
     found
+}
+
+/// By how much worse the rivals of a finding score; none of those with another zero or clock, whose efforts are others, and of
+/// the same body by another name.
+fn behind(selection: &Selection, of: InPlace, rivals: &[Rival]) -> Vec<f64> {
+    let candidates = &selection.problem.candidates;
+    let link = |place: InPlace| match place {
+        InPlace::Body(link) => Some(link),
+        InPlace::Candidate(g) if candidates[g].is_of_link() => {
+            candidates[g].location.joints.first().copied()
+        }
+        InPlace::Candidate(_) => None,
+    };
+    if let InPlace::Candidate(g) = of
+        && !held(&candidates[g], &selection.point).is_empty()
+    {
+        return Vec::new();
+    }
+    let is_same = |rival: &&Rival| link(of).is_some() && link(of) == link(rival.by);
+    let others = rivals.iter().filter(|rival| !is_same(rival));
+    others.map(|rival| rival.estimate.score - selection.estimate.score).collect()
 }
 
 fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {
@@ -253,26 +291,25 @@ fn finding_of_candidate(
     solution: &Solution<'_, '_>,
     id: usize,
     size: &Materiality,
-    parameters: BTreeMap<&'static str, Value>,
+    numbers: Numbers,
 ) -> Finding {
-    let Solution { design, metric, estimate, .. } = *solution;
+    let Solution { design, metric, .. } = *solution;
     let candidate = &metric.problem.candidates[id];
     let names = |joints: &[usize]| joints.iter().map(|j| design.names[*j].clone()).collect();
-    let confidence = confidence(size);
-    let described = has_smooth_friction(metric.problem, estimate, candidate);
     Finding {
         effect: candidate.slug().to_owned(),
         joints: names(&candidate.location.joints),
         link: link_of(design, candidate),
         window: candidate.location.window.map(|w| w.1),
         recording: candidate.location.window.map(|w| stem(&design.signals[w.0].source)),
-        parameters,
-        confidence: if described { confidence.min(BESIDE_SMOOTH_TERM) } else { confidence },
+        parameters: numbers.parameters,
+        confidence: 0.0,
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,
             least_materiality: size.least,
             joint: design.names[size.joint].clone(),
+            size: numbers.size,
             variables: match &candidate.kind {
                 CandidateKind::SmoothDirections(flexible) => flexible.basis.variables(),
                 CandidateKind::Law(_) => Vec::new(),
@@ -281,14 +318,6 @@ fn finding_of_candidate(
         },
         alternatives: Vec::new(),
     }
-}
-
-/// Change of mass and first moment of a link, in the frame of its URDF link.
-fn in_link_frame(design: &Design<'_>, link: usize, change: &[f64]) -> [f64; 4] {
-    let pose = design.chain.joints[link].child_link_in_e;
-    let moment = Vector3::new(change[1], change[2], change[3]);
-    let moved = pose.rotation.inverse() * (moment - pose.translation.vector * change[0]);
-    [change[0], moved.x, moved.y, moved.z]
 }
 
 /// Confidence of a friction law beside a smooth term of the same joint's speed, between which friction is not
@@ -316,44 +345,24 @@ fn has_smooth_friction(
 fn inflated_link(
     design: &Design<'_>,
     link: usize,
-    change: &[f64],
-    covariance: &[Vec<f64>],
     size: &Materiality,
+    numbers: Numbers,
 ) -> Finding {
     let joint = &design.chain.joints[link];
-    let names = ["delta_mass", "delta_mcx", "delta_mcy", "delta_mcz"];
-    let units = ["kg", "kg m", "kg m", "kg m"];
-    let in_link = in_link_frame(design, link, change);
-    let parameters = (0..4)
-        .map(|p| {
-            // the frames' change is linear
-            let slopes: Vec<f64> = (0..4)
-                .map(|k| {
-                    let unit: Vec<f64> = (0..10).map(|i| f64::from(u8::from(i == k))).collect();
-                    in_link_frame(design, link, &unit)[p]
-                })
-                .collect();
-            let variance: f64 = (0..4)
-                .flat_map(|a| (0..4).map(move |b| (a, b)))
-                .map(|(a, b)| slopes[a] * slopes[b] * covariance[a][b])
-                .sum();
-            let stderr = (variance > 0.0).then(|| variance.sqrt());
-            (names[p], Value { value: in_link[p], stderr, unit: units[p] })
-        })
-        .collect();
     Finding {
         effect: LinkInertiaError.slug().to_owned(),
         joints: vec![joint.name.clone()],
         link: Some(joint.child_link.clone()),
         window: None,
         recording: None,
-        parameters,
-        confidence: confidence(size),
+        parameters: numbers.parameters,
+        confidence: 0.0,
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,
             least_materiality: size.least,
             joint: design.names[size.joint].clone(),
+            size: numbers.size,
             variables: Vec::new(),
             character: None,
         },
@@ -366,100 +375,4 @@ fn stem(source: &str) -> String {
     std::path::Path::new(source)
         .file_stem()
         .map_or_else(|| source.to_owned(), |s| s.to_string_lossy().into_owned())
-}
-
-/// Share of a link parameter's prior deviation that may be in combinations that are not excited; with more the parameter is
-/// not reported.
-const UNSEEN: f64 = 0.1;
-
-/// Link parameters in combinations that are not excited, and axes of a tip force that load no joint.
-fn unseen(design: &Design<'_>, problem: &LinearProblem, candidate: &Candidate) -> [bool; 4] {
-    if candidate.has(|law| law.has_role(LawRole::Contact)) {
-        let loads_none =
-            |axis: usize| problem.columns[candidate.columns[axis]].iter().all(Vec::is_empty);
-        return std::array::from_fn(|p| p > 0 && loads_none(p - 1));
-    }
-    let Some(transform) = &candidate.transform else { return [false; 4] };
-    let size = |directions: &[Vec<f64>], p: usize| -> f64 {
-        let of = |d: &Vec<f64>| in_link_frame(design, candidate.location.joints[0], d)[p].powi(2);
-        directions.iter().map(of).sum()
-    };
-    std::array::from_fn(|p| {
-        let hidden = size(&candidate.hidden, p);
-        hidden >= UNSEEN * UNSEEN * (hidden + size(transform, p))
-    })
-}
-
-fn parameters(
-    solution: &Solution<'_, '_>,
-    id: usize,
-    jackknife: &Jackknife,
-) -> BTreeMap<&'static str, Value> {
-    let Solution { design, metric, estimate, point, ref gain, .. } = *solution;
-    let candidate = &metric.problem.candidates[id];
-    let Some(law) = candidate.law() else { return BTreeMap::new() };
-    let kind = design.chain.joints[candidate.location.joints.first().copied().unwrap_or(0)].kind;
-    let coefficients = estimate.fit.of_candidate(candidate);
-    let covariance = jackknife.joint_covariance(metric, estimate, id);
-    let of = |shape: &[f64], coefficients: &[f64]| -> Vec<f64> {
-        let first = candidate.location.joints.first().copied();
-        match (law.law().operating, first) {
-            (Some(OperatingTerm::Tilt), _) => {
-                let delta = [coefficients[0], coefficients[1]];
-                let base = point.tilt;
-                return law.parameters(&[], &[base[0] + delta[0], base[1] + delta[1]]);
-            }
-            (Some(OperatingTerm::Delay), _) => return vec![point.delay_s + coefficients[0]],
-            (Some(OperatingTerm::EncoderZero), Some(j)) => {
-                return vec![point.offset[j] + coefficients[0]];
-            }
-            _ => {}
-        }
-        if let (Some(_), Some(j)) = (law.law().link_side(), first) {
-            let inertia = mean_inertia(solution.at(), j);
-            let to_first_order =
-                || FittedTransmission { gap: 0.0, stiffness: 1.0 / coefficients[0], damping: 0.0 };
-            let mut of =
-                FittedTransmission::of_law(law, shape, inertia).unwrap_or_else(to_first_order);
-            of.gap = of.fitted_gap(coefficients[0]);
-            return law
-                .parameters_of_transmission(&of.with_motor_inertia(coefficients[1] / gain[j]));
-        }
-        if let (Some(transform), Some(link)) = (&candidate.transform, first) {
-            let change: Vec<f64> = (0..10)
-                .map(|p| transform.iter().zip(coefficients).map(|(t, c)| t[p] * c).sum())
-                .collect();
-            return law.parameters_of_link(in_link_frame(design, link, &change));
-        }
-        let moved = Candidate { shape: shape.to_vec(), ..candidate.clone() };
-        law_parameters(&moved, coefficients, gain)
-    };
-    let values = of(&candidate.shape, &coefficients);
-    // propagation of the covariance of coefficients and searched constants through the formulas
-    let numbers = [&coefficients[..], &candidate.shape[..]].concat();
-    let slopes: Vec<Vec<f64>> = (0..numbers.len())
-        .map(|k| {
-            let step = 1e-4 * covariance[k][k].sqrt().max(1e-12);
-            let mut moved = numbers.clone();
-            moved[k] += step;
-            let (coefficients, shape) = moved.split_at(coefficients.len());
-            of(shape, coefficients).iter().zip(&values).map(|(a, b)| (a - b) / step).collect()
-        })
-        .collect();
-    let unseen = unseen(design, metric.problem, candidate);
-    law.law()
-        .parameters
-        .iter()
-        .zip(&values)
-        .enumerate()
-        .filter(|(p, _)| !unseen.get(*p).is_some_and(|unseen| *unseen))
-        .map(|(p, (parameter, &value))| {
-            let variance: f64 = (0..numbers.len())
-                .flat_map(|a| (0..numbers.len()).map(move |b| (a, b)))
-                .map(|(a, b)| slopes[a][p] * slopes[b][p] * covariance[a][b])
-                .sum();
-            let stderr = (variance > 0.0).then(|| variance.sqrt());
-            (parameter.name, Value { value, stderr, unit: parameter.unit(kind) })
-        })
-        .collect()
 }

@@ -45,17 +45,29 @@ fn is_gain(candidate: &Candidate) -> bool {
     candidate.has(|law| law.operating == Some(OperatingTerm::Gain))
 }
 
+/// What links a model has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Links {
+    /// Physically consistent ones.
+    Consistent,
+    /// Those of the estimate, whatever they are.
+    AsFitted,
+}
+
 /// The model of an estimate; and the distance of its links from the estimate's in standard errors, where these are not
 /// physically consistent.
 pub(crate) fn fitted_model(
     model: &ArmModel,
     solution: &Solution<'_, '_>,
+    links: Links,
 ) -> (ArmModel, Option<f64>) {
     let Solution { design, metric, estimate, point: formed_at, ref gain, .. } = *solution;
     let problem = metric.problem;
     let mut found = model.links_in_band();
-    let ConsistentEstimate { change, coefficients, distance_in_standard_errors } =
-        consistent_estimate(design.chain, metric, estimate);
+    let ConsistentEstimate { change, coefficients, distance_in_standard_errors } = match links {
+        Links::Consistent => consistent_estimate(design.chain, metric, estimate),
+        Links::AsFitted => ConsistentEstimate::of(metric, estimate),
+    };
     let point = moves(problem, estimate, formed_at);
     for (&g, coefficients) in estimate.set.iter().zip(coefficients) {
         let candidate = &problem.candidates[g];
@@ -239,7 +251,12 @@ mod tests {
         let design = Design::new(chain, vec![recorded.clone()]);
         let (design, selection) = select(&design).unwrap();
         let metric = selection.metric();
-        fitted_model(&ArmModel::from_chain(chain.clone()), &selection.solution(&design, &metric)).0
+        fitted_model(
+            &ArmModel::from_chain(chain.clone()),
+            &selection.solution(&design, &metric),
+            Links::Consistent,
+        )
+        .0
     }
 
     /// The gain of a channel scales the efforts of link errors too.

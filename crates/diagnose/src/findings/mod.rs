@@ -1,8 +1,11 @@
 //! Findings, and the model that results.
 
 pub(crate) mod ablation;
+pub(crate) mod confidence;
 pub(crate) mod finding;
 pub(crate) mod fitted_model;
 pub(crate) mod next_experiment;
+pub(crate) mod numbers;
 pub(crate) mod placebo;
 pub(crate) mod residual_map;
+pub(crate) mod size;

@@ -29,7 +29,7 @@ use crate::selection::materiality::{held, prune};
 use crate::selection::prior_scale::{ScaleCriterion, ScaleFit, SearchState, best_of_scales};
 use crate::selection::refine_shape::{fractional_ripples, refine};
 use crate::selection::reversal::with_reversal_models;
-use crate::selection::rivals::{baseline_first, load_first};
+use crate::selection::rivals::{baseline_first, load_first, one_body_first};
 use crate::selection::simulated_candidates::with_simulated_candidates;
 use crate::selection::weights::{
     discrepancies, discrepancies_after, initial_discrepancies, weights_with_rests,
@@ -177,7 +177,8 @@ fn iterate<'a>(
         }
         if seeks_change {
             let metric = problem.marginalised(scale, &inflated);
-            found = load_first(&metric, with_changes(&metric, found));
+            found = one_body_first(&metric, with_changes(&metric, found));
+            found = load_first(&metric, found);
             found = prune(&metric, found, &point);
             (found, inconclusive) = certain(design, &at, &metric, found, &point);
         } else {

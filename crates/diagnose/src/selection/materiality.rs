@@ -22,11 +22,11 @@ use armident_model::OperatingPoint;
 pub(crate) const LEAST: f64 = 0.6;
 /// Least materiality of a change, 8 % more prediction error: the model discrepancy is known from the reference, and
 /// [`crate::selection::change_significance::certain`] tests the significance.
-const LEAST_CHANGE: f64 = 0.4;
+pub(crate) const LEAST_CHANGE: f64 = 0.4;
 /// Share of a joint's residual below which nothing is reported there.
-const SHARE_OF_EXCESS: f64 = 0.9;
+pub(crate) const SHARE_OF_EXCESS: f64 = 0.9;
 /// That share for a change: model discrepancy is the same before and after, and a change must hold in every block.
-const SHARE_FOR_CHANGE: f64 = 0.3;
+pub(crate) const SHARE_FOR_CHANGE: f64 = 0.3;
 
 /// How much an effect matters, on the joint where it matters most.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,10 +44,11 @@ impl Materiality {
     }
 }
 
+/// Uncertainty of the estimated noise.
+const UNCERTAINTY: f64 = 1.1;
+
 /// Residual of each joint beyond its noise, in noise levels.
 pub(crate) fn excess(problem: &LinearProblem, residual: &[Vec<f64>]) -> Vec<f64> {
-    // 1.1: uncertainty of the estimated noise
-    const UNCERTAINTY: f64 = 1.1;
     (0..residual.len())
         .map(|j| {
             let left = problem.observations.in_sample_noise(j, &residual[j]);
@@ -55,6 +56,12 @@ pub(crate) fn excess(problem: &LinearProblem, residual: &[Vec<f64>]) -> Vec<f64>
             (left * left - UNCERTAINTY * noise * noise).max(0.0).sqrt()
         })
         .collect()
+}
+
+/// The same on a joint in the reference: what the model leaves over where nothing changed.
+pub(crate) fn excess_before(problem: &LinearProblem, joint: usize) -> f64 {
+    let left = problem.observations.weights.discrepancy_before[joint];
+    band_noise(problem, joint) * (left * left - UNCERTAINTY).max(0.0).sqrt()
 }
 
 /// Noise in the band, in standard deviations of one recorded sample.

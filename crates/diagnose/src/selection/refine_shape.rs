@@ -5,6 +5,7 @@
 //! 1961.
 
 use crate::design::rebuild::{continuous, known, recreate};
+use crate::design::ripple::least_order;
 use crate::design::transmission::push_transmission;
 use armident_effects::{LawRole, ShapeStep};
 use std::collections::{HashMap, HashSet};
@@ -174,6 +175,9 @@ impl Trials<'_, '_> {
 
     /// Takes another candidate in a place of the estimate, if the score is better by it.
     fn improved_by(&mut self, k: usize, trial: &Candidate) -> bool {
+        if !is_full_wave(self.design, trial) {
+            return false;
+        }
         let mark = self.small.mark();
         let id = self.formed(trial);
         let next = id.and_then(|id| {
@@ -194,6 +198,12 @@ impl Trials<'_, '_> {
             }
         }
     }
+}
+
+/// Whether a candidate is no ripple, or one of at least a wave over the travel of its joint.
+fn is_full_wave(design: &Design<'_>, candidate: &Candidate) -> bool {
+    !candidate.has(|law| law.has_role(LawRole::Ripple))
+        || candidate.shape[0] >= least_order(design, candidate.location.joints[0])
 }
 
 /// Joints whose ripple ended at an order that is no whole number.

@@ -136,6 +136,35 @@ pub(crate) fn load_first(metric: &Marginalised<'_>, mut of: Estimate) -> Estimat
     of
 }
 
+/// The estimate of a change with one body instead of several effects on single joints, where these do not surely predict
+/// left-out blocks better: a body loads several joints, and that as many of them changed on their own at once is rare.
+pub(crate) fn one_body_first(metric: &Marginalised<'_>, of: Estimate) -> Estimate {
+    let problem = metric.problem;
+    let candidates = &problem.candidates;
+    let of_joint = |g: &usize| {
+        candidates[*g].location.joints.len() == 1
+            && !candidates[*g].is_of_link()
+            && candidates[*g].location.window.is_none()
+    };
+    let mut joints: Vec<usize> =
+        of.set.iter().filter(|g| of_joint(g)).map(|g| candidates[*g].location.joints[0]).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    if joints.len() < 2 || of.set.iter().any(|g| candidates[*g].is_of_link()) {
+        return of;
+    }
+    let rest: Vec<usize> = of.set.iter().copied().filter(|g| !of_joint(g)).collect();
+    let bodies = (0..candidates.len()).filter(|g| candidates[*g].is_of_link());
+    let best = bodies
+        .filter_map(|g| fit_set(metric, [rest.as_slice(), &[g]].concat()))
+        .min_by(|a, b| a.score.total_cmp(&b.score));
+    let Some(body) = best else { return of };
+    let errors = |set: &[usize]| fold_errors(problem, set, metric.scale, &metric.inflated);
+    let of_body = errors(&body.set);
+    let explains = surely_less(&of_body, &errors(&rest));
+    if explains && !surely_less(&errors(&of.set), &of_body) { body } else { of }
+}
+
 fn of_candidate(metric: &Marginalised<'_>, of: &Estimate, candidate: usize) -> Vec<Rival> {
     let problem = metric.problem;
     let candidates = &problem.candidates;

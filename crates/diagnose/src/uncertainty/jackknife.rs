@@ -20,6 +20,9 @@ use crate::regression::fit_set::Estimate;
 use crate::regression::marginalised::Marginalised;
 use crate::uncertainty::profile_curvature::{ProfileCurvature, profile_curvature};
 
+/// Mass and first moment: the first standard parameters of a link.
+const MOMENTS: usize = 4;
+
 /// Block-jackknife variances of the coefficients of an estimate, and their changes with the uncertain effort delay.
 pub(crate) struct Jackknife {
     /// by column: variance of a delete-a-block jackknife
@@ -35,6 +38,10 @@ pub(crate) struct Jackknife {
     by_reference: BTreeMap<usize, f64>,
     /// of the candidates whose constants were searched
     shapes: Vec<ProfileCurvature>,
+    /// by inflated link: variances of its mass and first moment
+    links: BTreeMap<usize, Vec<f64>>,
+    /// blocks that were left out
+    blocks: usize,
 }
 
 impl Jackknife {
@@ -44,14 +51,21 @@ impl Jackknife {
         let rows = &problem.observations;
         let (small, ids) = problem.restricted(&of.set);
         let starts = &rows.starts[rows.comparison.first_judged()..];
-        let fits: Vec<_> = time_blocks(starts, LEFT_OUT_PER_RECORDING)
+        let (fits, errors): (Vec<_>, Vec<_>) = time_blocks(starts, LEFT_OUT_PER_RECORDING)
             .into_par_iter()
             .filter_map(|inside| {
                 let fitted = small.of_rows(|row| !inside.contains(&row));
                 let metric = fitted.marginalised(metric.scale, &metric.inflated);
-                metric.fit(metric.columns_of(&ids))
+                let fit = metric.fit(metric.columns_of(&ids))?;
+                let errors = metric.inertial_errors(&fit);
+                Some((fit, errors))
             })
-            .collect();
+            .unzip();
+        let of_link = |link: usize| -> Vec<f64> {
+            let of = |p: usize| errors.iter().map(|e: &Vec<f64>| e[10 * link + p]).collect();
+            (0..MOMENTS).map(|p| armident_inference::variance(&of(p) as &Vec<f64>)).collect()
+        };
+        let links = metric.inflated.iter().map(|body| (body.link, of_link(body.link))).collect();
         let mut variances = BTreeMap::new();
         for (column, here) in pairs_of_columns(problem, of, &small) {
             let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
@@ -66,6 +80,8 @@ impl Jackknife {
             by_lag,
             by_reference,
             shapes: Vec::new(),
+            links,
+            blocks: fits.len(),
         }
     }
 
@@ -154,6 +170,34 @@ impl Jackknife {
         for (k, row) in covariance.iter_mut().enumerate() {
             for (l, x) in row.iter_mut().enumerate() {
                 *x += lag[k] * lag[l];
+            }
+        }
+        covariance
+    }
+
+    /// Degrees of freedom of its variances.
+    pub(crate) fn freedom(&self) -> f64 {
+        self.blocks.saturating_sub(1).max(1) as f64
+    }
+
+    /// Covariance of mass and first moment of an inflated link, in its driving-axis frame: that of the fit, widened to
+    /// the jackknife variance where that is larger.
+    pub(crate) fn covariance_of_link(
+        &self,
+        metric: &Marginalised<'_>,
+        link: usize,
+    ) -> Vec<Vec<f64>> {
+        let moments: Vec<usize> = (10 * link..10 * link + MOMENTS).collect();
+        let mut covariance = metric.inertial_covariance(&moments);
+        let factor = |p: usize| {
+            let variance = self.links.get(&link).map_or(0.0, |of| of[p]);
+            let ratio = (variance / covariance[p][p]).sqrt();
+            if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+        };
+        let factors: Vec<f64> = (0..MOMENTS).map(factor).collect();
+        for (a, row) in covariance.iter_mut().enumerate() {
+            for (b, x) in row.iter_mut().enumerate() {
+                *x *= factors[a] * factors[b];
             }
         }
         covariance

@@ -22,6 +22,7 @@ pub const DIAGNOSIS: &[&dyn DiagnosisSection] = &[
     &diagnosis::Findings,
     &diagnosis::ResidualMap,
     &shows::<model::SmallTerms>(),
+    &shows::<model::PlaceholderLinks>(),
     &model::LinkErrors,
     &shows::<model::Projection>(),
     &shows::<model::ComparisonBandwidth>(),

@@ -67,7 +67,7 @@ fn fitted(name: &str, estimate: &EstimateRow) -> Fitted {
 fn evidence(finding: &FindingRow) -> String {
     let of = &finding.evidence;
     let mut text = format!(
-        "{} (confidence {:.2}, a score: 0.50 at the materiality threshold, 0.95 at twice the threshold). Materiality {} \
+        "{} (confidence {:.2}, a score: 0.50 at the threshold of materiality or size, 0.95 at twice the threshold). Materiality {} \
          on {} (threshold {}): RMS effort in noise levels that only this finding explains, after refitting everything \
          else.",
         capital(&strength(finding)),

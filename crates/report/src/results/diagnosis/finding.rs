@@ -137,7 +137,7 @@ pub struct FindingRow {
     pub recording: Option<String>,
     /// Parameters of the law, those that the motion does not excite left out.
     pub parameters: BTreeMap<String, EstimateRow>,
-    /// A score: 0.50 at the materiality threshold, 0.95 at twice the threshold.
+    /// A score: 0.50 at the threshold of materiality or size, 0.95 at twice the threshold; less with rivals.
     pub confidence: f64,
     /// Whether the hold-out error is lower with the finding than without it, all else refitted; `null` without a
     /// hold-out, and for contacts.

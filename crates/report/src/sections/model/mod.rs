@@ -3,6 +3,7 @@
 mod bandwidth;
 mod detail;
 mod link_errors;
+mod placeholders;
 mod presliding;
 mod projection;
 mod regularised_coulomb;
@@ -12,6 +13,7 @@ mod transmissions;
 
 pub(super) use bandwidth::ComparisonBandwidth;
 pub(super) use link_errors::LinkErrors;
+pub(super) use placeholders::PlaceholderLinks;
 pub(super) use presliding::Presliding;
 pub(super) use projection::Projection;
 pub(super) use regularised_coulomb::RegularisedCoulomb;
