@@ -113,6 +113,22 @@ impl Cholesky {
             .collect()
     }
 
+    /// Row `i` of `L` up to its diagonal.
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.lower[i * self.order..=i * self.order + i]
+    }
+
+    /// `A⁻¹`.
+    pub fn inverse(&self) -> Mat<f64> {
+        let columns: Vec<Vec<f64>> = (0..self.order)
+            .map(|k| {
+                let unit: Vec<f64> = (0..self.order).map(|i| f64::from(u8::from(i == k))).collect();
+                self.solve(&unit)
+            })
+            .collect();
+        Mat::from_fn(self.order, self.order, |i, j| columns[j][i])
+    }
+
     /// `log det A`.
     pub fn log_determinant(&self) -> f64 {
         (0..self.order).map(|i| 2.0 * self.lower[i * self.order + i].ln()).sum()

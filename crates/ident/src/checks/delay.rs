@@ -40,11 +40,11 @@ impl Delay {
 /// The half-width of the interval is the larger one of that by the curvature, and of that by how the
 /// joints disagree (sandwich over joints, quantile of Student's t): unmodelled physics pulls each joint
 /// its own way, a delay pulls all of them.
-pub(super) fn delay(rows: &[ChannelRows]) -> Option<Delay> {
+pub(super) fn delay(rows: &[ChannelRows], is_silent: &[bool]) -> Option<Delay> {
     let shifts = shifts_s();
     let step = shifts[1] - shifts[0];
     let mut log_likelihood: Vec<Vec<f64>> = Vec::new();
-    for joint in rows {
+    for (joint, _) in rows.iter().zip(is_silent).filter(|(_, silent)| !**silent) {
         let order: Vec<usize> =
             (0..joint.terms).chain((0..shifts.len()).map(|k| joint.shifted(k))).collect();
         let r = joint.triangle.reordered(&order);

@@ -7,9 +7,12 @@ use armident_motion::{
 };
 use armident_recording::{Action, QualityIssue, QualityIssueKind, Quantity};
 
+use super::arm_likelihood::Meaning;
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
+use super::computed::BesideRigid;
 use super::delay::Delay;
 use super::excitation::{ConstantCheck, activity};
+use super::explanations::Explained;
 use super::verdict::{Check, SURE, Topic, Verdict};
 
 /// `2 ln` of the likelihood ratio above which a delay is wrong: a thousand to one, with a prior of
@@ -21,6 +24,12 @@ const DELAY_MATTERS: f64 = 0.5;
 const NOISY: f64 = 0.1;
 /// Recorded effort over the URDF's effort limit above which its unit is doubtful.
 const BEYOND_LIMIT: f64 = 3.0;
+/// Share of the squared effort beside friction that the rigid body must explain for a verdict on sign and unit: half, or more
+/// is left than explained. The same share of the whole shows friction.
+const SHOWS: f64 = 0.5;
+/// Angle beyond which gravity is that of another mounting \[degrees\]: a base that stands on a slope, or was screwed on
+/// carelessly, is tilted by less, and a diagnosis finds that.
+const MOUNTED_DEG: f64 = 15.0;
 /// Reductions of usual gears of arms.
 const GEARS: [f64; 9] = [30.0, 50.0, 80.0, 100.0, 101.0, 120.0, 121.0, 160.0, 161.0];
 /// Rarer of both directions, as a share of the moving time, below which friction and offset are collinear.
@@ -243,15 +252,183 @@ pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Ch
     })
 }
 
-/// `signal`: what is recorded instead of an effort; `has_dead_zone`: whether the column has one; `kind`: of the joint.
+/// What a column holds.
+pub(super) struct Column {
+    /// What is recorded instead of an effort.
+    pub(super) signal: Option<Quantity>,
+    /// Whether it has a dead zone.
+    pub(super) has_dead_zone: bool,
+    /// Kind of the joint.
+    pub(super) kind: JointKind,
+}
+
+/// Name of a mounting at an angle to the given one.
+fn mounting(angle_deg: f64) -> String {
+    match angle_deg {
+        a if a > 170.0 => "the arm hangs upside down, as from a ceiling".to_owned(),
+        a if (80.0..100.0).contains(&a) => {
+            "the arm is mounted on its side, as on a wall".to_owned()
+        }
+        a => format!("the base is tilted by {} degrees", digits(a, 3)),
+    }
+}
+
+/// Where gravity points, if not where it was given.
+pub(super) fn gravity(explained: &Explained) -> Option<Check> {
+    let found = explained.direction.as_ref()?;
+    let option = found.option();
+    let [low, high] = found.interval_95_deg;
+    let verdict = if found.angle_deg > MOUNTED_DEG { Verdict::Wrong } else { Verdict::Doubtful };
+    let message = format!(
+        "gravity points another way than given: along ({}) m/s2 in the base frame, {} degrees off (95 % interval {} to {}); \
+         {}",
+        option.replace(',', ", "),
+        digits(found.angle_deg, 4),
+        digits(low, 4),
+        digits(high, 4),
+        mounting(found.angle_deg)
+    );
+    Some(Check {
+        value: Some(found.angle_deg),
+        unit: "degrees",
+        interval_95: Some(found.interval_95_deg),
+        advice: Some(format!("pass --gravity {option}")),
+        ..robot_wide(Topic::Gravity, verdict, message)
+    })
+}
+
+/// Joints whose columns are those of others, position and effort.
+pub(super) fn exchanged(explained: &Explained, names: &[&str]) -> Check {
+    let source = &explained.map.source;
+    let moved: Vec<usize> = (0..source.len()).filter(|&j| source[j] != j).collect();
+    let pairs: Vec<String> = (moved.iter())
+        .filter(|&&j| source[source[j]] == j && j < source[j])
+        .map(|&j| format!("{} and {} are exchanged", names[j], names[source[j]]))
+        .collect();
+    let rings: Vec<String> = (moved.iter())
+        .filter(|&&j| source[source[j]] != j)
+        .map(|&j| format!("the columns of {} hold {}", names[source[j]], names[j]))
+        .collect();
+    let all = [pairs, rings].concat().join(", ");
+    let columns: Vec<String> =
+        moved.iter().map(|&j| format!("{} to joint {}", names[source[j]], names[j])).collect();
+    Check {
+        value: Some(explained.as_said),
+        unit: "probability",
+        advice: Some(format!(
+            "assign the columns in a mapping file (position, velocity and effort): {}",
+            columns.join(", ")
+        )),
+        ..robot_wide(Topic::Order, Verdict::Wrong, format!("{all}, position and effort"))
+    }
+}
+
+/// Efforts of all joints that no sensor measured.
+pub(super) fn computed(beside: &[BesideRigid]) -> Option<Check> {
+    if std::env::var_os("ARMIDENT_EXPLAIN").is_some() {
+        eprintln!("{beside:?}");
+    }
+    if beside.is_empty() || !beside.iter().all(BesideRigid::is_computed) {
+        return None;
+    }
+    let most = |of: fn(&BesideRigid) -> f64| 100.0 * beside.iter().map(of).fold(0.0, f64::max);
+    let (friction, residual) = (most(|b| b.friction), most(|b| b.residual));
+    Some(Check {
+        value: Some(residual),
+        unit: "% of the effort",
+        advice: Some(
+            "record what the drives or sensors measure, not the target effort or the output of a model".to_owned(),
+        ),
+        ..robot_wide(
+            Topic::Quality,
+            Verdict::Doubtful,
+            format!(
+                "efforts look computed by a model (target or command), not measured: no friction on any joint (at most {} % of \
+                 the effort), and rigid links leave {} %",
+                digits(friction, 2),
+                digits(residual, 2)
+            ),
+        )
+    })
+}
+
+/// A joint that counts the other way, with position and effort.
+pub(super) fn joint_sign(explained: &Explained, joint: usize, names: &[&str]) -> Option<Check> {
+    (explained.map.sign[joint] < 0.0).then(|| Check {
+        joint: Some(names[joint].to_owned()),
+        value: Some(explained.as_said),
+        unit: "probability",
+        advice: Some(
+            "set sign = -1 on its position, velocity and effort in a mapping file, or turn the axis in the URDF"
+                .to_owned(),
+        ),
+        ..robot_wide(
+            Topic::JointSign,
+            Verdict::Wrong,
+            "counts the other way than its axis in the URDF: position and effort both have the other sign"
+                .to_owned(),
+        )
+    })
+}
+
+/// An effort column that is one number.
+pub(super) fn constant(name: &str, value: f64, moves: bool, kind: JointKind) -> Check {
+    let newton = if kind.is_rotational() { "N m" } else { "N" };
+    let number = if value == 0.0 {
+        "exactly 0".to_owned()
+    } else {
+        format!("always {} {newton}", short(value))
+    };
+    let (verdict, message) = if moves {
+        (
+            Verdict::Wrong,
+            format!("is {number} throughout while the joint moves: no sensor, or none read"),
+        )
+    } else {
+        (Verdict::Doubtful, format!("is {number} throughout: constant, and the joint rests"))
+    };
+    Check {
+        joint: Some(name.to_owned()),
+        value: Some(value),
+        unit: "N m or N",
+        advice: Some(
+            "leave the column out of the file: the other joints are used without it".to_owned(),
+        ),
+        ..robot_wide(Topic::Channel, verdict, message)
+    }
+}
+
+/// An effort column without a sign; `all`: as those of all joints.
+pub(super) fn magnitude(name: &str, side: f64, returns: usize, all: bool) -> Check {
+    let beyond = if side > 0.0 { "below" } else { "above" };
+    let verdict = if all { Verdict::Wrong } else { Verdict::Doubtful };
+    Check {
+        joint: Some(name.to_owned()),
+        value: Some(returns as f64),
+        unit: "returns to zero",
+        advice: Some(
+            "record the signed effort or current; of a position servo the sign is that of command minus position"
+                .to_owned(),
+        ),
+        ..robot_wide(
+            Topic::Channel,
+            verdict,
+            format!(
+                "a magnitude without sign: never {beyond} zero though the joint reverses, and {returns} times back to it"
+            ),
+        )
+    }
+}
+
+/// A column as the joint's effort.
 pub(super) fn channel(
     channels: &Channels,
     joint: usize,
     names: &[&str],
-    signal: Option<Quantity>,
-    has_dead_zone: bool,
-    kind: JointKind,
+    column: Column,
+    explained: &Explained,
 ) -> Check {
+    let Column { signal, has_dead_zone, kind } = column;
     let found = &channels.evidence[joint];
     let [low, high] = found.gain_95;
     let base = |verdict: Verdict, message: String, advice: Option<String>| Check {
@@ -301,7 +478,8 @@ pub(super) fn channel(
     }
     let absent = is_absent(found);
     let backwards = flipped + other_flipped > 1.0 - SURE;
-    if absent && backwards && verdict == Verdict::Wrong {
+    let is_friction = found.friction_share > SHOWS;
+    if absent && backwards && is_friction && verdict == Verdict::Wrong {
         let message = format!(
             "sign flipped: friction would drive the joint; the rigid-body effort is not visible \
              (expected standard deviation {} {newton})",
@@ -310,6 +488,25 @@ pub(super) fn channel(
         let advice = "set sign = -1 in a mapping file".to_owned();
         return base(verdict, message, Some(advice));
     }
+    // gravity is taken off the whole arm or not at all: of one joint something else carries it
+    let carried = without_gravity > 0.5 && !explained.gravity_is_taken_off;
+    if carried {
+        let message = format!(
+            "less gravity than the URDF's links have on this joint: a spring or counterbalance, or other masses; {gain}"
+        );
+        return base(Verdict::CannotTell, message, None);
+    }
+    // a sign or unit that the arm as a whole does not ask for is none
+    let meaning = explained.meaning[explained.map.source[joint]];
+    if meaning == Meaning::Sprung && verdict != Verdict::Ok {
+        let message = format!(
+            "the URDF's links and a spring or counterbalance on this joint explain it better than another sign or unit; {gain}"
+        );
+        return base(Verdict::CannotTell, message, None);
+    }
+    let shows = found.urdf_share > SHOWS || (is_friction && backwards);
+    let agrees = meaning == Meaning::Multiple || (is_friction && backwards) || absent;
+    let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::CannotTell) };
     if absent && verdict == Verdict::Wrong {
         let message = format!(
             "does not contain the rigid-body effort (expected standard deviation {} {newton})",
