@@ -54,7 +54,34 @@ pub(super) fn alone(recordings: &[Recording], motions: &[Motion], names: &[&str]
             Some(_) => magnitude(&columns, motions, j),
         }
     };
-    names.iter().enumerate().map(of).collect()
+    let mut all: Vec<Alone> = names.iter().enumerate().map(of).collect();
+    // an arm whose columns all have one side, some of which come back to zero: the logger takes signs off
+    let moves = |j: usize| activity(motions, j).range >= RESTING_RANGE;
+    let is_varied = |j: &usize| moves(*j) && !matches!(all[*j], Alone::Constant(_));
+    let varied: Vec<usize> = (0..names.len()).filter(is_varied).collect();
+    let is_magnitude = |j: &usize| matches!(all[*j], Alone::Magnitude { .. });
+    let columns =
+        |j: usize| recordings.iter().filter_map(move |r| r.joint(names[j])?.effort.as_deref());
+    let one_sided =
+        |j: &usize| side_of(&columns(*j).collect::<Vec<_>>()).is_some_and(|side| side > 0.0);
+    if varied.iter().filter(|j| is_magnitude(j)).count() > 1 && varied.iter().all(one_sided) {
+        for j in varied {
+            if all[j] == Alone::Sound {
+                all[j] = Alone::Magnitude { side: 1.0, returns: 0 };
+            }
+        }
+    }
+    all
+}
+
+/// The side of zero on which all values are; none where both are.
+fn side_of(columns: &[&[f64]]) -> Option<f64> {
+    let has = |side: f64| columns.iter().any(|c| c.iter().any(|x| side * x > 0.0));
+    match (has(1.0), has(-1.0)) {
+        (true, false) => Some(1.0),
+        (false, true) => Some(-1.0),
+        _ => None,
+    }
 }
 
 /// The motion with numbers without meaning in the place of constant efforts: least squares of a column that is explained to the
@@ -78,12 +105,7 @@ pub(super) fn with_stand_ins(motion: &Motion, alone: &[Alone]) -> Motion {
 }
 
 fn magnitude(columns: &[&[f64]], motions: &[Motion], joint: usize) -> Alone {
-    let has = |side: f64| columns.iter().any(|c| c.iter().any(|x| side * x > 0.0));
-    let side = match (has(1.0), has(-1.0)) {
-        (true, false) => 1.0,
-        (false, true) => -1.0,
-        _ => return Alone::Sound,
-    };
+    let Some(side) = side_of(columns) else { return Alone::Sound };
     let moves = activity(motions, joint).range >= RESTING_RANGE;
     let reversals: usize = motions.iter().map(|m| reversals(&m.velocity[joint])).sum();
     if !moves || reversals < REVERSALS {

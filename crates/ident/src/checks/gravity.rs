@@ -8,7 +8,7 @@
 //! References: H. R. Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17
 //! (1989); H. Hotelling, The generalization of Student's ratio (1931).
 
-use armident_inference::{f_quantile, student_t_975};
+use armident_inference::f_quantile;
 use armident_numeric::{Cholesky, Mat};
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -70,30 +70,37 @@ pub(super) struct Direction {
 }
 
 impl Direction {
-    /// Radius of the 95 % region \[rad\].
-    pub(super) fn radius_rad(&self) -> f64 {
+    /// Half-width of the 95 % region over the standard deviation along a line across gravity.
+    fn quantile(&self) -> f64 {
         let freedom = self.blocks as f64 - 1.0;
         if freedom < 2.0 {
-            return std::f64::consts::PI;
+            return f64::INFINITY;
         }
-        // T² of two components is 2 (f) / (f - 1) F(2, f - 1)
+        // T² of two components is 2 f / (f - 1) F(2, f - 1)
         let quantile = f_quantile(0.95, 2.0, freedom - 1.0).unwrap_or(f64::INFINITY);
-        let largest = self.covariance.symmetric_eigenvalues().max().max(0.0);
-        (2.0 * freedom / (freedom - 1.0) * quantile * largest).sqrt().min(std::f64::consts::PI)
+        (2.0 * freedom / (freedom - 1.0) * quantile).sqrt()
     }
 
-    /// Angle to another direction, and the half-width of its 95 % interval \[rad\].
+    /// Radius of the 95 % region \[rad\].
+    pub(super) fn radius_rad(&self) -> f64 {
+        let largest = self.covariance.symmetric_eigenvalues().max().max(f64::MIN_POSITIVE);
+        (self.quantile() * largest.sqrt()).min(std::f64::consts::PI)
+    }
+
+    /// Angle to another direction, and the half-width that the 95 % region has along it \[rad\].
     pub(super) fn angle_to(&self, other: &Vector3<f64>) -> (f64, f64) {
         let here = self.gravity.normalize();
         let angle = here.angle(other);
         let towards = other - here * here.dot(other);
         let along = Vector2::new(self.across[0].dot(&towards), self.across[1].dot(&towards));
-        let variance = match along.norm() {
-            0.0 => self.covariance.symmetric_eigenvalues().max(),
-            _ => (along.transpose() * self.covariance * along)[(0, 0)] / along.norm_squared(),
-        };
-        let freedom = (self.blocks as f64 - 1.0).max(1.0);
-        (angle, student_t_975(freedom) * variance.max(0.0).sqrt())
+        let radius = self.radius_rad();
+        // within the region the angle turns over: to the other direction, or its opposite
+        let is_near = angle.min(std::f64::consts::PI - angle) <= radius || along.norm() == 0.0;
+        if is_near {
+            return (angle, radius);
+        }
+        let variance = (along.transpose() * self.covariance * along)[(0, 0)] / along.norm_squared();
+        (angle, (self.quantile() * variance.max(0.0).sqrt()).min(std::f64::consts::PI))
     }
 }
 

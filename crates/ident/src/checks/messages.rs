@@ -10,7 +10,7 @@ use armident_recording::{Action, QualityIssue, QualityIssueKind, Quantity};
 use super::arm_likelihood::Meaning;
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
 use super::computed::BesideRigid;
-use super::delay::Delay;
+use super::delay::{Delay, Doubt};
 use super::excitation::{ConstantCheck, activity};
 use super::explanations::Explained;
 use super::verdict::{Check, SURE, Topic, Verdict};
@@ -27,6 +27,8 @@ const BEYOND_LIMIT: f64 = 3.0;
 /// Share of the squared effort beside friction that the rigid body must explain for a verdict on sign and unit: half, or more
 /// is left than explained. The same share of the whole shows friction.
 const SHOWS: f64 = 0.5;
+/// Share of a column that is left over where nothing of a joint's motion is in it.
+const FITS_NOTHING: f64 = 0.7;
 /// Angle beyond which gravity is that of another mounting \[degrees\]: a base that stands on a slope, or was screwed on
 /// carelessly, is tilted by less, and a diagnosis finds that.
 const MOUNTED_DEG: f64 = 15.0;
@@ -156,7 +158,7 @@ pub(super) fn rate(reports: &[QualityReport], motions: &[Motion]) -> Vec<Check> 
         .collect()
 }
 
-pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
+pub(super) fn delay(delay: Option<&Delay>, doubt: Option<Doubt>, motions: &[Motion]) -> Check {
     let step_s = motions.iter().map(|m| 1.0 / m.rate_hz).fold(0.0, f64::max);
     let Some(found) = delay else {
         let message = "delay not identifiable from this motion".to_owned();
@@ -180,8 +182,24 @@ pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
     } else {
         Verdict::Ok
     };
+    let verdict = if doubt.is_some() { verdict.min(Verdict::CannotTell) } else { verdict };
+    let rival = match doubt {
+        None => String::new(),
+        Some(Doubt::Presliding) => {
+            "; friction that builds up after each reversal explains as much: no case against the clocks".to_owned()
+        }
+        Some(Doubt::OtherCutoff { cutoff_hz, delay_s }) => format!(
+            "; below {} Hz it is {:.1} ms: no delay of clocks, which is the same at any cut-off",
+            digits(cutoff_hz, 3),
+            1e3 * delay_s
+        ),
+        Some(Doubt::Held(held_s)) => format!(
+            "; effort samples are held for {:.0} ms, and come late by half of it",
+            1e3 * held_s
+        ),
+    };
     let message = format!(
-        "effort lag {:.1} ms (95 % interval {:.1} to {:.1} ms); ignoring it makes the residual {:.0} % larger",
+        "effort lag {:.1} ms (95 % interval {:.1} to {:.1} ms); ignoring it makes the residual {:.0} % larger{rival}",
         1e3 * found.delay_s,
         1e3 * low,
         1e3 * high,
@@ -192,8 +210,10 @@ pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
             "shift the effort stamps by {:.1} ms, or time-stamp both channels at the source",
             -1e3 * found.delay_s
         )),
-        Verdict::CannotTell => Some("excite several frequencies, faster".to_owned()),
-        Verdict::Ok => None,
+        Verdict::CannotTell if doubt.is_none() => {
+            Some("excite several frequencies, faster".to_owned())
+        }
+        Verdict::CannotTell | Verdict::Ok => None,
     };
     Check {
         value: Some(found.delay_s),
@@ -238,7 +258,9 @@ fn is_absent(found: &ChannelEvidence) -> bool {
 /// Efforts none of which is the joint's, some without the rigid-body effort: they are from another motion.
 /// `is_effort`: joints whose efforts are recorded, not currents.
 pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
-    let is_missing = |c: &ChannelEvidence| c.as_said() == Verdict::Wrong && is_absent(c);
+    let is_missing = |c: &ChannelEvidence| {
+        c.as_said() == Verdict::Wrong && is_absent(c) && c.residual_rms > FITS_NOTHING * c.sd
+    };
     let pairs = channels.evidence.iter().zip(is_effort);
     let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
     let none_fits = all.len() > 1 && all.iter().all(|c| c.as_said() != Verdict::Ok);
@@ -414,7 +436,11 @@ pub(super) fn magnitude(name: &str, side: f64, returns: usize, all: bool) -> Che
             Topic::Channel,
             verdict,
             format!(
-                "a magnitude without sign: never {beyond} zero though the joint reverses, and {returns} times back to it"
+                "a magnitude without sign: never {beyond} zero though the joint reverses{}",
+                match returns {
+                    0 => ", as all columns of the arm".to_owned(),
+                    _ => format!(", and {returns} times back to it"),
+                }
             ),
         )
     }
@@ -507,16 +533,31 @@ pub(super) fn channel(
     let shows = found.urdf_share > SHOWS || (is_friction && backwards);
     let agrees = meaning == Meaning::Multiple || (is_friction && backwards) || absent;
     let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::CannotTell) };
-    if absent && verdict == Verdict::Wrong {
+    // of a joint that swings freely, or of links with other lengths, friction is all that is left
+    if absent && verdict == Verdict::Wrong && found.residual_rms > FITS_NOTHING * found.sd {
         let message = format!(
-            "does not contain the rigid-body effort (expected standard deviation {} {newton})",
+            "does not contain the rigid-body effort (expected standard deviation {} {newton}), nor anything else that follows \
+             from this joint's motion",
             short(found.urdf_sd)
         );
         let advice = "check whether the column is a friction estimate, a command, or another joint"
             .to_owned();
-        return base(verdict, message, Some(advice));
+        return base(Verdict::Doubtful, message, Some(advice));
+    }
+    if absent && verdict == Verdict::Wrong {
+        let message = format!(
+            "cannot tell: the efforts (standard deviation {} {newton}) are friction, next to {} {newton} that the URDF's links \
+             ask for; the joint swings freely, or these are other links",
+            short(found.sd),
+            short(found.urdf_sd)
+        );
+        return base(Verdict::CannotTell, message, None);
     }
     let verdict = if absent { Verdict::CannotTell } else { verdict };
+    if matches!(verdict, Verdict::CannotTell) && found.urdf_share > SHOWS {
+        let message = format!("fits the URDF, but other signs and units are not excluded; {gain}");
+        return base(verdict, message, None);
+    }
     if matches!(verdict, Verdict::CannotTell) {
         let message = format!(
             "the rigid-body effort (standard deviation {} {newton}) is small compared with friction \

@@ -181,6 +181,14 @@ pub fn check(
         let Some(rest) = delay::delay(&rows, &is_silent) else { break };
         delay = Some(so_far.and_then(&rest));
     }
+    let doubt = match delay.as_ref().filter(|d| d.excludes_zero()) {
+        Some(found) => {
+            let in_time = problem_of(&arm, motions)?;
+            let of = ((motions, noise.as_slice()), (recordings, map));
+            delay::doubt(found, &in_time, of.0, of.1, &is_silent)?
+        }
+        None => None,
+    };
     let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
     let with_dead_zone: Vec<&str> =
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();
@@ -204,7 +212,7 @@ pub fn check(
     let mut checks = messages::quality(&quality, &differences, &with_dead_zone);
     checks.extend(messages::rate(&quality, motions));
     checks.extend(messages::gravity(&explained));
-    checks.push(messages::delay(delay.as_ref(), motions));
+    checks.push(messages::delay(delay.as_ref(), doubt, motions));
     checks.push(match map.joints_are_as_said() || map.source.is_sorted() {
         true => messages::order(&channels, &names),
         false => messages::exchanged(&explained, &names),
@@ -225,7 +233,7 @@ pub fn check(
             }
             Alone::Constant(value) => messages::constant(name, value, moves(j), joint.kind),
             Alone::Magnitude { side, returns } => {
-                let all = alone.iter().all(|a| matches!(a, Alone::Magnitude { .. }));
+                let all = !alone.contains(&Alone::Sound);
                 messages::magnitude(name, side, returns, all)
             }
         });
