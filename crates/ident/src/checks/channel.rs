@@ -104,6 +104,8 @@ pub struct ChannelEvidence {
     pub urdf_share: f64,
     /// Share of the variance of the column that friction alone explains.
     pub friction_share: f64,
+    /// Log likelihood of the signs of friction and rotor inertia, which drive nothing, with the sign flipped over that as said.
+    pub friction_flipped: f64,
 }
 
 /// The columns of all joints.
@@ -246,6 +248,7 @@ impl ChannelEvidence {
             urdf_sd: own.urdf_sd,
             urdf_share: own.urdf_share,
             friction_share: own.friction_share,
+            friction_flipped: profile.dissipation[1] - profile.dissipation[0],
         };
         (evidence, -all)
     }
@@ -343,6 +346,8 @@ struct Profile {
     with: [Vec<f64>; 2],
     /// gravity compensated, positive gain
     without: Vec<f64>,
+    /// part of `with` that is of the signs of friction
+    dissipation: [f64; 2],
 }
 
 impl Profile {
@@ -360,6 +365,8 @@ impl Profile {
         Self {
             with: [mean(&|p| &p.with[0]), mean(&|p| &p.with[1])],
             without: mean(&|p| &p.without),
+            dissipation: [0, 1]
+                .map(|k| each.iter().map(|p| p.dissipation[k]).sum::<f64>() / each.len() as f64),
             log_gain: each[0].log_gain.clone(),
         }
     }
@@ -371,7 +378,8 @@ impl Profile {
         let largest = (LARGEST_RATIO * own.effort_sd / urdf_sd).ln().max(usual);
         let steps = (LARGEST_LOG_GAIN / step).round() as i32;
         let log_gain: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * step).collect();
-        let along = |sign: f64, without_gravity: bool, least: f64, most: f64| -> Vec<f64> {
+        let along = |sign: f64, without_gravity: bool, least: f64, most: f64| -> (Vec<f64>, f64) {
+            let mut of_friction = 0.0;
             let relation = |u: f64| Relation { gain: sign * u.exp(), without_gravity };
             let mut profile: Vec<f64> = log_gain
                 .iter()
@@ -385,15 +393,15 @@ impl Profile {
             // the friction's sign hardly depends on the size of the gain
             if let Some(best) = highest(&profile) {
                 let off = model.against_dissipation(channel, relation(log_gain[best]), own);
-                profile.iter_mut().for_each(|l| *l -= 0.5 * off);
+                of_friction = -0.5 * off;
+                profile.iter_mut().for_each(|l| *l += of_friction);
             }
-            profile
+            (profile, of_friction)
         };
-        Self {
-            with: [1.0, -1.0].map(|sign| along(sign, false, f64::NEG_INFINITY, largest)),
-            without: along(1.0, true, -usual, usual),
-            log_gain,
-        }
+        let [(with, of_with), (against, of_against)] =
+            [1.0, -1.0].map(|sign| along(sign, false, f64::NEG_INFINITY, largest));
+        let (without, _) = along(1.0, true, -usual, usual);
+        Self { with: [with, against], without, dissipation: [of_with, of_against], log_gain }
     }
 
     /// Log likelihood of each kind, the gain integrated out.

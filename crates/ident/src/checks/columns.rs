@@ -118,16 +118,17 @@ fn magnitude(columns: &[&[f64]], motions: &[Motion], joint: usize) -> Alone {
     if returns < RETURNS { Alone::Sound } else { Alone::Magnitude { side, returns } }
 }
 
-/// Times that a column comes from afar to near zero.
+/// Times that a column comes from afar to near zero, and not in one step: that is a sample dropped out.
 fn returns_to_zero(column: &[f64], large: f64) -> usize {
-    let (mut is_far, mut count) = (false, 0);
+    let (mut is_far, mut before, mut count) = (false, 0.0_f64, 0);
     for x in column {
         if x.abs() > FAR_FROM_ZERO * large {
             is_far = true;
-        } else if is_far && x.abs() < NEAR_ZERO * large {
+        } else if is_far && x.abs() < NEAR_ZERO * large && before.abs() < FAR_FROM_ZERO * large {
             is_far = false;
             count += 1;
         }
+        before = *x;
     }
     count
 }
@@ -156,6 +157,8 @@ mod tests {
         assert_eq!(returns_to_zero(&wave, 1.0), 12);
         let offset: Vec<f64> = wave.iter().map(|x| x + 0.2).collect();
         assert_eq!(returns_to_zero(&offset, 1.2), 0);
+        let dropped_out: Vec<f64> = (0..400).map(|k| if k % 20 == 0 { 0.0 } else { 1.0 }).collect();
+        assert_eq!(returns_to_zero(&dropped_out, 1.0), 0);
     }
 
     #[test]

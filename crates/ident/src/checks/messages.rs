@@ -524,14 +524,16 @@ pub(super) fn channel(
     }
     // a sign or unit that the arm as a whole does not ask for is none
     let meaning = explained.meaning[explained.map.source[joint]];
-    if meaning == Meaning::Sprung && verdict != Verdict::Ok {
+    // no spring turns friction round
+    let turned = backwards && found.friction_flipped > -SURE.ln();
+    if meaning == Meaning::Sprung && verdict != Verdict::Ok && !turned {
         let message = format!(
             "the URDF's links and a spring or counterbalance on this joint explain it better than another sign or unit; {gain}"
         );
         return base(Verdict::CannotTell, message, None);
     }
     let shows = found.urdf_share > SHOWS || (is_friction && backwards);
-    let agrees = meaning == Meaning::Multiple || (is_friction && backwards) || absent;
+    let agrees = meaning == Meaning::Multiple || turned || absent;
     let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::CannotTell) };
     // of a joint that swings freely, or of links with other lengths, friction is all that is left
     if absent && verdict == Verdict::Wrong && found.residual_rms > FITS_NOTHING * found.sd {
