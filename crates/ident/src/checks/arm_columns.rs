@@ -126,8 +126,7 @@ pub(super) struct JointProducts {
     pub(super) spring: usize,
     pub(super) constants: Vec<usize>,
     heavy: Vec<usize>,
-    /// the joint of the recordings, and the one whose column holds the effort
-    pub(super) source: usize,
+    /// the joint of the recordings whose column holds the effort
     pub(super) effort: usize,
     joints: usize,
 }
@@ -236,7 +235,6 @@ impl<'p> ArmColumns<'p> {
                     spring: self.recorded[0].spring[source].len(),
                     constants: self.constants[j].clone(),
                     heavy: self.heavy[j].clone(),
-                    source,
                     effort: map.effort[j],
                     joints: n,
                 }

@@ -147,7 +147,7 @@ fn held_s(recordings: &[Recording], joints: &[String]) -> Option<f64> {
     }
     let runs: usize = lengths.values().sum();
     let (length, count) = lengths.into_iter().max_by_key(|(_, count)| *count)?;
-    (length > 1 && count as f64 > HELD_SHARE * runs as f64).then(|| length as f64 * step_s)
+    (length > 1 && count as f64 > HELD_SHARE * runs as f64).then_some(length as f64 * step_s)
 }
 
 impl Delay {

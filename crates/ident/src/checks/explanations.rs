@@ -259,17 +259,6 @@ impl Search<'_> {
         rough.sort_by(|a, b| b.0.total_cmp(&a.0));
         let best = rough.iter().take(JUDGED_FULLY);
         tried.extend(best.map(|(_, state)| self.judged(state)));
-        if std::env::var_os("ARMIDENT_EXPLAIN").is_some() {
-            for t in &tried {
-                eprintln!(
-                    "{:.1} {:?} {:?} {:?}",
-                    t.score - from.score,
-                    t.state.gravity,
-                    t.state.map.source,
-                    (&t.state.map.sign, &t.state.map.effort)
-                );
-            }
-        }
         let best = tried.into_iter().max_by(|a, b| a.score.total_cmp(&b.score))?;
         (best.score > from.score - SURE.ln()).then_some(best)
     }

@@ -275,6 +275,7 @@ pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Ch
 }
 
 /// What a column holds.
+#[derive(Clone, Copy)]
 pub(super) struct Column {
     /// What is recorded instead of an effort.
     pub(super) signal: Option<Quantity>,
@@ -347,9 +348,6 @@ pub(super) fn exchanged(explained: &Explained, names: &[&str]) -> Check {
 
 /// Efforts of all joints that no sensor measured.
 pub(super) fn computed(beside: &[BesideRigid]) -> Option<Check> {
-    if std::env::var_os("ARMIDENT_EXPLAIN").is_some() {
-        eprintln!("{beside:?}");
-    }
     if beside.is_empty() || !beside.iter().all(BesideRigid::is_computed) {
         return None;
     }
