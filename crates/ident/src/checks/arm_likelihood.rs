@@ -129,6 +129,8 @@ pub(super) struct ArmFit {
     pub(super) gain: Vec<f64>,
     pub(super) meaning: Vec<Meaning>,
     pub(super) x: Vec<f64>,
+    /// the least variance that any fit could have
+    pub(super) least_variance: Vec<f64>,
 }
 
 impl ArmSystem {
@@ -331,7 +333,8 @@ impl ArmSystem {
             }
             last = changed < CONVERGED || step + 2 == STEPS;
         }
-        ArmFit { log_likelihood, variance, gain, meaning: meaning.to_vec(), x }
+        let least_variance = systems.iter().map(|s| s.least_variance).collect();
+        ArmFit { log_likelihood, variance, gain, meaning: meaning.to_vec(), x, least_variance }
     }
 }
 

@@ -115,6 +115,10 @@ pub(super) fn explain(
     let search = Search { model, columns, priors, facts, given: arm.gravity_e0 };
     let start = State { gravity: Gravity::AsSaid, map: as_said, map_prior: 0.0 };
     let said = search.judged(&start);
+    // what is left over of every joint is noise: nothing explains half of it
+    if !search.leaves_more_than_noise(&said) {
+        return Ok(nothing(said.meaning()));
+    }
     let mut best = said.clone();
     for _ in 0..MOST_CHANGES {
         let Some(better) = search.better(&best) else { break };
@@ -394,6 +398,16 @@ impl Search<'_> {
             }
         }
         ratios
+    }
+
+    /// Whether some joint has an error of which another explanation could leave half.
+    fn leaves_more_than_noise(&self, judged: &Judged) -> bool {
+        judged.best().is_none_or(|fit| {
+            (0..self.columns.joints()).any(|s| {
+                let heard = !self.facts.is_mute[s] && self.columns.moves[s];
+                heard && fit.variance[s] * MUST_LEAVE.powi(2) > fit.least_variance[s]
+            })
+        })
     }
 
     /// Whether an explanation leaves half of some joint's error at most, and of none much more.
