@@ -81,7 +81,7 @@ impl Puma {
             .map(|((position, effort), name)| JointChannels {
                 position: Some(position),
                 effort: Some(effort),
-                ..JointChannels::new(name)
+                ..JointChannels::new(*name)
             })
             .collect();
         let time_s = (0..800).map(|k| f64::from(k) / RATE_HZ).collect();
