@@ -37,7 +37,7 @@ impl Puma {
         Self { model: ArmModel::from_chain(DrivingAxisChain::from_chain(&chain)) }
     }
 
-    /// Positions and efforts of 16 s of sines under a gravity \[m/s²\], by joints.
+    /// Positions and efforts of 40 s of sines under a gravity \[m/s²\], by joints.
     fn moved(&self, gravity_base: Vector3<f64>, measured: bool) -> [Vec<Vec<f64>>; 2] {
         let mut arm = self.model.rigid_arm();
         arm.gravity_e0 = self.model.chain.base_from_e0.rotation.inverse() * gravity_base;
@@ -57,7 +57,7 @@ impl Puma {
                     })
                     .sum()
             };
-            (0..3).map(|j| (0..800).map(|k| at(j, f64::from(k) / RATE_HZ)).collect()).collect()
+            (0..3).map(|j| (0..2000).map(|k| at(j, f64::from(k) / RATE_HZ)).collect()).collect()
         };
         let (q, dq, ddq) = (columns(0), columns(1), columns(2));
         let mut effort = inverse_dynamics_of_motion(&arm, &q, &dq, &ddq);
@@ -84,7 +84,7 @@ impl Puma {
                 ..JointChannels::new(*name)
             })
             .collect();
-        let time_s = (0..800).map(|k| f64::from(k) / RATE_HZ).collect();
+        let time_s = (0..2000).map(|k| f64::from(k) / RATE_HZ).collect();
         let recordings = [Recording::new("run", time_s, channels).unwrap()];
         let cutoff_hz = common_cutoff_hz(&recordings, &names, None).unwrap();
         let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
@@ -114,7 +114,11 @@ fn gravity_is_found_at_any_angle() {
     for (gravity, option) in [(-DOWN, Some("0,0,9.81")), (tilted, None)] {
         let found = puma.checked(puma.moved(gravity, true));
         let said = wrong(&found);
-        assert!(said.len() == 1 && said[0].topic == Topic::Gravity, "{said:?}");
+        assert!(
+            said.len() == 1 && said[0].topic == Topic::Gravity,
+            "{gravity}: {:?}",
+            found.checks
+        );
         let direction = found.gravity.clone().unwrap();
         let off = Vector3::from(direction.gravity_base).angle(&gravity).to_degrees();
         assert!(off < direction.radius_95_deg && off < 0.4, "{direction:?}");
