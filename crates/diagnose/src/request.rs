@@ -6,6 +6,7 @@ use armident_model::ArmModel;
 use armident_recording::Recording;
 
 use crate::checks::effort_columns::InputChecks;
+use crate::checks::usable::without_constant_efforts;
 use crate::design::known_effort::KnownModel;
 use crate::design::placeholder::placeholders;
 use crate::diagnosis::Diagnosis;
@@ -73,13 +74,21 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
         recordings.iter().map(|r| checks.in_effort(r)).collect()
     };
-    let [recordings, reference, holdout] = [recordings, reference, holdout].map(in_effort);
+    let measured = |recordings: Vec<Recording>| -> Vec<Recording> {
+        recordings.iter().map(|r| without_constant_efforts(r, &recordings)).collect()
+    };
+    let [recordings, reference, holdout] =
+        [recordings, reference, holdout].map(|all| measured(in_effort(all)));
     if request.trust_columns {
         checks.faults.clear();
     }
     // sign, unit and order are read off the efforts of the links, which nobody measured
     if placeholders(&model.chain).contains(&true) {
         checks.faults.retain(|fault| fault.topic == Topic::Quality);
+    }
+    if checks.of_arm && !checks.faults.is_empty() {
+        let wrong = WrongColumns { input_checks: checks, recordings };
+        return Err(DiagnoseError::WrongColumns(Box::new(wrong)));
     }
     let of = |recordings: &[Recording], reference: &[Recording]| match reference {
         [] => against_model(model, known.as_ref(), recordings, request.placebo_terms),

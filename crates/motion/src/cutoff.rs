@@ -20,6 +20,9 @@ const MAIN_SHARE: f64 = 0.9;
 const ACCELERATION_NOISE: f64 = 1e-3;
 /// Lowest cutoff chosen \[Hz\].
 pub const LOWEST_CUTOFF_HZ: f64 = 1.0;
+/// Highest cutoff at which a recording can be filtered along with faster ones, as a share of its sample rate: half of it is
+/// none, and next to it the low-pass rings.
+const POSSIBLE_SHARE: f64 = 0.4;
 /// Highest cutoff chosen, as a share of the sample rate.
 pub const HIGHEST_CUTOFF_SHARE: f64 = 0.2;
 
@@ -34,7 +37,7 @@ const SMOOTHING_BINS: usize = 4;
 const MOTION_OVER_NOISE: f64 = 30.0;
 
 /// One cutoff \[Hz\] for all recordings of a fit: as given, or the largest that the spectra of `joints`
-/// ask for; none where exact accelerations are recorded.
+/// ask for, as far as the slowest of them can be filtered there; none where exact accelerations are recorded.
 ///
 /// # Errors
 /// A recording whose stamps make no grid.
@@ -54,7 +57,7 @@ pub fn common_cutoff_hz(
     if given.is_some() || recordings.iter().all(exact) {
         return Ok(given);
     }
-    let mut largest = 0.0_f64;
+    let (mut largest, mut possible) = (0.0_f64, f64::INFINITY);
     for recording in recordings {
         let grid = EvenGrid::of(recording)?;
         let positions: Vec<Vec<f64>> = joints
@@ -63,8 +66,9 @@ pub fn common_cutoff_hz(
             .map(|column| grid.resample(column))
             .collect();
         largest = largest.max(default_cutoff_hz(&positions, grid.rate_hz()));
+        possible = possible.min(POSSIBLE_SHARE * grid.rate_hz());
     }
-    Ok(Some(largest))
+    Ok(Some(largest.min(possible)))
 }
 
 /// The cutoff \[Hz\] for evenly sampled positions, one column per joint:

@@ -113,6 +113,28 @@ impl Cholesky {
             .collect()
     }
 
+    /// Row `i` of `L` up to its diagonal.
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.lower[i * self.order..=i * self.order + i]
+    }
+
+    /// `A⁻¹`.
+    pub fn inverse(&self) -> Mat<f64> {
+        let n = self.order;
+        // columns of L⁻¹, which begin at the diagonal
+        let mut inverse = Mat::<f64>::zeros(n, n);
+        let mut column = vec![0.0; n];
+        for k in 0..n {
+            column[k] = 1.0 / self.lower[k * n + k];
+            for i in k + 1..n {
+                let row = &self.lower[i * n + k..i * n + i];
+                column[i] = -dot(row, &column[k..i]) / self.lower[i * n + i];
+            }
+            (k..n).for_each(|i| inverse[(i, k)] = column[i]);
+        }
+        inverse.transpose() * &inverse
+    }
+
     /// `log det A`.
     pub fn log_determinant(&self) -> f64 {
         (0..self.order).map(|i| 2.0 * self.lower[i * self.order + i].ln()).sum()
@@ -123,6 +145,21 @@ impl Cholesky {
 #[allow(clippy::unwrap_used, reason = "a failed test may panic")]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cholesky_inverse_and_rows() {
+        let entries = [[4.0, 2.0, 0.6], [2.0, 5.0, 1.0], [0.6, 1.0, 3.0]];
+        let factor = Cholesky::of(3, |i, j| entries[i][j]).unwrap();
+        let inverse = factor.inverse();
+        for i in 0..3 {
+            for j in 0..3 {
+                let product: f64 = (0..3).map(|k| entries[i][k] * inverse[(k, j)]).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-14);
+                let square: f64 = (0..=i.min(j)).map(|k| factor.row(i)[k] * factor.row(j)[k]).sum();
+                assert!((square - entries[i][j]).abs() < 1e-14);
+            }
+        }
+    }
 
     #[test]
     fn cholesky_solves_and_gives_log_determinant() {

@@ -9,7 +9,7 @@ use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
 use armident_recording::{Quantity, Recording};
 use serde::Serialize;
 
-use crate::checks::usable::{Unusable, usable_signals};
+use crate::checks::usable::{Unusable, usable_signals, without_constant_efforts};
 
 /// Gain of a joint whose effort is known as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
@@ -50,6 +50,9 @@ pub struct InputChecks {
     pub drive_gains: Vec<InferredDriveGain>,
     /// Why nothing was checked.
     pub unchecked: Option<String>,
+    /// Whether a fault is of the arm as a whole: gravity, or joints that are exchanged or mirrored. Nothing that is fitted to
+    /// such recordings means anything.
+    pub of_arm: bool,
 }
 
 impl InputChecks {
@@ -61,7 +64,9 @@ impl InputChecks {
         let (filled, signals) = with_drive_signals(recordings);
         let joints = model.chain.joint_names();
         let joints_of_model: Vec<String> = joints.iter().map(ToString::to_string).collect();
-        usable_signals(&joints_of_model, &filled, BAND_HZ)?;
+        let measured: Vec<Recording> =
+            filled.iter().map(|r| without_constant_efforts(r, &filled)).collect();
+        usable_signals(&joints_of_model, &measured, BAND_HZ)?;
         let cutoff_hz = common_cutoff_hz(&filled, &joints, model.cutoff_hz)?;
         let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
         let motions: Vec<Motion> = filled
@@ -116,7 +121,7 @@ impl InputChecks {
                     // a current is a multiple of the effort, and that is no fault
                     Topic::Channel => !drive_signal && !by_physics,
                     Topic::Order => !by_physics,
-                    Topic::Quality => true,
+                    Topic::Quality | Topic::Gravity | Topic::JointSign => true,
                     _ => false,
                 }
         };
@@ -131,7 +136,11 @@ impl InputChecks {
                 determined: (low / high).abs().ln().abs() < NOT_DETERMINED.ln(),
             })
         };
+        let of_arm = found.checks.iter().any(|c| {
+            c.verdict == Verdict::Wrong && matches!(c.topic, Topic::Gravity | Topic::JointSign)
+        }) || !found.recorded_as.is_sorted();
         Ok(Self {
+            of_arm,
             drive_gains: model
                 .chain
                 .joint_names()

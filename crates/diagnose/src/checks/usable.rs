@@ -54,6 +54,18 @@ pub(crate) fn said_something(names: &[String], signals: &[BandMotion]) -> Result
     Ok(())
 }
 
+/// The recording without efforts that are one number in each of `all`, where others are not: no sensor, or none read.
+pub(crate) fn without_constant_efforts(recording: &Recording, all: &[Recording]) -> Recording {
+    let is_dead = |name: &str| {
+        let mut efforts = all.iter().filter_map(|r| r.joint(name)?.effort.as_deref());
+        efforts.all(is_constant)
+    };
+    let mut kept = recording.clone();
+    let recorded = |r: &Recording| r.joints.iter().filter(|j| j.effort.is_some()).count();
+    kept.joints.iter_mut().filter(|j| is_dead(&j.name)).for_each(|j| j.effort = None);
+    if recorded(&kept) == 0 { recording.clone() } else { kept }
+}
+
 pub(crate) fn is_constant(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[0] == pair[1])
 }

@@ -5,6 +5,7 @@ use armident_numeric::NumericError;
 use rayon::prelude::*;
 
 use super::assignment::cheapest_assignment;
+use super::explanations::Explained;
 use super::likelihood::{JointModel, Relation};
 use super::rows::ChannelRows;
 use super::verdict::{PROBABLY_RIGHT, Verdict};
@@ -19,7 +20,7 @@ const FINE: f64 = 0.1;
 const COARSE: f64 = 0.3;
 /// Standard deviation of the logarithm of the gain of a correct channel: published drive gains of one type of arm differ
 /// by up to a third.
-const USUAL_LOG_GAIN: f64 = 0.3;
+pub(super) const USUAL_LOG_GAIN: f64 = 0.3;
 /// Largest ratio of the URDF's effort, times the gain, to the recorded one, by their standard deviations. Beyond it,
 /// friction or much lighter links would have to cancel most of it: constants without bounds then imitate the residual of
 /// the friction laws, the better the larger the gain.
@@ -99,6 +100,12 @@ pub struct ChannelEvidence {
     pub residual_rms: f64,
     /// Standard deviation of the URDF's effort of this joint on this motion \[N m or N\].
     pub urdf_sd: f64,
+    /// Share of what friction leaves of the column that the URDF's effort explains, times any gain.
+    pub urdf_share: f64,
+    /// Share of the variance of the column that friction alone explains.
+    pub friction_share: f64,
+    /// Log likelihood of the signs of friction and rotor inertia, which drive nothing, with the sign flipped over that as said.
+    pub friction_flipped: f64,
 }
 
 /// The columns of all joints.
@@ -109,6 +116,28 @@ pub(super) struct Channels {
     pub(super) order: Vec<usize>,
     /// probability of the order of the header against the most likely one
     pub(super) order_probability: f64,
+}
+
+/// Prior odds at which nothing is said about the order.
+const UNDECIDED: f64 = 0.6;
+
+impl Channels {
+    /// Columns are in another order only where that explains all joints together: in every recording, with half of the
+    /// error left at most.
+    pub(super) fn agree_with(&mut self, explained: &Explained) {
+        let map = &explained.map;
+        // columns by the joints that the recordings turned out to hold
+        let found: Vec<usize> = (map.effort.iter())
+            .map(|e| map.source.iter().position(|s| s == e).unwrap_or(*e))
+            .collect();
+        let moved = found.iter().enumerate().any(|(j, k)| j != *k);
+        if moved {
+            self.order = found;
+            self.order_probability = explained.as_said;
+        } else if self.order.iter().enumerate().any(|(j, k)| j != *k) {
+            self.order_probability = self.order_probability.max(UNDECIDED);
+        }
+    }
 }
 
 /// Looks at every column against every joint.
@@ -217,6 +246,9 @@ impl ChannelEvidence {
             sd: own.effort_sd,
             residual_rms: own.residual_rms,
             urdf_sd: own.urdf_sd,
+            urdf_share: own.urdf_share,
+            friction_share: own.friction_share,
+            friction_flipped: profile.dissipation[1] - profile.dissipation[0],
         };
         (evidence, -all)
     }
@@ -283,14 +315,14 @@ impl JointTerms {
 }
 
 /// Prior of the constants: `x = mean + spread ξ`, `ξ ~ N(0, I)`.
-struct LinkErrors {
-    mean: Vec<f64>,
+pub(super) struct LinkErrors {
+    pub(super) mean: Vec<f64>,
     /// by columns
-    spread: Vec<Vec<f64>>,
+    pub(super) spread: Vec<Vec<f64>>,
 }
 
 impl LinkErrors {
-    fn of(problem: &BatchProblem, error: f64, load: f64) -> Self {
+    pub(super) fn of(problem: &BatchProblem, error: f64, load: f64) -> Self {
         let (arm, set) = (problem.arm(), problem.set());
         let mut spread = spread_of_numbers(arm, set, error, load).unwrap_or_default();
         // rotors that are part of a constant may be of any size
@@ -314,6 +346,8 @@ struct Profile {
     with: [Vec<f64>; 2],
     /// gravity compensated, positive gain
     without: Vec<f64>,
+    /// part of `with` that is of the signs of friction
+    dissipation: [f64; 2],
 }
 
 impl Profile {
@@ -331,6 +365,8 @@ impl Profile {
         Self {
             with: [mean(&|p| &p.with[0]), mean(&|p| &p.with[1])],
             without: mean(&|p| &p.without),
+            dissipation: [0, 1]
+                .map(|k| each.iter().map(|p| p.dissipation[k]).sum::<f64>() / each.len() as f64),
             log_gain: each[0].log_gain.clone(),
         }
     }
@@ -342,7 +378,8 @@ impl Profile {
         let largest = (LARGEST_RATIO * own.effort_sd / urdf_sd).ln().max(usual);
         let steps = (LARGEST_LOG_GAIN / step).round() as i32;
         let log_gain: Vec<f64> = (-steps..=steps).map(|k| f64::from(k) * step).collect();
-        let along = |sign: f64, without_gravity: bool, least: f64, most: f64| -> Vec<f64> {
+        let along = |sign: f64, without_gravity: bool, least: f64, most: f64| -> (Vec<f64>, f64) {
+            let mut of_friction = 0.0;
             let relation = |u: f64| Relation { gain: sign * u.exp(), without_gravity };
             let mut profile: Vec<f64> = log_gain
                 .iter()
@@ -356,15 +393,15 @@ impl Profile {
             // the friction's sign hardly depends on the size of the gain
             if let Some(best) = highest(&profile) {
                 let off = model.against_dissipation(channel, relation(log_gain[best]), own);
-                profile.iter_mut().for_each(|l| *l -= 0.5 * off);
+                of_friction = -0.5 * off;
+                profile.iter_mut().for_each(|l| *l += of_friction);
             }
-            profile
+            (profile, of_friction)
         };
-        Self {
-            with: [1.0, -1.0].map(|sign| along(sign, false, f64::NEG_INFINITY, largest)),
-            without: along(1.0, true, -usual, usual),
-            log_gain,
-        }
+        let [(with, of_with), (against, of_against)] =
+            [1.0, -1.0].map(|sign| along(sign, false, f64::NEG_INFINITY, largest));
+        let (without, _) = along(1.0, true, -usual, usual);
+        Self { with: [with, against], without, dissipation: [of_with, of_against], log_gain }
     }
 
     /// Log likelihood of each kind, the gain integrated out.

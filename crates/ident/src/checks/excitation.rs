@@ -68,11 +68,12 @@ pub(super) fn excitation(
     names: &[&str],
     rows: &[ChannelRows],
     motions: &[Motion],
+    is_mute: &[bool],
 ) -> Result<(Vec<ConstantCheck>, usize), NumericError> {
     let set = problem.set();
     let mut all = AccumulatedQr::new(problem.terms.len());
     let mut signal = vec![0.0; problem.terms.len()];
-    for (joint, of_joint) in rows.iter().enumerate() {
+    for (joint, of_joint) in rows.iter().enumerate().filter(|(joint, _)| !is_mute[*joint]) {
         let terms = problem.terms_of_joint(joint);
         let own: Vec<usize> = (0..terms.len()).collect();
         let triangle = of_joint.triangle.with_unknowns(&own);

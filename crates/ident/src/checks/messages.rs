@@ -7,9 +7,12 @@ use armident_motion::{
 };
 use armident_recording::{Action, QualityIssue, QualityIssueKind, Quantity};
 
+use super::arm_likelihood::Meaning;
 use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
-use super::delay::Delay;
+use super::computed::BesideRigid;
+use super::delay::{Delay, Doubt};
 use super::excitation::{ConstantCheck, activity};
+use super::explanations::Explained;
 use super::verdict::{Check, SURE, Topic, Verdict};
 
 /// `2 ln` of the likelihood ratio above which a delay is wrong: a thousand to one, with a prior of
@@ -21,6 +24,14 @@ const DELAY_MATTERS: f64 = 0.5;
 const NOISY: f64 = 0.1;
 /// Recorded effort over the URDF's effort limit above which its unit is doubtful.
 const BEYOND_LIMIT: f64 = 3.0;
+/// Share of the squared effort beside friction that the rigid body must explain for a verdict on sign and unit: half, or more
+/// is left than explained. The same share of the whole shows friction.
+const SHOWS: f64 = 0.5;
+/// Share of a column that is left over where nothing of a joint's motion is in it.
+const FITS_NOTHING: f64 = 0.7;
+/// Angle beyond which gravity is that of another mounting \[degrees\]: a base that stands on a slope, or was screwed on
+/// carelessly, is tilted by less, and a diagnosis finds that.
+const MOUNTED_DEG: f64 = 15.0;
 /// Reductions of usual gears of arms.
 const GEARS: [f64; 9] = [30.0, 50.0, 80.0, 100.0, 101.0, 120.0, 121.0, 160.0, 161.0];
 /// Rarer of both directions, as a share of the moving time, below which friction and offset are collinear.
@@ -147,7 +158,7 @@ pub(super) fn rate(reports: &[QualityReport], motions: &[Motion]) -> Vec<Check> 
         .collect()
 }
 
-pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
+pub(super) fn delay(delay: Option<&Delay>, doubt: Option<Doubt>, motions: &[Motion]) -> Check {
     let step_s = motions.iter().map(|m| 1.0 / m.rate_hz).fold(0.0, f64::max);
     let Some(found) = delay else {
         let message = "delay not identifiable from this motion".to_owned();
@@ -171,8 +182,24 @@ pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
     } else {
         Verdict::Ok
     };
+    let verdict = if doubt.is_some() { verdict.min(Verdict::CannotTell) } else { verdict };
+    let rival = match doubt {
+        None => String::new(),
+        Some(Doubt::Presliding) => {
+            "; friction that builds up after each reversal explains as much: no case against the clocks".to_owned()
+        }
+        Some(Doubt::OtherCutoff { cutoff_hz, delay_s }) => format!(
+            "; below {} Hz it is {:.1} ms: no delay of clocks, which is the same at any cut-off",
+            digits(cutoff_hz, 3),
+            1e3 * delay_s
+        ),
+        Some(Doubt::Held(held_s)) => format!(
+            "; effort samples are held for {:.0} ms, and come late by half of it",
+            1e3 * held_s
+        ),
+    };
     let message = format!(
-        "effort lag {:.1} ms (95 % interval {:.1} to {:.1} ms); ignoring it makes the residual {:.0} % larger",
+        "effort lag {:.1} ms (95 % interval {:.1} to {:.1} ms); ignoring it makes the residual {:.0} % larger{rival}",
         1e3 * found.delay_s,
         1e3 * low,
         1e3 * high,
@@ -183,8 +210,10 @@ pub(super) fn delay(delay: Option<&Delay>, motions: &[Motion]) -> Check {
             "shift the effort stamps by {:.1} ms, or time-stamp both channels at the source",
             -1e3 * found.delay_s
         )),
-        Verdict::CannotTell => Some("excite several frequencies, faster".to_owned()),
-        Verdict::Ok => None,
+        Verdict::CannotTell if doubt.is_none() => {
+            Some("excite several frequencies, faster".to_owned())
+        }
+        Verdict::CannotTell | Verdict::Ok => None,
     };
     Check {
         value: Some(found.delay_s),
@@ -229,7 +258,9 @@ fn is_absent(found: &ChannelEvidence) -> bool {
 /// Efforts none of which is the joint's, some without the rigid-body effort: they are from another motion.
 /// `is_effort`: joints whose efforts are recorded, not currents.
 pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
-    let is_missing = |c: &ChannelEvidence| c.as_said() == Verdict::Wrong && is_absent(c);
+    let is_missing = |c: &ChannelEvidence| {
+        c.as_said() == Verdict::Wrong && is_absent(c) && c.residual_rms > FITS_NOTHING * c.sd
+    };
     let pairs = channels.evidence.iter().zip(is_effort);
     let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
     let none_fits = all.len() > 1 && all.iter().all(|c| c.as_said() != Verdict::Ok);
@@ -243,15 +274,185 @@ pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Ch
     })
 }
 
-/// `signal`: what is recorded instead of an effort; `has_dead_zone`: whether the column has one; `kind`: of the joint.
+/// What a column holds.
+#[derive(Clone, Copy)]
+pub(super) struct Column {
+    /// What is recorded instead of an effort.
+    pub(super) signal: Option<Quantity>,
+    /// Whether it has a dead zone.
+    pub(super) has_dead_zone: bool,
+    /// Kind of the joint.
+    pub(super) kind: JointKind,
+}
+
+/// Name of a mounting at an angle to the given one.
+fn mounting(angle_deg: f64) -> String {
+    match angle_deg {
+        a if a > 170.0 => "the arm hangs upside down, as from a ceiling".to_owned(),
+        a if (80.0..100.0).contains(&a) => {
+            "the arm is mounted on its side, as on a wall".to_owned()
+        }
+        a => format!("the base is tilted by {} degrees", digits(a, 3)),
+    }
+}
+
+/// Where gravity points, if not where it was given.
+pub(super) fn gravity(explained: &Explained) -> Option<Check> {
+    let found = explained.direction.as_ref()?;
+    let option = found.option();
+    let [low, high] = found.interval_95_deg;
+    let verdict = if found.angle_deg > MOUNTED_DEG { Verdict::Wrong } else { Verdict::Doubtful };
+    let message = format!(
+        "gravity points another way than given: along ({}) m/s2 in the base frame, {} degrees off (95 % interval {} to {}); \
+         {}",
+        option.replace(',', ", "),
+        digits(found.angle_deg, 4),
+        digits(low, 4),
+        digits(high, 4),
+        mounting(found.angle_deg)
+    );
+    Some(Check {
+        value: Some(found.angle_deg),
+        unit: "degrees",
+        interval_95: Some(found.interval_95_deg),
+        advice: Some(format!("pass --gravity {option}")),
+        ..robot_wide(Topic::Gravity, verdict, message)
+    })
+}
+
+/// Joints whose columns are those of others, position and effort.
+pub(super) fn exchanged(explained: &Explained, names: &[&str]) -> Check {
+    let source = &explained.map.source;
+    let moved: Vec<usize> = (0..source.len()).filter(|&j| source[j] != j).collect();
+    let pairs: Vec<String> = (moved.iter())
+        .filter(|&&j| source[source[j]] == j && j < source[j])
+        .map(|&j| format!("{} and {} are exchanged", names[j], names[source[j]]))
+        .collect();
+    let rings: Vec<String> = (moved.iter())
+        .filter(|&&j| source[source[j]] != j)
+        .map(|&j| format!("the columns of {} hold {}", names[source[j]], names[j]))
+        .collect();
+    let all = [pairs, rings].concat().join(", ");
+    let columns: Vec<String> =
+        moved.iter().map(|&j| format!("{} to joint {}", names[source[j]], names[j])).collect();
+    Check {
+        value: Some(explained.as_said),
+        unit: "probability",
+        advice: Some(format!(
+            "assign the columns in a mapping file (position, velocity and effort): {}",
+            columns.join(", ")
+        )),
+        ..robot_wide(Topic::Order, Verdict::Wrong, format!("{all}, position and effort"))
+    }
+}
+
+/// Efforts of all joints that no sensor measured.
+pub(super) fn computed(beside: &[BesideRigid]) -> Option<Check> {
+    if beside.is_empty() || !beside.iter().all(BesideRigid::is_computed) {
+        return None;
+    }
+    let most = |of: fn(&BesideRigid) -> f64| 100.0 * beside.iter().map(of).fold(0.0, f64::max);
+    let (friction, residual) = (most(|b| b.friction), most(|b| b.residual));
+    Some(Check {
+        value: Some(residual),
+        unit: "% of the effort",
+        advice: Some(
+            "record what the drives or sensors measure, not the target effort or the output of a model".to_owned(),
+        ),
+        ..robot_wide(
+            Topic::Quality,
+            Verdict::Doubtful,
+            format!(
+                "efforts look computed by a model (target or command), not measured: no friction on any joint (at most {} % of \
+                 the effort), and rigid links leave {} %",
+                digits(friction, 2),
+                digits(residual, 2)
+            ),
+        )
+    })
+}
+
+/// A joint that counts the other way, with position and effort.
+pub(super) fn joint_sign(explained: &Explained, joint: usize, names: &[&str]) -> Option<Check> {
+    (explained.map.sign[joint] < 0.0).then(|| Check {
+        joint: Some(names[joint].to_owned()),
+        value: Some(explained.as_said),
+        unit: "probability",
+        advice: Some(
+            "set sign = -1 on its position, velocity and effort in a mapping file, or turn the axis in the URDF"
+                .to_owned(),
+        ),
+        ..robot_wide(
+            Topic::JointSign,
+            Verdict::Wrong,
+            "counts the other way than its axis in the URDF: position and effort both have the other sign"
+                .to_owned(),
+        )
+    })
+}
+
+/// An effort column that is one number.
+pub(super) fn constant(name: &str, value: f64, moves: bool, kind: JointKind) -> Check {
+    let newton = if kind.is_rotational() { "N m" } else { "N" };
+    let number = if value == 0.0 {
+        "exactly 0".to_owned()
+    } else {
+        format!("always {} {newton}", short(value))
+    };
+    let (verdict, message) = if moves {
+        (
+            Verdict::Wrong,
+            format!("is {number} throughout while the joint moves: no sensor, or none read"),
+        )
+    } else {
+        (Verdict::Doubtful, format!("is {number} throughout: constant, and the joint rests"))
+    };
+    Check {
+        joint: Some(name.to_owned()),
+        value: Some(value),
+        unit: "N m or N",
+        advice: Some(
+            "leave the column out of the file: the other joints are used without it".to_owned(),
+        ),
+        ..robot_wide(Topic::Channel, verdict, message)
+    }
+}
+
+/// An effort column without a sign; `all`: as those of all joints.
+pub(super) fn magnitude(name: &str, side: f64, returns: usize, all: bool) -> Check {
+    let beyond = if side > 0.0 { "below" } else { "above" };
+    let verdict = if all { Verdict::Wrong } else { Verdict::Doubtful };
+    Check {
+        joint: Some(name.to_owned()),
+        value: Some(returns as f64),
+        unit: "returns to zero",
+        advice: Some(
+            "record the signed effort or current; of a position servo the sign is that of command minus position"
+                .to_owned(),
+        ),
+        ..robot_wide(
+            Topic::Channel,
+            verdict,
+            format!(
+                "a magnitude without sign: never {beyond} zero though the joint reverses{}",
+                match returns {
+                    0 => ", as all columns of the arm".to_owned(),
+                    _ => format!(", and {returns} times back to it"),
+                }
+            ),
+        )
+    }
+}
+
+/// A column as the joint's effort.
 pub(super) fn channel(
     channels: &Channels,
     joint: usize,
     names: &[&str],
-    signal: Option<Quantity>,
-    has_dead_zone: bool,
-    kind: JointKind,
+    column: Column,
+    explained: &Explained,
 ) -> Check {
+    let Column { signal, has_dead_zone, kind } = column;
     let found = &channels.evidence[joint];
     let [low, high] = found.gain_95;
     let base = |verdict: Verdict, message: String, advice: Option<String>| Check {
@@ -301,7 +502,8 @@ pub(super) fn channel(
     }
     let absent = is_absent(found);
     let backwards = flipped + other_flipped > 1.0 - SURE;
-    if absent && backwards && verdict == Verdict::Wrong {
+    let is_friction = found.friction_share > SHOWS;
+    if absent && backwards && is_friction && verdict == Verdict::Wrong {
         let message = format!(
             "sign flipped: friction would drive the joint; the rigid-body effort is not visible \
              (expected standard deviation {} {newton})",
@@ -310,16 +512,52 @@ pub(super) fn channel(
         let advice = "set sign = -1 in a mapping file".to_owned();
         return base(verdict, message, Some(advice));
     }
-    if absent && verdict == Verdict::Wrong {
+    // gravity is taken off the whole arm or not at all: of one joint something else carries it
+    let carried = without_gravity > 0.5 && !explained.gravity_is_taken_off;
+    if carried {
         let message = format!(
-            "does not contain the rigid-body effort (expected standard deviation {} {newton})",
+            "less gravity than the URDF's links have on this joint: a spring or counterbalance, or other masses; {gain}"
+        );
+        return base(Verdict::CannotTell, message, None);
+    }
+    // a sign or unit that the arm as a whole does not ask for is none
+    let meaning = explained.meaning[explained.map.source[joint]];
+    // no spring turns friction round
+    let turned = backwards && found.friction_flipped > -SURE.ln();
+    if meaning == Meaning::Sprung && verdict != Verdict::Ok && !turned {
+        let message = format!(
+            "the URDF's links and a spring or counterbalance on this joint explain it better than another sign or unit; {gain}"
+        );
+        return base(Verdict::CannotTell, message, None);
+    }
+    let shows = found.urdf_share > SHOWS || (is_friction && backwards);
+    let agrees = meaning == Meaning::Multiple || turned || absent;
+    let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::CannotTell) };
+    // of a joint that swings freely, or of links with other lengths, friction is all that is left
+    if absent && verdict == Verdict::Wrong && found.residual_rms > FITS_NOTHING * found.sd {
+        let message = format!(
+            "does not contain the rigid-body effort (expected standard deviation {} {newton}), nor anything else that follows \
+             from this joint's motion",
             short(found.urdf_sd)
         );
         let advice = "check whether the column is a friction estimate, a command, or another joint"
             .to_owned();
-        return base(verdict, message, Some(advice));
+        return base(Verdict::Doubtful, message, Some(advice));
+    }
+    if absent && verdict == Verdict::Wrong {
+        let message = format!(
+            "cannot tell: the efforts (standard deviation {} {newton}) are friction, next to {} {newton} that the URDF's links \
+             ask for; the joint swings freely, or these are other links",
+            short(found.sd),
+            short(found.urdf_sd)
+        );
+        return base(Verdict::CannotTell, message, None);
     }
     let verdict = if absent { Verdict::CannotTell } else { verdict };
+    if matches!(verdict, Verdict::CannotTell) && found.urdf_share > SHOWS {
+        let message = format!("fits the URDF, but other signs and units are not excluded; {gain}");
+        return base(verdict, message, None);
+    }
     if matches!(verdict, Verdict::CannotTell) {
         let message = format!(
             "the rigid-body effort (standard deviation {} {newton}) is small compared with friction \

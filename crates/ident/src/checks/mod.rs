@@ -14,10 +14,16 @@
 //! are dominated by friction and noise is inconclusive ([`Verdict::CannotTell`]). How well the URDF fits decides nothing:
 //! its parameters may be wrong by their size, and the arm may carry an unknown load.
 
+mod arm_columns;
+mod arm_likelihood;
 mod assignment;
 mod channel;
+mod columns;
+mod computed;
 mod delay;
 mod excitation;
+mod explanations;
+mod gravity;
 mod likelihood;
 mod messages;
 mod rows;
@@ -25,6 +31,7 @@ mod verdict;
 
 use std::collections::BTreeMap;
 
+use armident_dynamics::RigidArm;
 use armident_model::ArmModel;
 pub use armident_motion::QualityReport;
 use armident_motion::{Motion, RESTING_RANGE, quality};
@@ -34,7 +41,12 @@ use armident_recording::{QualityIssue, Quantity, Recording};
 pub use channel::{ChannelEvidence, ChannelKind};
 pub use delay::Delay;
 pub use excitation::ConstantCheck;
+pub use gravity::GravityDirectionFound;
 pub use verdict::{Check, Topic, Verdict};
+
+use arm_likelihood::JointFacts;
+use columns::Alone;
+use computed::BesideRigid;
 
 use crate::calibration::dead_zone_shares;
 use crate::minimal_set::MinimalSet;
@@ -52,6 +64,12 @@ pub struct RecordingCheck {
     pub channels: Vec<ChannelEvidence>,
     /// Per joint, the joint whose column most likely holds its effort.
     pub order: Vec<usize>,
+    /// Where gravity points; none where nothing says that it is not as given.
+    pub gravity: Option<GravityDirectionFound>,
+    /// Per joint, the joint of the recordings that it is, with position and effort.
+    pub recorded_as: Vec<usize>,
+    /// Per joint, whether its position and effort count the other way.
+    pub mirrored: Vec<bool>,
     /// The delay; none where the likelihood has no maximum.
     pub delay: Option<Delay>,
     /// How well each constant is determined.
@@ -102,6 +120,14 @@ fn of_joints(recording: &Recording, names: &[&str]) -> Recording {
     own
 }
 
+/// The problem of an arm with the speeds at which friction reverses on these motions.
+fn problem_of(arm: &RigidArm, motions: &[Motion]) -> Result<BatchProblem, NumericError> {
+    let set = MinimalSet::of(arm)?;
+    let mut problem = BatchProblem::new(arm, &set);
+    problem.choose_reversal_speeds(&motions.iter().collect::<Vec<_>>())?;
+    Ok(problem)
+}
+
 /// Checks recordings against a robot.
 ///
 /// `motions` are those of `recordings`, of all joints of the model and with efforts; `signals` names
@@ -115,16 +141,36 @@ pub fn check(
     motions: &[Motion],
     signals: &BTreeMap<String, Quantity>,
 ) -> Result<RecordingCheck, NumericError> {
-    let arm = model.rigid_arm();
-    let set = MinimalSet::of(&arm)?;
-    let mut problem = BatchProblem::new(&arm, &set);
-    problem.choose_reversal_speeds(&motions.iter().collect::<Vec<_>>())?;
     let names = model.chain.joint_names();
     let own: Vec<Recording> = recordings.iter().map(|r| of_joints(r, &names)).collect();
     let quality: Vec<QualityReport> = own.iter().map(quality).collect();
-    let noise = rows::noise_in_band(&names, motions, &quality);
+    let shares = dead_zone_shares(recordings, &names);
+    let alone = columns::alone(recordings, motions, &names);
+    let is_mute: Vec<bool> =
+        alone.iter().zip(&shares).map(|(a, s)| a.is_mute() || s.is_some()).collect();
+    let mut noise = rows::noise_in_band(&names, motions, &quality);
+    let mut arm = model.rigid_arm();
+    let recorded = motions;
+    let with_stand_ins: Vec<Motion> =
+        motions.iter().map(|m| columns::with_stand_ins(m, &alone)).collect();
+    let motions = with_stand_ins.as_slice();
+    let problem = problem_of(&arm, motions)?;
+    let facts = JointFacts {
+        noise: noise.clone(),
+        is_signal: names.iter().map(|name| signals.contains_key(*name)).collect(),
+        is_mute: is_mute.clone(),
+    };
+    // what explains all columns comes before anything is said of one
+    let explained = explanations::explain(model, motions, &problem, &facts)?;
+    let map = &explained.map;
+    let mapped: Vec<Motion> = motions.iter().map(|m| map.motion(m)).collect();
+    let motions = mapped.as_slice();
+    arm.gravity_e0 = explained.gravity_e0;
+    noise = map.source.iter().map(|&s| noise[s]).collect();
+    let mut problem = problem_of(&arm, motions)?;
     let mut rows = rows::accumulate(&problem, &arm, motions, &noise)?;
-    let mut delay = delay::delay(&rows);
+    let is_silent: Vec<bool> = map.source.iter().map(|&s| is_mute[s]).collect();
+    let mut delay = delay::delay(&rows, &is_silent);
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
     for _ in 0..ALIGNMENTS {
@@ -132,39 +178,78 @@ pub fn check(
         aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
         problem.choose_reversal_speeds(&aligned.iter().collect::<Vec<_>>())?;
         rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
-        let Some(rest) = delay::delay(&rows) else { break };
+        let Some(rest) = delay::delay(&rows, &is_silent) else { break };
         delay = Some(so_far.and_then(&rest));
     }
+    let doubt = match delay.as_ref().filter(|d| d.excludes_zero()) {
+        Some(found) => {
+            let in_time = problem_of(&arm, motions)?;
+            let of = ((motions, noise.as_slice()), (recordings, map));
+            delay::doubt(found, &in_time, of.0, of.1, &is_silent)?
+        }
+        None => None,
+    };
     let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
-    let shares = dead_zone_shares(recordings, &names);
     let with_dead_zone: Vec<&str> =
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();
-    let alive: Vec<bool> = (0..names.len()).map(|j| shares[j].is_none() && moves(j)).collect();
-    let channels = channel::channels(&problem, &rows, &alive)?;
-    let (constants, rank) = excitation::excitation(&problem, &names, &rows, &aligned)?;
+    let alive: Vec<bool> = (0..names.len()).map(|j| !is_silent[j] && moves(j)).collect();
+    let mut channels = channel::channels(&problem, &rows, &alive)?;
+    channels.agree_with(&explained);
+    let is_constant: Vec<bool> =
+        map.source.iter().map(|&s| matches!(alone[s], Alone::Constant(_))).collect();
+    let (constants, rank) =
+        excitation::excitation(&problem, &names, &rows, &aligned, &is_constant)?;
     let differences = armident_motion::differences(&own);
+    let beside: Vec<BesideRigid> = (0..names.len())
+        .filter(|&j| alive[j])
+        .map(|j| {
+            let name = names[map.source[j]];
+            BesideRigid::of(&problem, j, &rows[j], rows::recorded_noise(&quality, name))
+        })
+        .collect();
 
     let is_effort: Vec<bool> = names.iter().map(|name| !signals.contains_key(*name)).collect();
     let mut checks = messages::quality(&quality, &differences, &with_dead_zone);
     checks.extend(messages::rate(&quality, motions));
-    checks.push(messages::delay(delay.as_ref(), motions));
-    checks.push(messages::order(&channels, &names));
+    checks.extend(messages::gravity(&explained));
+    checks.push(messages::delay(delay.as_ref(), doubt, motions));
+    checks.push(match map.joints_are_as_said() || map.source.is_sorted() {
+        true => messages::order(&channels, &names),
+        false => messages::exchanged(&explained, &names),
+    });
+    checks.extend(messages::computed(&beside));
     checks.extend(messages::other_motion(&channels, &is_effort));
     checks.push(messages::excitation(&constants, rank, problem.terms.len()));
     for (j, name) in names.iter().enumerate() {
-        let (signal, has_dead_zone) = (signals.get(*name).copied(), shares[j].is_some());
+        let source = map.source[j];
+        let (signal, has_dead_zone) =
+            (signals.get(names[source]).copied(), shares[source].is_some());
         let joint = &model.chain.joints[j];
-        checks.push(messages::channel(&channels, j, &names, signal, has_dead_zone, joint.kind));
+        checks.extend(messages::joint_sign(&explained, j, &names));
+        checks.push(match alone[j] {
+            Alone::Sound => {
+                let column = messages::Column { signal, has_dead_zone, kind: joint.kind };
+                messages::channel(&channels, j, &names, column, &explained)
+            }
+            Alone::Constant(value) => messages::constant(name, value, moves(j), joint.kind),
+            Alone::Magnitude { side, returns } => {
+                let all = !alone.contains(&Alone::Sound);
+                messages::magnitude(name, side, returns, all)
+            }
+        });
         if is_effort[j] {
-            checks.extend(messages::beyond_limit(motions, j, model));
+            checks.extend(messages::beyond_limit(recorded, j, model));
         }
-        checks.extend(messages::noise(&quality, motions, j, joint));
+        checks.extend(messages::noise(&quality, recorded, j, joint));
         checks.extend(messages::motion(motions, j, name));
     }
     Ok(RecordingCheck {
         checks,
         channels: channels.evidence,
         order: channels.order,
+        gravity: explained.direction.clone(),
+        recorded_as: map.source.clone(),
+        mirrored: map.sign.iter().map(|sign| *sign < 0.0).collect(),
         delay,
         constants,
         rank: (rank, problem.terms.len()),

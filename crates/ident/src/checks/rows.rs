@@ -16,7 +16,7 @@ pub(super) const SHIFTS_ASIDE: usize = 16;
 /// milliseconds.
 pub(super) const LONGEST_DELAY_S: f64 = 0.06;
 /// Samples per period of the cut-off at which the correlation of residuals is looked at.
-const SAMPLES_PER_CUTOFF: f64 = 4.0;
+pub(super) const SAMPLES_PER_CUTOFF: f64 = 4.0;
 
 /// Rows of one joint, reduced.
 ///
@@ -44,6 +44,10 @@ pub(super) struct ChannelRows {
     pub(super) effort_sd: f64,
     /// standard deviation of the URDF's effort \[N m or N\]
     pub(super) urdf_sd: f64,
+    /// share of the squared effort beside friction that the URDF's effort explains, times any gain
+    pub(super) urdf_share: f64,
+    /// share of the variance of the effort that friction alone explains
+    pub(super) friction_share: f64,
 }
 
 impl ChannelRows {
@@ -57,6 +61,36 @@ impl ChannelRows {
 
     pub(super) fn shifted(&self, shift: usize) -> usize {
         self.terms + 1 + self.joints + shift
+    }
+
+    /// How much of the effort is the URDF's, and how much is friction.
+    fn measure_shares(&mut self, problem: &BatchProblem, joint: usize) {
+        let values = problem.set().values(&problem.arm().constants());
+        let mut order: Vec<usize> = Vec::new();
+        let mut constants: Vec<(usize, f64)> = Vec::new();
+        for (place, &k) in problem.terms_of_joint(joint).iter().enumerate() {
+            match problem.terms[k] {
+                Term::Constant(c) => constants.push((place, values[c])),
+                _ => order.push(place),
+            }
+        }
+        let friction = order.len();
+        order.extend(constants.iter().map(|(place, _)| *place));
+        order.push(self.effort_of(joint));
+        let r = self.triangle.reordered(&order);
+        let last = order.len() - 1;
+        let (mut along, mut of_urdf, mut of_effort) = (0.0, 0.0, 0.0);
+        for i in friction..=last {
+            let urdf: f64 =
+                constants.iter().enumerate().map(|(k, (_, x))| r[(i, friction + k)] * x).sum();
+            along += urdf * r[(i, last)];
+            of_urdf += urdf * urdf;
+            of_effort += r[(i, last)] * r[(i, last)];
+        }
+        let share = along * along / (of_urdf * of_effort);
+        self.urdf_share = if share.is_finite() { share } else { 0.0 };
+        let left = of_effort / self.samples / self.effort_sd.powi(2);
+        self.friction_share = if left.is_finite() { (1.0 - left).max(0.0) } else { 0.0 };
     }
 
     /// Size and effective sample size of the residual.
@@ -110,7 +144,8 @@ impl ChannelRows {
         self.residual_rms = (squares / self.samples).sqrt();
         self.effective = independent(&thinned[0]);
         // the residual is noise to this share, and otherwise a function of the motion
-        let noisy = (self.noise / self.residual_rms).powi(2).min(1.0);
+        let over = self.noise / self.residual_rms;
+        let noisy = if over.is_finite() { over.powi(2).min(1.0) } else { 1.0 };
         let of_motion = independent(&thinned[1]).min(self.effective);
         // as many terms as independent samples leave no residual, which looks like noise
         let free = (1.0 - self.terms as f64 / most).max(0.0);
@@ -137,7 +172,7 @@ pub(super) fn with_effort_from(motion: &Motion, delay_s: f64) -> Motion {
 }
 
 /// Samples left out at both ends, of the filter and of the shifts.
-fn edge(motion: &Motion) -> usize {
+pub(super) fn edge(motion: &Motion) -> usize {
     let of_filter = motion.filter.as_ref().map_or(0.0, |filter| EDGE_PERIODS / filter.cutoff_hz());
     let edge = (motion.rate_hz * of_filter.max(LONGEST_DELAY_S)).ceil() as usize;
     edge.min(motion.len() / 4)
@@ -158,6 +193,14 @@ fn model_columns(
         column.drain(..edge);
     }
     columns
+}
+
+/// Standard deviation of the noise of one recorded effort sample of a joint \[N m or N\], of the noisiest recording.
+pub(super) fn recorded_noise(reports: &[QualityReport], name: &str) -> f64 {
+    let of =
+        |c: &&armident_motion::ChannelQuality| c.joint == name && c.quantity == Quantity::Effort;
+    let all = reports.iter().flat_map(|r| r.channels.iter().filter(of)).filter_map(|c| c.noise);
+    all.fold(0.0, f64::max)
 }
 
 /// Standard deviation of the recorded noise of each joint's effort after the low-pass \[N m or N\].
@@ -224,6 +267,8 @@ pub(super) fn accumulate(
             residual_rms: 0.0,
             effort_sd: 0.0,
             urdf_sd: 0.0,
+            urdf_share: 0.0,
+            friction_share: 0.0,
         };
         let mut effort_moments = (0.0, 0.0);
         for ((motion, moved), gravity) in motions.iter().zip(&moved).zip(&gravity) {
@@ -254,6 +299,7 @@ pub(super) fn accumulate(
         let (count, sum, of_squares) = of_urdf[joint];
         rows.urdf_sd = (of_squares / count - (sum / count).powi(2)).max(0.0).sqrt();
         rows.measure_residual(problem, joint, motions, &moved)?;
+        rows.measure_shares(problem, joint);
         all.push(rows);
     }
     Ok(all)

@@ -43,8 +43,12 @@ pub enum Topic {
     Noise,
     /// Which effort channel a column is.
     Channel,
-    /// Which joint each effort column belongs to.
+    /// Which joint each column belongs to.
     Order,
+    /// Where gravity points.
+    Gravity,
+    /// Whether a joint counts as its axis does, with position and effort.
+    JointSign,
     /// Delay between effort and motion.
     Delay,
     /// Whether the motion determines the constants.

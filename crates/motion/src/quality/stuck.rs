@@ -24,6 +24,9 @@ const FLAT_SAMPLES: usize = 5;
 /// The signal runs into a limit with at least so many steps in one sample. A parabola that stays
 /// within one step for five samples drops by 9/4 of it one sample further, rounded by 3 steps.
 const ENTRY_STEPS: f64 = 3.5;
+/// Share of a joint's range within which it rests: in five samples of a kilohertz a joint of a radian at a tenth of its
+/// speed comes farther.
+const RESTS_SHARE: f64 = 1e-4;
 /// Flat tops are told from 3 of them on, or from one of this many samples.
 const LONG_FLAT_SAMPLES: usize = 10;
 const FEWEST_FLATS: usize = 3;
@@ -215,7 +218,13 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIss
     let drives = [Quantity::Effort, Quantity::Current, Quantity::Voltage];
     let of = |quantity| Some((quantity, joint.channel(quantity)?));
     let found = drives.into_iter().filter_map(of).filter_map(|(quantity, values)| {
-        let runs = flat_tops(values);
+        let mut runs = flat_tops(values);
+        // a joint at rest asks for one effort: that is no limit
+        let rests = |&(from, to): &(usize, usize)| {
+            let position = joint.position.as_deref();
+            position.is_some_and(|q| range(&q[from..=to]) <= RESTS_SHARE * range(q))
+        };
+        runs.retain(|run| !rests(run));
         let is_long = runs.iter().any(|(from, to)| to - from + 1 >= LONG_FLAT_SAMPLES);
         if runs.len() < FEWEST_FLATS && !is_long {
             return None;

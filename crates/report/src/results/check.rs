@@ -61,8 +61,12 @@ pub enum CheckTopic {
     Noise,
     /// Sign, unit and gravity of an effort column.
     Channel,
-    /// Which joint each effort column belongs to.
+    /// Which joint each column belongs to.
     Order,
+    /// Where gravity points.
+    Gravity,
+    /// Whether a joint counts as its axis does, with position and effort.
+    JointSign,
     /// Delay between effort and motion.
     Delay,
     /// Whether the motion determines the constants.
@@ -80,6 +84,8 @@ impl CheckTopic {
             Self::Noise => "noise",
             Self::Channel => "effort column",
             Self::Order => "joint order",
+            Self::Gravity => "gravity",
+            Self::JointSign => "joint sign",
             Self::Delay => "delay",
             Self::Excitation => "excitation",
             Self::Quality => "quality",
@@ -94,6 +100,8 @@ impl From<check::Topic> for CheckTopic {
             check::Topic::Noise => Self::Noise,
             check::Topic::Channel => Self::Channel,
             check::Topic::Order => Self::Order,
+            check::Topic::Gravity => Self::Gravity,
+            check::Topic::JointSign => Self::JointSign,
             check::Topic::Delay => Self::Delay,
             check::Topic::Excitation => Self::Excitation,
             check::Topic::Quality => Self::Quality,

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::report::{DiagnoseReport, Fits};
 use crate::layout::significant;
+use crate::results::check::CheckTopic;
 use crate::words::counted;
 
 /// Hold-out error over that of the given model from which on it is worse: less is the scatter of a short hold-out.
@@ -62,6 +63,15 @@ impl DiagnoseReport {
     }
 
     fn failed_checks(&self) -> Vec<String> {
+        // what is wrong with the arm as a whole, and no column
+        let of_arm = |topic: CheckTopic| {
+            matches!(topic, CheckTopic::Gravity | CheckTopic::JointSign | CheckTopic::Order)
+        };
+        let faults = &self.input_checks.faults;
+        if !faults.is_empty() && faults.iter().all(|fault| of_arm(fault.topic)) {
+            let all = faults.iter().map(|fault| format!("{}{}", fault.prefix(), fault.message));
+            return vec![format!("input check failed: {}", all.collect::<Vec<_>>().join("; "))];
+        }
         match self.excluded_columns() {
             0 => Vec::new(),
             1 => vec!["input check failed: 1 effort column does not match its header".to_owned()],
