@@ -79,7 +79,7 @@ pub(crate) fn read_all(
         let progress = Progress::through(output, "reading", files.len());
         read_each(files, reading, || progress.part_done())?
     };
-    // repairs are in the recordings' notes; findings that were kept are printed here
+    // repairs on reading are in the recordings' notes; findings that were kept, and stamps that are not used, are printed here
     let mut doubts = Vec::new();
     for recording in &recordings {
         let worth_saying = [
@@ -89,7 +89,8 @@ pub(crate) fn read_all(
             QualityIssueKind::SuspectedUnit,
         ];
         for finding in findings(recording) {
-            if finding.action == Action::Kept && worth_saying.contains(&finding.kind) {
+            let is_kept = finding.action == Action::Kept && worth_saying.contains(&finding.kind);
+            if is_kept || finding.kind == QualityIssueKind::LateStamps {
                 doubts.push(format!("{}: {}", recording.source, finding.message));
             }
         }

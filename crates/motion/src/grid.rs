@@ -3,6 +3,7 @@
 use armident_recording::{BRIDGED_STEPS, Fault, Interpolation, Recording, RecordingError, Timing};
 
 use crate::duplicate_frames::RepeatedFrames;
+use crate::sampling_clock::SamplingClock;
 
 /// Grid samples per recorded sample above which a recording is mostly gap.
 const MOST_GRID_SAMPLES: f64 = 2.0;
@@ -18,6 +19,8 @@ pub struct EvenGrid {
     ways: Option<(Interpolation, Interpolation)>,
     /// samples that are used, where some are not
     used: Option<Vec<usize>>,
+    /// where the stamps are those of reception
+    clock: Option<SamplingClock>,
 }
 
 impl EvenGrid {
@@ -31,7 +34,7 @@ impl EvenGrid {
         let stamps_s = stamps_s.to_vec();
         if timing.is_even {
             let (rate_hz, time_s) = (timing.rate_hz, stamps_s.clone());
-            return Ok(Self { timing, rate_hz, stamps_s, time_s, ways: None, used: None });
+            return Ok(Self { timing, rate_hz, stamps_s, time_s, ways: None, used: None, clock: None });
         }
         let steps = (timing.duration_s / timing.median_step_s).round().max(1.0);
         let samples = stamps_s.len();
@@ -46,21 +49,31 @@ impl EvenGrid {
             .collect();
         let there = Interpolation::new(&stamps_s, &time_s, BRIDGED_STEPS * timing.median_step_s);
         let back = Interpolation::new(&time_s, &stamps_s, f64::INFINITY);
-        Ok(Self { timing, rate_hz, stamps_s, time_s, ways: Some((there, back)), used: None })
+        let ways = Some((there, back));
+        Ok(Self { timing, rate_hz, stamps_s, time_s, ways, used: None, clock: None })
     }
 
-    /// That of a recording: where frames repeat while the arm moves, by the clock of the motion. The way back still leads
-    /// to every frame and the stamps stay as recorded.
+    /// That of a recording, by the clock of its motion: [that of the samples](SamplingClock) where the stamps are those of
+    /// reception, and where frames repeat while the arm moves, that without the repetitions. The way back still leads to
+    /// every frame and the stamps stay as recorded.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn of(recording: &Recording) -> Result<Self, RecordingError> {
         let stamps_s = &recording.time_s;
+        let clock = SamplingClock::of(recording);
+        let instants_s = clock.as_ref().map_or(stamps_s, |clock| &clock.instants_s);
         let repeated = RepeatedFrames::of(recording);
-        let Some((clock_s, used)) = repeated.and_then(|repeated| repeated.clock(stamps_s)) else {
-            return Self::new(stamps_s, &recording.source);
+        let of_motion = repeated.and_then(|repeated| repeated.clock(instants_s));
+        let (clock_s, used) = match of_motion {
+            Some((clock_s, used)) => (clock_s, Some(used)),
+            None if clock.is_some() => (instants_s.clone(), None),
+            None => return Self::new(stamps_s, &recording.source),
         };
-        let used_s: Vec<f64> = used.iter().map(|k| clock_s[*k]).collect();
+        let used_s: Vec<f64> = match &used {
+            Some(used) => used.iter().map(|k| clock_s[*k]).collect(),
+            None => clock_s.clone(),
+        };
         let grid = Self::new(&used_s, &recording.source)?;
         let there = match grid.ways {
             Some((there, _)) => there,
@@ -68,7 +81,12 @@ impl EvenGrid {
         };
         let back = Interpolation::new(&grid.time_s, &clock_s, f64::INFINITY);
         let (stamps_s, ways) = (stamps_s.clone(), Some((there, back)));
-        Ok(Self { stamps_s, ways, used: Some(used), ..grid })
+        Ok(Self { stamps_s, ways, used, clock, ..grid })
+    }
+
+    /// The clock of the samples, where the stamps are those of reception.
+    pub fn sampling_clock(&self) -> Option<&SamplingClock> {
+        self.clock.as_ref()
     }
 
     /// Values at the stamps brought to the grid; unchanged where the stamps are even.

@@ -345,7 +345,8 @@ fn missing(joint: &JointChannels, quantity: Quantity) -> Fault {
 /// What the resampling did, if anything.
 fn timing_note(grid: &EvenGrid) -> Option<String> {
     let timing = grid.timing();
-    if timing.is_even {
+    // stamps that are not used are a finding of the quality report
+    if timing.is_even || grid.sampling_clock().is_some() {
         return None;
     }
     let longest = timing.gaps.iter().max_by(|a, b| a.length_s.total_cmp(&b.length_s));

@@ -13,6 +13,8 @@ use crate::quantity::Quantity;
 pub enum QualityIssueKind {
     /// Uneven time stamps.
     UnevenStamps,
+    /// Time stamps of reception, late against the sampling instants.
+    LateStamps,
     /// Duplicate time stamps.
     RepeatedStamps,
     /// Rows not sorted by time.

@@ -86,6 +86,7 @@ pub(super) fn quality(
             QualityIssueKind::Stuck if is_dead(finding) => Verdict::Wrong,
             QualityIssueKind::MissingVelocity
             | QualityIssueKind::UnevenStamps
+            | QualityIssueKind::LateStamps
             | QualityIssueKind::RatesDiffer
             | QualityIssueKind::VelocityDelay
             | QualityIssueKind::WrappedAngle => Verdict::Ok,

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::cutoff::{band_edge_hz, noise_sigma};
 use crate::duplicate_frames::RepeatedFrames;
 use crate::grid::EvenGrid;
+use crate::sampling_clock::SamplingClock;
 use armident_recording::{
     Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Recording, Span, Timing,
     percent, velocity_findings,
@@ -66,6 +67,7 @@ pub struct ChannelQuality {
 ///
 /// | finding | from | because |
 /// |---|---|---|
+/// | late stamps | neighbouring samples predict each other 20 % better on a regular clock | jittered sampling instants are better than any regular clock |
 /// | uneven stamps | 0.1 % of the step beyond the rounding of the stamps | below it resampling changes nothing |
 /// | repeated frames | all channels of all joints equal the frame before, a joint moves steadily before and after | coarse encoders and rest repeat some channels |
 /// | gap | 2.5 median steps | one lost sample with jitter is less |
@@ -76,10 +78,11 @@ pub struct ChannelQuality {
 /// | velocity delay | one sample | a sample is how well stamps are known |
 /// | suspected unit | beyond 25 rad (four turns) | arms rarely do that, degrees always |
 pub fn quality(recording: &Recording) -> QualityReport {
-    let timing = Timing::of(&recording.time_s);
     // a recording that is mostly gaps has no grid, so no spectrum
     let grid = EvenGrid::of(recording).ok();
-    let findings = findings_at(recording, &timing);
+    let clock = grid.as_ref().and_then(EvenGrid::sampling_clock);
+    let timing = timing_of(recording, clock);
+    let findings = findings_at(recording, &timing, clock);
     let all: Vec<(&JointChannels, Quantity, &[f64])> = recording
         .joints
         .iter()
@@ -97,7 +100,13 @@ pub fn quality(recording: &Recording) -> QualityReport {
 
 /// What [`quality`] finds doubtful, without the measures of the channels: a fraction of its time.
 pub fn findings(recording: &Recording) -> Vec<QualityIssue> {
-    findings_at(recording, &Timing::of(&recording.time_s))
+    let clock = SamplingClock::of(recording);
+    findings_at(recording, &timing_of(recording, clock.as_ref()), clock.as_ref())
+}
+
+/// That of the samples.
+fn timing_of(recording: &Recording, clock: Option<&SamplingClock>) -> Timing {
+    Timing::of(clock.map_or(&recording.time_s, |clock| &clock.instants_s))
 }
 
 /// Share of the samples in which the effort of each joint repeats a value although the joint moves; 0 of joints
@@ -113,9 +122,14 @@ pub fn stuck_effort_shares(recording: &Recording, joints: &[&str]) -> Vec<f64> {
     joints.par_iter().map(of_joint).collect()
 }
 
-fn findings_at(recording: &Recording, timing: &Timing) -> Vec<QualityIssue> {
+fn findings_at(
+    recording: &Recording,
+    timing: &Timing,
+    clock: Option<&SamplingClock>,
+) -> Vec<QualityIssue> {
     let mut findings = recording.findings.clone();
-    findings.extend(of_stamps(timing, recording.len()));
+    findings.extend(clock.map(SamplingClock::finding));
+    findings.extend(of_stamps(timing, recording.len(), clock.is_some()));
     let repeated = RepeatedFrames::of(recording);
     findings.extend(repeated.map(|repeated| repeated.finding(&recording.time_s)));
     findings.extend(recording.joints.iter().filter_map(far_position));
@@ -164,9 +178,9 @@ fn of_channel(
 }
 
 /// Jitter and gaps.
-fn of_stamps(timing: &Timing, samples: usize) -> Vec<QualityIssue> {
+fn of_stamps(timing: &Timing, samples: usize, of_clock: bool) -> Vec<QualityIssue> {
     let mut findings = Vec::new();
-    if !timing.is_even && timing.jitter > SMALLEST_JITTER {
+    if !of_clock && !timing.is_even && timing.jitter > SMALLEST_JITTER {
         let message = format!(
             "uneven time stamps (period {:.3} ms, jitter {}); resampled",
             1e3 * timing.median_step_s,
