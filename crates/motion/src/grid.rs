@@ -3,6 +3,7 @@
 use armident_recording::{BRIDGED_STEPS, Fault, Interpolation, Recording, RecordingError, Timing};
 
 use crate::duplicate_frames::RepeatedFrames;
+use crate::held_efforts::HeldEfforts;
 use crate::sampling_clock::SamplingClock;
 
 /// Grid samples per recorded sample above which a recording is mostly gap.
@@ -34,7 +35,15 @@ impl EvenGrid {
         let stamps_s = stamps_s.to_vec();
         if timing.is_even {
             let (rate_hz, time_s) = (timing.rate_hz, stamps_s.clone());
-            return Ok(Self { timing, rate_hz, stamps_s, time_s, ways: None, used: None, clock: None });
+            return Ok(Self {
+                timing,
+                rate_hz,
+                stamps_s,
+                time_s,
+                ways: None,
+                used: None,
+                clock: None,
+            });
         }
         let steps = (timing.duration_s / timing.median_step_s).round().max(1.0);
         let samples = stamps_s.len();
@@ -54,8 +63,8 @@ impl EvenGrid {
     }
 
     /// That of a recording, by the clock of its motion: [that of the samples](SamplingClock) where the stamps are those of
-    /// reception, and where frames repeat while the arm moves, that without the repetitions. The way back still leads to
-    /// every frame and the stamps stay as recorded.
+    /// reception, and where frames repeat while the arm moves, that without the repetitions. Of efforts that are renewed in
+    /// some rows only, these rows are used. The way back still leads to every frame and the stamps stay as recorded.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -65,10 +74,12 @@ impl EvenGrid {
         let instants_s = clock.as_ref().map_or(stamps_s, |clock| &clock.instants_s);
         let repeated = RepeatedFrames::of(recording);
         let of_motion = repeated.and_then(|repeated| repeated.clock(instants_s));
-        let (clock_s, used) = match of_motion {
-            Some((clock_s, used)) => (clock_s, Some(used)),
-            None if clock.is_some() => (instants_s.clone(), None),
-            None => return Self::new(stamps_s, &recording.source),
+        let held = HeldEfforts::of(recording).map(|held| held.renewed);
+        let (clock_s, used) = match (of_motion, held) {
+            (Some((clock_s, used)), None) => (clock_s, Some(used)),
+            (_, Some(renewed)) => (instants_s.clone(), Some(renewed)),
+            (None, None) if clock.is_some() => (instants_s.clone(), None),
+            (None, None) => return Self::new(stamps_s, &recording.source),
         };
         let used_s: Vec<f64> = match &used {
             Some(used) => used.iter().map(|k| clock_s[*k]).collect(),

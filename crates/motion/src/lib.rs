@@ -55,6 +55,7 @@ mod differentiate;
 mod duplicate_frames;
 mod end_extension;
 mod grid;
+mod held_efforts;
 mod low_pass;
 mod motion;
 mod noise_spectrum;

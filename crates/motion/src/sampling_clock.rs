@@ -92,9 +92,8 @@ impl SamplingClock {
         let lateness = |k: usize| since[k] - first_s - step_s * index[k] as f64;
         let mut all: Vec<f64> = (0..since.len()).map(lateness).collect();
         let earliest_s = order_statistic(&mut all, place)?;
-        let instants: Vec<f64> = (index.iter())
-            .map(|k| start_s + first_s + earliest_s + step_s * *k as f64)
-            .collect();
+        let instants: Vec<f64> =
+            (index.iter()).map(|k| start_s + first_s + earliest_s + step_s * *k as f64).collect();
         let late = || stamps_s.iter().zip(&instants).map(|(t, at)| t - at);
         let largest_lateness_s = late().fold(0.0, f64::max);
         if largest_lateness_s < LEAST_DIFFERENCE * step_s {
@@ -296,10 +295,8 @@ mod tests {
     /// Instants at a rate with one sample in 150 lost, and their reception: late by up to so much, queues emptied.
     fn received(rate_hz: f64, latest_s: f64) -> (Vec<f64>, Vec<f64>) {
         let mut random = Uniform(7);
-        let instants: Vec<f64> = (0..1500)
-            .filter(|k| k % 150 != 77)
-            .map(|k| 0.4 + f64::from(k) / rate_hz)
-            .collect();
+        let instants: Vec<f64> =
+            (0..1500).filter(|k| k % 150 != 77).map(|k| 0.4 + f64::from(k) / rate_hz).collect();
         let mut stamps: Vec<f64> = instants.iter().map(|t| t + latest_s * random.next()).collect();
         for queue in (100..stamps.len() - 10).step_by(237) {
             for k in 0..3 {

@@ -87,6 +87,8 @@ pub(super) fn quality(
             QualityIssueKind::MissingVelocity
             | QualityIssueKind::UnevenStamps
             | QualityIssueKind::LateStamps
+            | QualityIssueKind::EmptyColumns
+            | QualityIssueKind::OwnStamps
             | QualityIssueKind::RatesDiffer
             | QualityIssueKind::VelocityDelay
             | QualityIssueKind::WrappedAngle => Verdict::Ok,
