@@ -317,6 +317,14 @@ impl Motion {
         self.grid.at_stamps(values)
     }
 
+    /// Samples in which efforts are not what was measured, with a period of the cut-off about gaps: not to be fitted.
+    pub fn unmeasured(&self) -> Vec<Range<usize>> {
+        let smear_s = self.filter.as_ref().map_or(0.0, |filter| 1.0 / filter.cutoff_hz());
+        let place = |t: f64| self.time_s.partition_point(|time| *time < t);
+        let samples = |(from_s, to_s): (f64, f64)| place(from_s)..place(to_s);
+        self.grid.unmeasured_s(smear_s).into_iter().map(samples).collect()
+    }
+
     /// The grid and the timing of the stamps it was made from.
     pub fn grid(&self) -> &EvenGrid {
         &self.grid

@@ -11,7 +11,7 @@ use crate::own_stamps::{Cells, Merged, one_stamp_one_row};
 use crate::quantity::Quantity;
 use crate::raw::RawColumns;
 use crate::recording::{JointChannels, Recording};
-use crate::spikes::{drop_outs, glitches, outliers};
+use crate::spikes::{drop_outs, glitches, outliers, without_events};
 use crate::timing::Timing;
 use crate::unwrap::{is_wrap_of, unwrap_turns};
 use crate::velocity_check;
@@ -517,15 +517,11 @@ impl Import {
 
     /// Interpolates single efforts that jump away and back, and short drop-outs to 0.
     fn repair_efforts(&mut self, timing: &Timing) {
-        for k in 0..self.channels.len() {
-            let channel = &self.channels[k];
-            if !is_drive(channel.quantity) {
-                continue;
-            }
-            let of_joint =
-                |c: &&Channel| c.joint == channel.joint && c.quantity == Quantity::Position;
-            let position = self.channels.iter().find(of_joint).map(|c| &c.values[..]);
-            let dropped: Vec<usize> = (drop_outs(&channel.values, position).into_iter())
+        let drives: Vec<usize> =
+            (0..self.channels.len()).filter(|k| is_drive(self.channels[*k].quantity)).collect();
+        for &k in &drives {
+            let dropped: Vec<usize> = (drop_outs(&self.channels[k].values, self.position_of(k)))
+                .into_iter()
                 .flat_map(|(from, to)| from..=to)
                 .collect();
             if !dropped.is_empty() {
@@ -533,17 +529,25 @@ impl Import {
                 let what = "are exactly 0 while the joint moves (drop-outs)";
                 self.say_replaced(k, QualityIssueKind::DropOuts, &dropped, what);
             }
-            let channel = &self.channels[k];
-            let of_joint =
-                |c: &&Channel| c.joint == channel.joint && c.quantity == Quantity::Position;
-            let position = self.channels.iter().find(of_joint).map(|c| &c.values[..]);
-            let samples = outliers(&channel.values, position);
+        }
+        let mut spikes: Vec<Vec<usize>> = (drives.iter())
+            .map(|k| outliers(&self.channels[*k].values, self.position_of(*k)))
+            .collect();
+        without_events(&mut spikes);
+        for (k, samples) in drives.into_iter().zip(spikes) {
             if !samples.is_empty() {
                 let largest = self.replace(k, &samples, timing);
                 let what = format!("jump away and back by up to {largest:.3} (outliers)");
                 self.say_replaced(k, QualityIssueKind::Outliers, &samples, &what);
             }
         }
+    }
+
+    /// Position of the joint of a channel.
+    fn position_of(&self, channel: usize) -> Option<&[f64]> {
+        let joint = &self.channels[channel].joint;
+        let is_it = |c: &&Channel| c.joint == *joint && c.quantity == Quantity::Position;
+        self.channels.iter().find(is_it).map(|c| &c.values[..])
     }
 
     /// Interpolates these samples of a channel from the others; the largest change.

@@ -19,11 +19,16 @@ const FAR_STEPS: f64 = 4.0;
 const COUNT_QUANTILE: f64 = 0.1;
 /// Share of a channel above which spikes are how it is, and no exception.
 const MOST: f64 = 0.02;
-/// Share of a quick joint's steps (its 90 % quantile) below which it may rest or reverse: there friction jumps, and an effort
-/// free of noise may do so for one sample.
+/// Share of a quick joint's steps (its 90 % quantile) below which it may rest or reverse: there friction may jump and
+/// return within a sample.
 const SLOW_SHARE: f64 = 0.05;
+/// A joint that is slow for so many samples before and behind rests: it does not reverse.
+const RESTING: usize = 5;
 /// Noise of an effort, as a share of its range, from which on a jump at rest is a spike nevertheless.
 const NOISY_SHARE: f64 = 1e-4;
+/// Samples within which joints feel one event, and how many do: as many outliers by accident are rare.
+const EVENT: usize = 3;
+const EVENT_JOINTS: usize = 3;
 /// Longest drop-out that is interpolated in rows: as the longest gap that a cubic bridges.
 const LONGEST_DROP: usize = 10;
 /// Both sides of a drop-out are above this quantile of the sizes that are not 0: a channel with a dead zone has no values
@@ -35,12 +40,34 @@ pub(crate) fn glitches(position: &[f64]) -> Vec<usize> {
     few(spikes(position, |_, _| true), position.len())
 }
 
+/// Without spikes of a physical event: joints of an arm feel it together, within a few samples but not in one row as a bus
+/// error has it. `spikes[channel]` increase.
+pub(crate) fn without_events(spikes: &mut [Vec<usize>]) {
+    let all = spikes.to_vec();
+    let near = |k: usize| {
+        let of_channel = |spikes: &Vec<usize>| {
+            let first = spikes.partition_point(|other| other + EVENT < k);
+            spikes[first..].iter().copied().take_while(|other| *other <= k + EVENT).collect()
+        };
+        all.iter().map(of_channel).filter(|near: &Vec<usize>| !near.is_empty()).collect::<Vec<_>>()
+    };
+    let is_event = |k: usize| {
+        let near = near(k);
+        near.len() >= EVENT_JOINTS && near.iter().flatten().any(|other| *other != k)
+    };
+    for channel in spikes {
+        channel.retain(|k| !is_event(*k));
+    }
+}
+
 /// Samples of an effort that are spikes, increasing; `position` is that of its joint, if there is one.
 pub(crate) fn outliers(effort: &[f64], position: Option<&[f64]>) -> Vec<usize> {
     let range = effort.iter().copied().fold(f64::MIN, f64::max)
         - effort.iter().copied().fold(f64::MAX, f64::min);
-    let moves = moving(position, effort.len());
-    let found = spikes(effort, |k, noise| moves(k) || noise >= NOISY_SHARE * range);
+    let n = effort.len();
+    let moves = moving(position, n);
+    let rests = |k: usize| (k.saturating_sub(RESTING)..(k + RESTING + 1).min(n)).all(|i| !moves(i));
+    let found = spikes(effort, |k, noise| moves(k) || (noise >= NOISY_SHARE * range && rests(k)));
     few(found, effort.len())
 }
 
@@ -77,8 +104,9 @@ pub(crate) fn drop_outs(effort: &[f64], position: Option<&[f64]>) -> Vec<(usize,
             runs.push((first, k - 1));
         }
     }
-    let samples: usize = runs.iter().map(|(from, to)| to - from + 1).sum();
-    if samples as f64 > MOST * effort.len() as f64 { Vec::new() } else { runs }
+    // of a channel that is often 0 in motion it is no exception
+    let zeros = (0..effort.len()).filter(|k| effort[*k] == 0.0 && moves(*k)).count();
+    if zeros as f64 > MOST * effort.len() as f64 { Vec::new() } else { runs }
 }
 
 /// Whether a joint moves at a sample; everywhere if its position is not recorded.
@@ -221,6 +249,13 @@ mod tests {
         let mut effort: Vec<f64> = (0..600).map(|k| 4.0 + 1e-3 * f64::from(k)).collect();
         effort[300] -= 2.0;
         assert!(outliers(&effort, Some(&position)).is_empty());
+    }
+
+    #[test]
+    fn events_that_several_joints_feel_stay() {
+        let mut spikes = vec![vec![10, 50, 90], vec![12, 50], vec![11, 50], vec![200]];
+        without_events(&mut spikes);
+        assert_eq!(spikes, [vec![50, 90], vec![50], vec![50], vec![200]]);
     }
 
     #[test]

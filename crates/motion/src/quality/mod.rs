@@ -14,7 +14,8 @@ use armident_recording::{
 };
 mod stuck;
 
-use stuck::{quantisation_step, saturated, stuck};
+pub(crate) use stuck::saturated;
+use stuck::{quantisation_step, stuck};
 
 /// Positions beyond this are four turns; arms rarely do that, degrees always \[rad\].
 const FAR_POSITION: f64 = 25.0;
