@@ -93,8 +93,15 @@ impl EvenGrid {
         let instants_s = clock.as_ref().map_or(stamps_s, |clock| &clock.instants_s);
         let repeated = RepeatedFrames::of(recording);
         let of_motion = repeated.and_then(|repeated| repeated.clock(instants_s));
-        let held = HeldEfforts::of(recording).map(|held| held.renewed);
-        let saturated = saturated_times(recording, instants_s);
+        let held = HeldEfforts::of(recording);
+        let saturated = match &held {
+            Some(held) => {
+                let renewed_s: Vec<f64> = held.renewed.iter().map(|k| instants_s[*k]).collect();
+                saturated_times(&held.only_renewed(recording), &renewed_s)
+            }
+            None => saturated_times(recording, instants_s),
+        };
+        let held = held.map(|held| held.renewed);
         let (clock_s, used) = match (of_motion, held) {
             (Some((clock_s, used)), None) => (clock_s, Some(used)),
             (_, Some(renewed)) => (instants_s.clone(), Some(renewed)),

@@ -139,13 +139,14 @@ fn findings_at(
     findings.extend(repeated.map(|repeated| repeated.finding(&recording.time_s)));
     findings.extend(recording.joints.iter().filter_map(far_position));
     findings.extend(velocity_findings(recording, timing));
-    let of_joint = |joint: &JointChannels| {
-        let mut of_joint = stuck(&recording.time_s, timing, joint);
-        of_joint.extend(saturated(&recording.time_s, joint));
-        of_joint
-    };
-    let of_joints: Vec<Vec<QualityIssue>> = recording.joints.par_iter().map(of_joint).collect();
-    // held values repeat
+    let of_joint = |joint: &JointChannels| stuck(&recording.time_s, timing, joint);
+    let mut of_joints: Vec<Vec<QualityIssue>> = recording.joints.par_iter().map(of_joint).collect();
+    // held values repeat: whether a limit does only renewed ones show
+    let renewed = held.as_ref().map(|held| held.only_renewed(recording));
+    let measured = renewed.as_ref().unwrap_or(recording);
+    of_joints.par_iter_mut().zip(&measured.joints).for_each(|(of_joint, joint)| {
+        of_joint.extend(saturated(&measured.time_s, joint));
+    });
     let is_held = |finding: &QualityIssue| {
         held.is_some()
             && finding.kind == QualityIssueKind::Stuck
