@@ -72,7 +72,7 @@ impl HeldEfforts {
             large as f64 >= COUNT_SHARE * renewed.len() as f64
         };
         let duration_s = recording.time_s[n - 1] - recording.time_s[0];
-        (is_one_driver && efforts.iter().any(|effort| is_large(effort))).then_some(Self {
+        (is_one_driver && efforts.iter().any(is_large)).then_some(Self {
             renewed,
             rows: n,
             duration_s,
@@ -95,14 +95,17 @@ impl HeldEfforts {
 
     /// The finding on them.
     pub(crate) fn finding(&self) -> QualityIssue {
-        let (renewed, rows) = (self.renewed.len() as f64, self.rows as f64);
+        let rows = self.rows as f64;
+        let span = self.renewed[self.renewed.len() - 1] - self.renewed[0];
+        let every = span as f64 / (self.renewed.len() - 1) as f64;
+        let rows_hz = (rows - 1.0) / self.duration_s;
         let message = format!(
             "efforts are renewed in one of {:.1} rows only ({:.1} Hz, rows at {:.1} Hz) and held between; only these rows are used",
-            rows / renewed,
-            renewed / self.duration_s,
-            rows / self.duration_s
+            every,
+            rows_hz / every,
+            rows_hz
         );
-        let share = 1.0 - renewed / rows;
+        let share = 1.0 - self.renewed.len() as f64 / rows;
         QualityIssue::of_stamps(QualityIssueKind::HeldEfforts, Action::Repaired, share)
             .with_message(message)
             .with_advice("let the driver read efforts as often as positions")
@@ -151,7 +154,7 @@ mod tests {
     fn renewed_rows_are_found_and_used() {
         for (held, text) in [
             (25, "one of 25.0 rows"),
-            (6, "one of 6.0 rows only (8.3 Hz, rows at 50.1 Hz)"),
+            (6, "one of 6.0 rows only (8.3 Hz, rows at 50.0 Hz)"),
             (2, "one of 2.0 rows"),
         ] {
             let recording = recording(|k| k / held * held, 1e-3);

@@ -415,7 +415,7 @@ impl Import {
         }
         let others = total - rows.len();
         let message = match moved[..] {
-            [] => format!("{others} of {total} rows have no position; left out"),
+            [] => format!("rows without a value of any joint left out: {others} of {total}"),
             _ => format!(
                 "{what} in rows of their own stamps ({others} of {total} rows, of another publisher); interpolated onto the {} \
                  rows of {}",

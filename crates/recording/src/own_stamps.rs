@@ -7,6 +7,8 @@ use crate::timing::Timing;
 /// Longest run of rows without a value of a channel, over the usual one, at which the others are still rows of another
 /// publisher and no failure of this one.
 const LONGEST_RUN: usize = 4;
+/// Share of the rows of one publisher that have no value of another.
+const MOSTLY: f64 = 0.5;
 /// Share of the rows in which two channels must both have or both lack a value to be of one publisher.
 const SAME_PUBLISHER: f64 = 0.98;
 
@@ -51,14 +53,20 @@ impl Merged {
         let rows: Vec<usize> = (0..n).filter(|k| !channels[base].values[*k].is_nan()).collect();
         let others: Vec<usize> =
             (0..channels.len()).filter(|c| lacks(&channels[*c], &rows)).collect();
-        if others.is_empty() && rows.len() == n {
+        // rows without any value are those of other topics
+        let is_blank = |k: usize| channels.iter().all(|cells| cells.values[k].is_nan());
+        let is_kept = |k: &usize| !channels[base].values[*k].is_nan();
+        if others.is_empty() && (rows.len() == n || !(0..n).all(|k| is_kept(&k) || is_blank(k))) {
             return None;
         }
         let mut series = Vec::with_capacity(others.len());
         for channel in others {
             let values = channels[channel].values;
             let own: Vec<usize> = (0..n).filter(|k| !values[*k].is_nan()).collect();
-            if !is_regular(&own) {
+            // rows of two publishers are rarely the same, or one of them comes less often
+            let missing = rows.iter().filter(|k| values[**k].is_nan()).count();
+            let is_other = missing as f64 >= MOSTLY * rows.len() as f64;
+            if !is_other || !is_regular(&own) {
                 return None;
             }
             let stamps: Vec<f64> = own.iter().map(|k| time_s[*k]).collect();
