@@ -150,7 +150,7 @@ mod tests {
             time_s.push(t);
             position.push((1.3 * t).sin());
             effort.push(NONE);
-            if k as usize % every == 0 {
+            if (k as usize).is_multiple_of(every) {
                 time_s.push(t + 0.0037);
                 position.push(NONE);
                 effort.push((1.3 * (t + 0.0037)).cos());
