@@ -334,3 +334,29 @@ fn list(state: &JointState, quantity: Quantity) -> &[f64] {
         _ => &[],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages of these joints at so many per second for 10 s.
+    fn published(topic: &mut Topic, joints: &[&str], hz: i64) {
+        topic.names.push(joints.iter().map(ToString::to_string).collect());
+        for k in 0..10 * hz {
+            let state = JointState { stamp_ns: k * 1_000_000_000 / hz, ..JointState::default() };
+            topic.states.push((topic.names.len() - 1, state));
+        }
+    }
+
+    #[test]
+    fn publishers_of_other_joints_are_merged() {
+        let mut topic = Topic::default();
+        published(&mut topic, &["b", "a"], 50);
+        published(&mut topic, &["c"], 100);
+        published(&mut topic, &["finger"], 2);
+        published(&mut topic, &["a", "b", "c"], 20);
+        let Publishers { sets, skipped } = topic.publishers().unwrap();
+        assert_eq!(sets, [vec!["c".to_owned()], vec!["b".to_owned(), "a".to_owned()]]);
+        assert_eq!(skipped, "200 with a, b, c; 20 with finger");
+    }
+}
