@@ -118,7 +118,6 @@ fn lay_out(folder: &Path) {
     write("empty.csv", b"");
     let lines = |n: usize| recording.lines().take(n).collect::<Vec<_>>().join("\n") + "\n";
     write("short.csv", lines(6).as_bytes());
-    write("semicolons.csv", recording.replace(',', ";").as_bytes());
     write("no_time.csv", recording.replacen("t,", "stamp,", 1).as_bytes());
     write("words.csv", recording.replacen("\n0.5,", "\n0.5,up,", 1).as_bytes());
     write("nan.csv", recording.replacen("\n0.5,", "\n0.5,nan,", 1).as_bytes());
@@ -219,7 +218,6 @@ identify model.json one_position.csv
 identify planar_2r.urdf photo.csv
 identify planar_2r.urdf empty.csv
 identify planar_2r.urdf short.csv
-identify planar_2r.urdf semicolons.csv
 identify planar_2r.urdf no_time.csv
 identify planar_2r.urdf words.csv
 identify planar_2r.urdf letters.csv

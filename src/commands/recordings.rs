@@ -79,7 +79,8 @@ pub(crate) fn read_all(
         let progress = Progress::through(output, "reading", files.len());
         read_each(files, reading, || progress.part_done())?
     };
-    // repairs are in the recordings' notes; findings that were kept are printed here
+    // repairs on reading are in the recordings' notes; findings that were kept, and stamps or rows that are not used, are
+    // printed here
     let mut doubts = Vec::new();
     for recording in &recordings {
         let worth_saying = [
@@ -89,7 +90,9 @@ pub(crate) fn read_all(
             QualityIssueKind::SuspectedUnit,
         ];
         for finding in findings(recording) {
-            if finding.action == Action::Kept && worth_saying.contains(&finding.kind) {
+            let is_kept = finding.action == Action::Kept && worth_saying.contains(&finding.kind);
+            let not_used = [QualityIssueKind::LateStamps, QualityIssueKind::HeldEfforts];
+            if is_kept || not_used.contains(&finding.kind) {
                 doubts.push(format!("{}: {}", recording.source, finding.message));
             }
         }

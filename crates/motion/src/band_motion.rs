@@ -140,11 +140,16 @@ impl BandMotion {
         let recorded_velocity: Vec<Vec<f64>> =
             joints.iter().map(|j| on_grid(j, Quantity::Velocity)).collect();
         let low_pass = kinematics_filter(rate_hz)?;
+        let band = Band::new(rate_hz, time_s.len(), band_hz);
+        // a cycle of the cut-off is what its kernel smears
+        let unmeasured = grid.unmeasured_s(1.0 / band.cutoff_hz());
+        let since_start = |(from_s, to_s): (f64, f64)| (from_s - start_s, to_s - start_s);
+        let band = band.without(unmeasured.into_iter().map(since_start).collect());
         let mut signals = Self {
             source: recording.source.clone(),
             rate_hz,
             recorded_hz: rate_hz,
-            band: Band::new(rate_hz, time_s.len(), band_hz),
+            band,
             band_hz,
             effort_noise: Vec::new(),
             effort_noise_in_band: Vec::new(),
@@ -310,7 +315,8 @@ impl BandMotion {
         }
         self.time_s = every(step, &self.time_s);
         self.rate_hz /= step as f64;
-        self.band = Band::new(self.rate_hz, self.time_s.len(), self.band_hz);
+        let left_out_s = self.band.left_out_s().to_vec();
+        self.band = Band::new(self.rate_hz, self.time_s.len(), self.band_hz).without(left_out_s);
         self
     }
 

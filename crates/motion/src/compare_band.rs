@@ -27,6 +27,7 @@ pub struct Band {
     pub rows_hz: f64,
     rate_hz: f64,
     cutoff_hz: f64,
+    left_out_s: Vec<(f64, f64)>,
 }
 
 impl Band {
@@ -50,7 +51,36 @@ impl Band {
         let step = (rate_hz / (ROWS_PER_CYCLE * cutoff_hz)).round().max(1.0) as usize;
         let edge = ((EDGE_S * longer * rate_hz).ceil() as usize).max(half);
         let kept = (edge..samples.saturating_sub(edge)).step_by(step).collect();
-        Self { taps, kept, rows_hz: rate_hz / step as f64, rate_hz, cutoff_hz }
+        Self {
+            taps,
+            kept,
+            rows_hz: rate_hz / step as f64,
+            rate_hz,
+            cutoff_hz,
+            left_out_s: Vec::new(),
+        }
+    }
+
+    /// The cut-off \[Hz\].
+    pub fn cutoff_hz(&self) -> f64 {
+        self.cutoff_hz
+    }
+
+    /// Without rows in these intervals since the first sample \[s\].
+    #[must_use]
+    pub(crate) fn without(mut self, intervals_s: Vec<(f64, f64)>) -> Self {
+        let rate_hz = self.rate_hz;
+        let is_in = |k: usize, (from_s, to_s): &(f64, f64)| {
+            (*from_s..=*to_s).contains(&(k as f64 / rate_hz))
+        };
+        self.kept.retain(|k| !intervals_s.iter().any(|interval| is_in(*k, interval)));
+        self.left_out_s = intervals_s;
+        self
+    }
+
+    /// Intervals that are left out, since the first sample \[s\].
+    pub(crate) fn left_out_s(&self) -> &[(f64, f64)] {
+        &self.left_out_s
     }
 
     /// The rows of a column given at every sample.

@@ -55,12 +55,14 @@ mod differentiate;
 mod duplicate_frames;
 mod end_extension;
 mod grid;
+mod held_efforts;
 mod low_pass;
 mod motion;
 mod noise_spectrum;
 mod observations;
 mod quality;
 mod recorded_velocity;
+mod sampling_clock;
 mod standstill;
 
 pub use band_motion::BandMotion;
@@ -82,4 +84,5 @@ pub use quality::{
     ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
 };
 pub use recorded_velocity::with_recorded_velocity;
+pub use sampling_clock::SamplingClock;
 pub use standstill::{ChannelSeries, Kind, Standstill, continued, filter_between};

@@ -317,6 +317,14 @@ impl Motion {
         self.grid.at_stamps(values)
     }
 
+    /// Samples in which efforts are not what was measured, with a period of the cut-off about gaps: not to be fitted.
+    pub fn unmeasured(&self) -> Vec<Range<usize>> {
+        let smear_s = self.filter.as_ref().map_or(0.0, |filter| 1.0 / filter.cutoff_hz());
+        let place = |t: f64| self.time_s.partition_point(|time| *time < t);
+        let samples = |(from_s, to_s): (f64, f64)| place(from_s)..place(to_s);
+        self.grid.unmeasured_s(smear_s).into_iter().map(samples).collect()
+    }
+
     /// The grid and the timing of the stamps it was made from.
     pub fn grid(&self) -> &EvenGrid {
         &self.grid
@@ -345,7 +353,8 @@ fn missing(joint: &JointChannels, quantity: Quantity) -> Fault {
 /// What the resampling did, if anything.
 fn timing_note(grid: &EvenGrid) -> Option<String> {
     let timing = grid.timing();
-    if timing.is_even {
+    // stamps that are not used are a finding of the quality report
+    if timing.is_even || grid.sampling_clock().is_some() {
         return None;
     }
     let longest = timing.gaps.iter().max_by(|a, b| a.length_s.total_cmp(&b.length_s));

@@ -206,14 +206,6 @@ pub enum Fault {
     /// A header without rows.
     #[error("header without samples")]
     HeaderOnly,
-    /// The header is one field that contains another separator.
-    #[error("columns are separated by {separator}, expected commas")]
-    WrongSeparator {
-        /// "semicolons", "tabs", ...
-        separator: &'static str,
-        /// Whether numbers below are written with decimal commas.
-        decimal_commas: bool,
-    },
     /// No column is called `t`.
     #[error("missing time column `t`")]
     NoTimeColumn {
@@ -435,10 +427,6 @@ impl Fault {
                  write one line per sample below"
                     .to_owned()
             }
-            Self::WrongSeparator { decimal_commas: true, .. } => {
-                "separate columns by commas and use decimal points: `0.5`, not `0,5`".to_owned()
-            }
-            Self::WrongSeparator { .. } => "separate columns by commas".to_owned(),
             Self::NoTimeColumn { similar: Some(name), .. } => {
                 format!("rename column `{name}` to `t`; its unit must be seconds")
             }

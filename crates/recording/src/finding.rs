@@ -13,6 +13,8 @@ use crate::quantity::Quantity;
 pub enum QualityIssueKind {
     /// Uneven time stamps.
     UnevenStamps,
+    /// Time stamps of reception, late against the sampling instants.
+    LateStamps,
     /// Duplicate time stamps.
     RepeatedStamps,
     /// Rows not sorted by time.
@@ -23,6 +25,20 @@ pub enum QualityIssueKind {
     Gap,
     /// NaN values.
     MissingValues,
+    /// Columns without any value.
+    EmptyColumns,
+    /// Channels in rows of their own stamps.
+    OwnStamps,
+    /// Rows of zeros between rows of motion.
+    RowsOfZeros,
+    /// Single positions that jump away and back.
+    Glitches,
+    /// Single efforts that jump away and back.
+    Outliers,
+    /// An effort that is exactly 0 for a few samples while the joint moves.
+    DropOuts,
+    /// Efforts that are renewed in some of the rows only.
+    HeldEfforts,
     /// An angle wraps at a full turn.
     WrappedAngle,
     /// A constant value while the joint moves.

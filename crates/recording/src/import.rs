@@ -2,15 +2,18 @@
 
 use crate::error::{Fault, RecordingError, plural};
 use crate::finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
+use crate::foreign_rows::rows_of_zeros;
 use crate::interpolation::{BRIDGED_STEPS, Interpolation};
 use crate::limits::{
     LONGEST_STEP_S, MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE, SHORTEST_STEP_S,
 };
+use crate::own_stamps::{Cells, Merged, one_stamp_one_row};
 use crate::quantity::Quantity;
 use crate::raw::RawColumns;
 use crate::recording::{JointChannels, Recording};
+use crate::spikes::{drop_outs, glitches, outliers, without_events};
 use crate::timing::Timing;
-use crate::unwrap::unwrap_turns;
+use crate::unwrap::{is_wrap_of, unwrap_turns};
 use crate::velocity_check;
 
 /// A channel as read.
@@ -79,7 +82,10 @@ impl Import {
         {
             return Err(error);
         }
+        self.leave_out_empty();
         self.sort_rows()?;
+        self.merge_publishers();
+        self.leave_out_zeros();
         let rows = self.time_s.len();
         if let Some(error) = self.too_many_missing() {
             return Err(error);
@@ -96,6 +102,8 @@ impl Import {
         self.check_seconds(&timing)?;
         self.interpolate_missing(&timing);
         self.unwrap_angles();
+        self.repair_positions(&timing);
+        self.repair_efforts(&timing);
 
         let (source, by_mapping) = (self.raw.source, self.by_mapping);
         let mut joints: Vec<JointChannels> = Vec::new();
@@ -166,8 +174,13 @@ impl Import {
         let (row, column, name, value) = stamp.into_iter().chain(value).min_by_key(|at| at.0)?;
         let text =
             column.map_or_else(|| value.to_string(), |column| self.raw.text(row, column, value));
+        Some(self.fault_at(self.missing(text), row, column, &name))
+    }
+
+    /// The fault of a value that is not finite, by its text in the file.
+    fn missing(&self, text: String) -> Fault {
         let (count, total) = self.count_not_finite();
-        Some(self.fault_at(Fault::NotFinite { text, count, total }, row, column, &name))
+        if text.is_empty() { Fault::EmptyField } else { Fault::NotFinite { text, count, total } }
     }
 
     /// Values that are not finite, and all.
@@ -233,9 +246,7 @@ impl Import {
         let text = channel
             .column
             .map_or_else(|| "NaN".to_owned(), |column| self.raw.text(row, column, f64::NAN));
-        let (count, total) = self.count_not_finite();
-        let fault = Fault::NotFinite { text, count, total };
-        Some(self.fault_at(fault, row, channel.column, &channel.name()))
+        Some(self.fault_at(self.missing(text), row, channel.column, &channel.name()))
     }
 
     fn interpolate_missing(&mut self, timing: &Timing) {
@@ -297,13 +308,7 @@ impl Import {
         );
         let keep: Vec<bool> =
             (0..total).map(|k| k == 0 || self.time_s[k] != self.time_s[k - 1]).collect();
-        let kept = |values: &[f64]| {
-            values.iter().zip(&keep).filter(|(_, keep)| **keep).map(|(value, _)| *value).collect()
-        };
-        for channel in &mut self.channels {
-            channel.values = kept(&channel.values);
-        }
-        self.time_s = kept(&self.time_s);
+        self.keep_rows(&(0..total).filter(|k| keep[*k]).collect::<Vec<_>>());
         let share = count as f64 / total as f64;
         let finding =
             QualityIssue::of_stamps(QualityIssueKind::RepeatedStamps, Action::Repaired, share);
@@ -354,18 +359,264 @@ impl Import {
             );
         }
     }
+
+    /// Leaves out channels without a single value.
+    fn leave_out_empty(&mut self) {
+        let is_empty = |channel: &Channel| channel.values.iter().all(|value| value.is_nan());
+        let total = self.channels.len();
+        let (empty, kept): (Vec<Channel>, Vec<Channel>) =
+            std::mem::take(&mut self.channels).into_iter().partition(is_empty);
+        self.channels = kept;
+        // without any value the file itself is the fault
+        if empty.is_empty() || self.channels.is_empty() {
+            self.channels.extend(empty);
+            return;
+        }
+        let names: Vec<String> = empty.iter().map(Channel::name).collect();
+        let message = format!("columns without a value left out: {}", names.join(", "));
+        let share = empty.len() as f64 / total as f64;
+        let finding =
+            QualityIssue::of_stamps(QualityIssueKind::EmptyColumns, Action::Repaired, share);
+        self.findings.push(finding.with_message(message));
+    }
+
+    /// Brings channels that stand in rows of their own stamps to the rows of the positions.
+    fn merge_publishers(&mut self) {
+        let values: Vec<&[f64]> = self.channels.iter().map(|c| &c.values[..]).collect();
+        if values.iter().all(|values| !values.iter().any(|value| value.is_nan())) {
+            return;
+        }
+        let first = one_stamp_one_row(&self.time_s, &values);
+        for (k, &row) in first.iter().enumerate().filter(|(k, row)| *k != **row) {
+            for channel in &mut self.channels {
+                if !channel.values[k].is_nan() {
+                    channel.values[row] = channel.values[k];
+                }
+            }
+        }
+        let own: Vec<usize> = (0..first.len()).filter(|k| first[*k] == *k).collect();
+        self.keep_rows(&own);
+        let cells: Vec<Cells<'_>> = (self.channels.iter())
+            .map(|c| Cells {
+                is_position: c.quantity == Quantity::Position,
+                is_drive: is_drive(c.quantity),
+                values: &c.values,
+            })
+            .collect();
+        let Some(Merged { base, rows, interpolated }) = Merged::of(&self.time_s, &cells) else {
+            return;
+        };
+        let total = self.time_s.len();
+        let moved: Vec<usize> = interpolated.iter().map(|(channel, _)| *channel).collect();
+        let what = self.described(&moved);
+        self.keep_rows(&rows);
+        for (channel, values) in interpolated {
+            self.channels[channel].values = values;
+        }
+        let others = total - rows.len();
+        let message = match moved[..] {
+            [] => format!("rows without a value of any joint left out: {others} of {total}"),
+            _ => format!(
+                "{what} in rows of their own stamps ({others} of {total} rows, of another publisher); interpolated onto the {} \
+                 rows of {}",
+                rows.len(),
+                self.channels[base].quantity
+            ),
+        };
+        let share = others as f64 / total as f64;
+        let finding = QualityIssue::of_stamps(QualityIssueKind::OwnStamps, Action::Repaired, share);
+        self.findings.push(finding.with_message(message));
+    }
+
+    /// Channels in words: all of some quantities, or one after the other.
+    fn described(&self, channels: &[usize]) -> String {
+        let mut quantities: Vec<Quantity> = Vec::new();
+        for channel in channels {
+            let quantity = self.channels[*channel].quantity;
+            if !quantities.contains(&quantity) {
+                quantities.push(quantity);
+            }
+        }
+        let is_all = (self.channels.iter().enumerate())
+            .all(|(k, channel)| channels.contains(&k) == quantities.contains(&channel.quantity));
+        let names: Vec<String> = if is_all {
+            quantities.iter().map(ToString::to_string).collect()
+        } else {
+            channels.iter().map(|channel| self.channels[*channel].name()).collect()
+        };
+        names.join(", ")
+    }
+
+    /// Leaves out rows of zeros of another publisher.
+    fn leave_out_zeros(&mut self) {
+        let of = |are_positions: bool| -> Vec<&[f64]> {
+            let is_one =
+                |channel: &&Channel| (channel.quantity == Quantity::Position) == are_positions;
+            self.channels.iter().filter(is_one).map(|channel| &channel.values[..]).collect()
+        };
+        let zeros = rows_of_zeros(&of(true), &of(false));
+        if zeros.is_empty() {
+            return;
+        }
+        let total = self.time_s.len();
+        let share = zeros.len() as f64 / total as f64;
+        let runs = runs_of(&zeros);
+        let spans = Span::of_runs(&self.time_s, &runs);
+        let message = format!(
+            "{} row{} of zeros, of another publisher, between rows of motion ({}), {}; left out",
+            zeros.len(),
+            plural(zeros.len()),
+            percent(share),
+            Span::describe(&spans)
+        );
+        self.keep_rows(&(0..total).filter(|k| zeros.binary_search(k).is_err()).collect::<Vec<_>>());
+        let finding =
+            QualityIssue::of_stamps(QualityIssueKind::RowsOfZeros, Action::Repaired, share);
+        self.findings.push(finding.at(spans).with_message(message));
+    }
+
+    /// Keeps these rows, increasing.
+    fn keep_rows(&mut self, rows: &[usize]) {
+        if rows.len() == self.time_s.len() {
+            return;
+        }
+        let kept = |values: &[f64]| rows.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+        self.time_s = kept(&self.time_s);
+        for channel in &mut self.channels {
+            channel.values = kept(&channel.values);
+        }
+        if !self.raw.lines.is_empty() {
+            self.raw.lines = rows.iter().map(|k| self.raw.lines[*k]).collect();
+        }
+    }
+
+    /// Interpolates single positions that jump away and back.
+    fn repair_positions(&mut self, timing: &Timing) {
+        let mut is_repaired = false;
+        for k in 0..self.channels.len() {
+            let channel = &self.channels[k];
+            if !matches!(channel.quantity, Quantity::Position | Quantity::MotorPosition) {
+                continue;
+            }
+            let samples: Vec<usize> = (glitches(&channel.values).into_iter())
+                .filter(|sample| !is_wrap_of(&channel.values, *sample))
+                .collect();
+            if samples.is_empty() {
+                continue;
+            }
+            let largest = self.replace(k, &samples, timing);
+            let what = format!("jump away and back by up to {largest:.2}, as bus errors do");
+            self.say_replaced(k, QualityIssueKind::Glitches, &samples, &what);
+            is_repaired = true;
+        }
+        if is_repaired {
+            // glitches hide that an angle wraps
+            self.unwrap_angles();
+        }
+    }
+
+    /// Interpolates single efforts that jump away and back, and short drop-outs to 0.
+    fn repair_efforts(&mut self, timing: &Timing) {
+        let drives: Vec<usize> =
+            (0..self.channels.len()).filter(|k| is_drive(self.channels[*k].quantity)).collect();
+        for &k in &drives {
+            let dropped: Vec<usize> = (drop_outs(&self.channels[k].values, self.position_of(k)))
+                .into_iter()
+                .flat_map(|(from, to)| from..=to)
+                .collect();
+            if !dropped.is_empty() {
+                self.replace(k, &dropped, timing);
+                let what = "are exactly 0 while the joint moves (drop-outs)";
+                self.say_replaced(k, QualityIssueKind::DropOuts, &dropped, what);
+            }
+        }
+        let mut spikes: Vec<Vec<usize>> = (drives.iter())
+            .map(|k| outliers(&self.channels[*k].values, self.position_of(*k)))
+            .collect();
+        without_events(&mut spikes);
+        for (k, samples) in drives.into_iter().zip(spikes) {
+            if !samples.is_empty() {
+                let largest = self.replace(k, &samples, timing);
+                let what = format!("jump away and back by up to {largest:.3} (outliers)");
+                self.say_replaced(k, QualityIssueKind::Outliers, &samples, &what);
+            }
+        }
+    }
+
+    /// Position of the joint of a channel.
+    fn position_of(&self, channel: usize) -> Option<&[f64]> {
+        let joint = &self.channels[channel].joint;
+        let is_it = |c: &&Channel| c.joint == *joint && c.quantity == Quantity::Position;
+        self.channels.iter().find(is_it).map(|c| &c.values[..])
+    }
+
+    /// Interpolates these samples of a channel from the others; the largest change.
+    fn replace(&mut self, channel: usize, samples: &[usize], timing: &Timing) -> f64 {
+        let values = &mut self.channels[channel].values;
+        let known: Vec<usize> =
+            (0..values.len()).filter(|k| samples.binary_search(k).is_err()).collect();
+        let known_s: Vec<f64> = known.iter().map(|k| self.time_s[*k]).collect();
+        let known_values: Vec<f64> = known.iter().map(|k| values[*k]).collect();
+        let samples_s: Vec<f64> = samples.iter().map(|k| self.time_s[*k]).collect();
+        let longest_s = BRIDGED_STEPS * timing.median_step_s;
+        let new = Interpolation::new(&known_s, &samples_s, longest_s).apply(&known_values);
+        let mut largest = 0.0_f64;
+        for (k, new) in samples.iter().zip(new) {
+            largest = largest.max((values[*k] - new).abs());
+            values[*k] = new;
+        }
+        largest
+    }
+
+    fn say_replaced(
+        &mut self,
+        channel: usize,
+        kind: QualityIssueKind,
+        samples: &[usize],
+        what: &str,
+    ) {
+        let channel = &self.channels[channel];
+        let total = channel.values.len();
+        let share = samples.len() as f64 / total as f64;
+        let spans = Span::of_runs(&self.time_s, &runs_of(samples));
+        let message = format!(
+            "{} of {total} values {what} ({}), {}; interpolated",
+            samples.len(),
+            percent(share),
+            Span::describe(&spans)
+        );
+        let finding = QualityIssue::of_channel(
+            kind,
+            Action::Repaired,
+            &channel.joint,
+            channel.quantity,
+            share,
+        );
+        self.findings.push(finding.at(spans).with_message(message));
+    }
 }
 
-/// First and last sample of each run of NaN.
-fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
+/// Whether a channel is the effort of a joint or a signal of its drive.
+fn is_drive(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::Effort | Quantity::Current | Quantity::Voltage)
+}
+
+/// First and last of each run of successive samples.
+fn runs_of(samples: &[usize]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
-    for k in (0..values.len()).filter(|k| values[*k].is_nan()) {
+    for &k in samples {
         match runs.last_mut() {
             Some((_, last)) if *last + 1 == k => *last = k,
             _ => runs.push((k, k)),
         }
     }
     runs
+}
+
+/// First and last sample of each run of NaN.
+fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
+    let missing: Vec<usize> = (0..values.len()).filter(|k| values[*k].is_nan()).collect();
+    runs_of(&missing)
 }
 
 /// Apparent unit of stamps with this median step, and the factor to seconds; none for seconds.

@@ -8,7 +8,8 @@
 //!
 //! # Formats
 //!
-//! CSV is comma-separated UTF-8 text: one header line, then one line per sample:
+//! CSV is UTF-8 text: one header line, then one line per sample, separated by commas; semicolons, tabs, bars and spaces are
+//! recognised:
 //!
 //! | column | unit |
 //! |---|---|
@@ -39,8 +40,13 @@
 //! |---|---|---|
 //! | duplicate time stamps | dropped, up to 1 % of the samples | above |
 //! | decreasing time stamps | sorted, with `sort = true` in a mapping | otherwise |
-//! | NaN | interpolated, up to 3 in a row and 1 % of a channel | above, at the ends, infinite |
-//! | empty or unreadable fields | | always |
+//! | NaN, empty fields | interpolated, up to 3 in a row and 1 % of a channel | above, at the ends, infinite |
+//! | columns without a value | left out | |
+//! | channels in rows of their own stamps | interpolated onto those of positions | |
+//! | rows of zeros between rows of motion | left out | |
+//! | single positions and efforts that jump away and back | interpolated, up to 2 % of a channel | |
+//! | efforts of exactly 0 while the joint moves | interpolated, up to 10 in a row and 2 % | |
+//! | unreadable fields | | always |
 //! | angles that wrap at a full turn | unwrapped | |
 //! | duplicate frames while the arm moves | dropped, or the clock pause removed | |
 //! | positions in degrees or mm | | if their velocities show it |
@@ -50,7 +56,7 @@
 //!
 //! # Not handled
 //!
-//! Time stamps that differ between channels; delays between position and effort.
+//! Clocks that differ between channels; delays between position and effort.
 //!
 //! # Example
 //!
@@ -72,15 +78,18 @@
 
 mod error;
 mod finding;
+mod foreign_rows;
 mod formats;
 mod import;
 mod interpolation;
 mod limits;
 mod mapping;
+mod own_stamps;
 mod quantity;
 mod raw;
 mod read;
 mod recording;
+mod spikes;
 mod timing;
 mod units;
 mod unwrap;

@@ -20,8 +20,8 @@ pub struct RawColumns {
     pub lines: Vec<u64>,
     /// Notes on reading, one line each.
     pub notes: Vec<String>,
-    /// Row, column and text of the first value that is NaN or infinite.
-    pub(crate) first_not_finite: Option<(usize, usize, String)>,
+    /// Row, column and text of the first value of each column that is missing, NaN or infinite.
+    pub(crate) not_finite: Vec<(usize, usize, String)>,
 }
 
 impl RawColumns {
@@ -58,9 +58,7 @@ impl RawColumns {
 
     /// Text of a value in the file, as far as known.
     pub(crate) fn text(&self, row: usize, column: usize, value: f64) -> String {
-        match &self.first_not_finite {
-            Some((r, c, text)) if (*r, *c) == (row, column) => text.clone(),
-            _ => value.to_string(),
-        }
+        let known = self.not_finite.iter().find(|first| (first.0, first.1) == (row, column));
+        known.map_or_else(|| value.to_string(), |(_, _, text)| text.clone())
     }
 }

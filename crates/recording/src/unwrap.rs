@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 const LONGEST_OTHER_STEP: f64 = 1.0;
 /// Values of a wrapped angle lie within a turn and the rounding of the log \[rad\].
 const WINDOW: f64 = TAU + 0.02;
+/// Largest step beside a full turn of an angle that crosses the end of its range by noise \[rad\].
+const NOISE: f64 = 0.1;
 
 /// Unwraps an angle that jumps by full turns; returns the samples after the jumps.
 ///
@@ -38,6 +40,21 @@ pub(crate) fn unwrap_turns(values: &mut [f64]) -> Vec<usize> {
         *value += TAU * turns;
     }
     wraps
+}
+
+/// Whether a sample of an angle that is logged modulo a full turn lies a full turn from the one before or after: noise at the
+/// end of the range crosses it back and forth.
+pub(crate) fn is_wrap_of(values: &[f64], sample: usize) -> bool {
+    let largest = values.iter().copied().fold(f64::MIN, f64::max);
+    let smallest = values.iter().copied().fold(f64::MAX, f64::min);
+    let near_end =
+        |value: f64| value - smallest < LONGEST_OTHER_STEP || largest - value < LONGEST_OTHER_STEP;
+    let steps = [sample.checked_sub(1), Some(sample + 1)].into_iter().flatten();
+    let is_turn = |other: usize| {
+        let step = values.get(other).map_or(0.0, |value| value - values[sample]);
+        (step.abs() - TAU).abs() < NOISE
+    };
+    largest - smallest <= WINDOW && near_end(values[sample]) && steps.into_iter().any(is_turn)
 }
 
 #[cfg(test)]

@@ -213,3 +213,71 @@ proptest! {
         prop_assert!(again.notes.is_empty());
     }
 }
+
+/// 200 rows at 50 Hz of two joints as text, each row changed by `edit`.
+fn swing(edit: impl Fn(usize, f64, [String; 4]) -> String) -> String {
+    let mut text = "t,a/position,a/effort,b/position,b/effort\n".to_owned();
+    for k in 0..200 {
+        let t = 0.02 * f64::from(k);
+        let cells = [(1.3 * t).sin(), 9.0 * (1.7 * t).cos(), 1.0 + (0.9 * t).cos(), 20.0 + t.sin()];
+        text += &edit(k as usize, t, cells.map(|x| format!("{x:.6}")));
+        text += "\n";
+    }
+    text
+}
+
+#[test]
+fn rows_of_a_second_publisher_are_left_out_or_merged() {
+    let whole =
+        read_csv_from(swing(|_, t, c| format!("{t},{}", c.join(","))).as_bytes(), "x").unwrap();
+    assert!(whole.findings.is_empty(), "{:?}", whole.findings);
+    let zeros = swing(|k, t, c| {
+        let zeros = if k % 7 == 6 { format!("\n{},0,0,0,0.0", t + 0.004) } else { String::new() };
+        format!("{t},{}{zeros}", c.join(","))
+    });
+    let read = read_csv_from(zeros.as_bytes(), "x").unwrap();
+    assert_eq!((&read.joints, &read.time_s), (&whole.joints, &whole.time_s));
+    assert!(read.notes[0].starts_with("28 rows of zeros"), "{:?}", read.notes);
+
+    let own =
+        swing(|_, t, c| format!("{t},{},,{},\n{},,{},,{}", c[0], c[2], t + 0.004, c[1], c[3]));
+    let read = read_csv_from(own.as_bytes(), "x").unwrap();
+    assert_eq!((read.len(), read.time_s[1]), (199, 0.04));
+    let note = "effort in rows of their own stamps (201 of 400 rows, of another publisher); interpolated onto the 199 rows of position";
+    assert_eq!(read.notes, [note]);
+    let exact = |k: usize| 9.0 * (1.7 * (read.time_s[k] - 0.004)).cos();
+    let effort = read.joints[0].effort.as_ref().unwrap();
+    assert!((0..199).all(|k| (effort[k] - exact(k)).abs() < 1e-3));
+}
+
+#[test]
+fn empty_columns_are_left_out() {
+    let text = swing(|_, t, c| format!("{t},{},{},{},", c[0], c[1], c[2]));
+    let read = read_csv_from(text.as_bytes(), "x").unwrap();
+    assert!(read.joints[1].effort.is_none());
+    assert_eq!(read.notes, ["columns without a value left out: b/effort"]);
+}
+
+#[test]
+fn single_bad_values_are_interpolated() {
+    let text = swing(|k, t, mut c| {
+        if k == 40 {
+            c[0] = "-2.9".to_owned();
+        }
+        if k == 150 {
+            c[3] = "0".to_owned();
+        }
+        format!("{t},{}", c.join(","))
+    });
+    let read = read_csv_from(text.as_bytes(), "x").unwrap();
+    let t = 0.8_f64;
+    assert!((read.joints[0].position.as_ref().unwrap()[40] - (1.3 * t).sin()).abs() < 1e-4);
+    assert!((read.joints[1].effort.as_ref().unwrap()[150] - 20.0 - 3.0_f64.sin()).abs() < 1e-3);
+    assert_eq!(read.notes.len(), 2, "{:?}", read.notes);
+    assert!(read.notes[0].starts_with("a/position: 1 of 200 values jump away and back"));
+    assert!(
+        read.notes[1].starts_with("b/effort: 1 of 200 values are exactly 0"),
+        "{:?}",
+        read.notes
+    );
+}

@@ -97,6 +97,9 @@ pub(super) fn quality(
             QualityIssueKind::Stuck if is_dead(finding) => Verdict::Wrong,
             QualityIssueKind::MissingVelocity
             | QualityIssueKind::UnevenStamps
+            | QualityIssueKind::LateStamps
+            | QualityIssueKind::EmptyColumns
+            | QualityIssueKind::OwnStamps
             | QualityIssueKind::RatesDiffer
             | QualityIssueKind::VelocityDelay
             | QualityIssueKind::WrappedAngle => Verdict::Ok,

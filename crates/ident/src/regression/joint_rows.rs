@@ -225,7 +225,13 @@ fn rows_of_joint(
     let mut rows = RowsOfJoint::new(width);
     for (index, motion) in motions.iter().enumerate() {
         let effort = effort_of(motion, joint);
-        let (columns, y) = form(index, joint, effort);
+        let (mut columns, mut y) = form(index, joint, effort);
+        // rows of zeros say nothing
+        for unmeasured in motion.unmeasured() {
+            for column in columns.iter_mut().chain([&mut y]) {
+                column[unmeasured.clone()].fill(0.0);
+            }
+        }
         let blocks = blocks_of(motion, total_s).into_iter();
         // counted is the effort itself, whatever was made of it
         rows.add(&columns, &y, effort, blocks.map(|block| motion.observations(joint, block)));

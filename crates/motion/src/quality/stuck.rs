@@ -19,6 +19,8 @@ const MOVES_STEPS: f64 = 20.0;
 const LEAST_CONTRADICTION: f64 = 0.01;
 /// A position that was held jumps by so many of its larger steps when it is let go.
 const JUMP_STEPS: f64 = 5.0;
+/// A joint whose encoder changes by no more of its steps rests.
+const RESTING_STEPS: f64 = 2.0;
 /// Fewest equal values of a flat top.
 const FLAT_SAMPLES: usize = 5;
 /// The signal runs into a limit with at least so many steps in one sample. A parabola that stays
@@ -219,12 +221,12 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIss
     let of = |quantity| Some((quantity, joint.channel(quantity)?));
     let found = drives.into_iter().filter_map(of).filter_map(|(quantity, values)| {
         let mut runs = flat_tops(values);
-        // a joint at rest asks for one effort: that is no limit
-        let rests = |&(from, to): &(usize, usize)| {
-            let position = joint.position.as_deref();
-            position.is_some_and(|q| range(&q[from..=to]) <= RESTS_SHARE * range(q))
-        };
-        runs.retain(|run| !rests(run));
+        // at rest an effort may be constant
+        if let Some(position) = joint.position.as_deref().filter(|_| !runs.is_empty()) {
+            let step = quantisation_step(position).unwrap_or(0.0);
+            let still = (RESTING_STEPS * step).max(RESTS_SHARE * range(position));
+            runs.retain(|&(from, to)| range(&position[from..=to]) > still);
+        }
         let is_long = runs.iter().any(|(from, to)| to - from + 1 >= LONG_FLAT_SAMPLES);
         if runs.len() < FEWEST_FLATS && !is_long {
             return None;

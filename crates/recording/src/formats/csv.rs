@@ -1,4 +1,4 @@
-//! Comma-separated text: a column `t` \[s\], then `<joint>/<quantity>`.
+//! Comma-separated text: a column `t` \[s\], then `<joint>/<quantity>`. Other separators are recognised.
 
 use std::io::{self, BufWriter, Read, Write};
 
@@ -6,6 +6,7 @@ use ::csv::{ByteRecord, ReaderBuilder, Terminator};
 use rayon::prelude::*;
 
 use super::format::{ColumnRequest, EXPORT_CSV, Encoded, FileStart, Format, Input, Support};
+use super::separator::Separator;
 use crate::error::{Fault, RecordingError};
 use crate::raw::{RawColumn, RawColumns};
 use crate::recording::Recording;
@@ -14,6 +15,8 @@ use crate::recording::Recording;
 const BLOCK_BYTES: u64 = 8 << 20;
 /// Bytes read at a time to complete the last line of a block.
 const LINE_BYTES: u64 = 1 << 12;
+/// What UTF-8 text may start with.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Bytes of a piece of a block; pieces are parsed in parallel.
 const PIECE_BYTES: usize = 1 << 18;
 
@@ -59,11 +62,30 @@ pub(crate) fn read_columns(
     mut reader: impl Read,
     request: &ColumnRequest<'_>,
 ) -> Result<RawColumns, RecordingError> {
+    let io_fault =
+        |error| RecordingError::new(Fault::Io { doing: "read", error }, request.source());
+    let mut first = read_block(&mut reader, BLOCK_BYTES).map_err(io_fault)?;
+    let start = first.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&first);
+    let Some(separator) = Separator::of(start) else {
+        return read_comma_separated(first.as_slice().chain(reader), request);
+    };
+    reader.read_to_end(&mut first).map_err(io_fault)?;
+    let all = first.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&first);
+    let (text, decimal_commas) = separator.to_commas(all);
+    let mut raw = read_comma_separated(text.as_slice(), request)?;
+    raw.notes.push(separator.note(decimal_commas));
+    Ok(raw)
+}
+
+fn read_comma_separated(
+    mut reader: impl Read,
+    request: &ColumnRequest<'_>,
+) -> Result<RawColumns, RecordingError> {
     let source = request.source();
     let fault = |fault| RecordingError::new(fault, source);
     let io_fault = |error| fault(Fault::Io { doing: "read", error });
     let first = read_block(&mut reader, BLOCK_BYTES).map_err(io_fault)?;
-    let start = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&first);
+    let start = first.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&first);
     let mut rows = rows_of(start.chain(&mut reader));
     let mut row = ByteRecord::new();
     loop {
@@ -79,11 +101,6 @@ pub(crate) fn read_columns(
     if columns.iter().any(|name| name.contains('\r')) {
         let found = "text with CR line ends";
         return Err(fault(Fault::NotCsv { found, advice: EXPORT_CSV }));
-    }
-    if let Some(separator) = wrong_separator(&columns) {
-        let below = rows.read_byte_record(&mut row).map_err(|e| csv_fault(e, source))?;
-        let decimal_commas = below && row.len() > 1;
-        return Err(fault(Fault::WrongSeparator { separator, decimal_commas }).on_line(line));
     }
     let wanted = request.wanted(&columns, line)?;
     let mut table = Table::new(columns, &wanted, source);
@@ -220,17 +237,17 @@ impl<'a> Table<'a> {
         for (number, column) in self.raw.columns.iter_mut().enumerate() {
             let Some(values) = &mut column.values else { continue };
             let field = row.get(number).unwrap_or_default().trim_ascii();
-            let value = std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok());
+            let value = match field {
+                // missing
+                [] => Some(f64::NAN),
+                _ => std::str::from_utf8(field).ok().and_then(|text| text.parse::<f64>().ok()),
+            };
             let shown = || String::from_utf8_lossy(field).chars().take(40).collect::<String>();
             let Some(value) = value else {
-                let kind = match field {
-                    [] => Fault::EmptyField,
-                    _ => Fault::NotANumber { text: shown() },
-                };
-                return Err(fault(kind).in_column(&column.name));
+                return Err(fault(Fault::NotANumber { text: shown() }).in_column(&column.name));
             };
-            if !value.is_finite() {
-                self.raw.first_not_finite.get_or_insert_with(|| (index, number, shown()));
+            if !value.is_finite() && !self.raw.not_finite.iter().any(|first| first.1 == number) {
+                self.raw.not_finite.push((index, number, shown()));
             }
             values.push(value);
         }
@@ -315,14 +332,6 @@ fn header_names(row: &ByteRecord) -> Option<Vec<String>> {
     row.iter()
         .map(|field| std::str::from_utf8(field).ok().map(|name| name.trim().to_owned()))
         .collect()
-}
-
-/// The separator of a header that is one field only because its separator is no comma.
-fn wrong_separator(columns: &[String]) -> Option<&'static str> {
-    let [only] = columns else { return None };
-    [(';', "semicolons"), ('\t', "tabs"), ('|', "vertical bars"), (' ', "spaces")]
-        .into_iter()
-        .find_map(|(sign, name)| only.contains(sign).then_some(name))
 }
 
 /// Writes CSV text: `t` \[s\] and a column `<joint>/<quantity>` per channel, numbers with as many

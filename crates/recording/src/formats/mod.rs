@@ -5,6 +5,7 @@ mod format;
 mod mcap;
 mod other;
 mod parquet;
+mod separator;
 
 use std::path::Path;
 

@@ -220,7 +220,7 @@ impl Mapping {
                 .collect(),
             lines: raw.lines.clone(),
             notes: Vec::new(),
-            first_not_finite: raw.first_not_finite.clone(),
+            not_finite: raw.not_finite.clone(),
         };
         let mut import = Import::new(header, plan.time, time_s);
         import.by_mapping = true;

@@ -187,10 +187,19 @@ impl Contents {
         with_topic: bool,
     ) -> Result<RawColumns, RecordingError> {
         let read = self.topics.remove(topic).unwrap_or_default();
-        let Some((joints, skipped)) = read.joints() else {
+        let Some(Publishers { sets, skipped }) = read.publishers() else {
             return Err(RecordingError::new(Fault::HeaderOnly, source));
         };
+        let joints: Vec<String> = sets.concat();
         let mut raw = RawColumns::new(source);
+        if sets.len() > 1 {
+            let lists: Vec<String> = sets.iter().map(|set| set.join(", ")).collect();
+            raw.notes.push(format!(
+                "{} publishers of joints ({}); messages merged on their stamps",
+                sets.len(),
+                lists.join("; ")
+            ));
+        }
         if !skipped.is_empty() {
             raw.notes.push(format!("ignored messages with other joints: {skipped}"));
         }
@@ -202,16 +211,22 @@ impl Contents {
             ));
         }
         // place of every joint in each list of names; none for lists of other joints
-        let places: Vec<Option<Vec<usize>>> = (read.names.iter())
+        let places: Vec<Option<Vec<Option<usize>>>> = (read.names.iter())
             .map(|list| {
+                let is_whole = |set: &&Vec<String>| {
+                    set.len() == list.len() && set.iter().all(|joint| list.contains(joint))
+                };
+                sets.iter().find(is_whole)?;
                 let place = |joint: &String| list.iter().position(|n| n == joint);
-                let all: Option<Vec<usize>> = joints.iter().map(place).collect();
-                all.filter(|places| places.len() == list.len())
+                Some(joints.iter().map(place).collect())
             })
             .collect();
-        let taken: Vec<(&JointState, &[usize])> = (read.states.iter())
+        let mut taken: Vec<(&JointState, &[Option<usize>])> = (read.states.iter())
             .filter_map(|(names, state)| Some((state, places[*names].as_deref()?)))
             .collect();
+        if sets.len() > 1 {
+            taken.sort_by_key(|(state, _)| state.stamp_ns);
+        }
         let first = taken.first().map_or(0, |(state, _)| state.stamp_ns);
         let zero = if first > CLOCK_NS { first - first % 1_000_000_000 } else { 0 };
         if zero != 0 {
@@ -222,8 +237,9 @@ impl Contents {
         raw.columns.push(RawColumn { name: time.to_owned(), values: Some(stamps) });
         for (joint, name) in joints.iter().enumerate() {
             for quantity in HELD {
-                let value = |(state, places): &(&JointState, &[usize])| {
-                    list(state, quantity).get(places[joint]).copied().unwrap_or(f64::NAN)
+                let value = |(state, places): &(&JointState, &[Option<usize>])| {
+                    let of_joint = places[joint].and_then(|place| list(state, quantity).get(place));
+                    of_joint.copied().unwrap_or(f64::NAN)
                 };
                 let values: Vec<f64> = taken.iter().map(value).collect();
                 if values.iter().all(|v| v.is_nan()) {
@@ -241,28 +257,68 @@ impl Contents {
     }
 }
 
+/// Least messages of a publisher, as a share of those of the first, that are merged with them: between slower ones a motion
+/// is not seen.
+const LEAST_SHARE: f64 = 0.25;
+/// Share of the time of the first publisher in which another publishes as well.
+const OVERLAP: f64 = 0.9;
+
+/// Who publishes on a topic.
+struct Publishers {
+    /// joints of the messages that are read, in their order: those of most messages first
+    sets: Vec<Vec<String>>,
+    /// the other messages, in words
+    skipped: String,
+}
+
 impl Topic {
-    /// The joints of most messages, in the order of the first, and a list of the other messages:
-    /// grippers and arms may publish under one topic.
-    fn joints(&self) -> Option<(Vec<String>, String)> {
+    /// The joints of most messages, those of other publishers of other joints, and a list of the messages of neither: a
+    /// gripper may publish now and then, and a second node all joints once more.
+    fn publishers(&self) -> Option<Publishers> {
         let sorted = |list: &[String]| {
             let mut list = list.to_vec();
             list.sort();
             list
         };
         let sets: Vec<Vec<String>> = self.names.iter().map(|list| sorted(list)).collect();
-        let mut counts: BTreeMap<&[String], usize> = BTreeMap::new();
-        for (names, _) in &self.states {
-            *counts.entry(&sets[*names]).or_default() += 1;
+        let mut of_set: BTreeMap<&[String], (usize, i64, i64)> = BTreeMap::new();
+        for (names, state) in &self.states {
+            let (count, first, last) =
+                of_set.entry(&sets[*names]).or_insert((0, i64::MAX, i64::MIN));
+            *count += 1;
+            *first = state.stamp_ns.min(*first);
+            *last = state.stamp_ns.max(*last);
         }
-        let most = *counts.values().max()?;
-        let wanted = sets.iter().find(|set| counts.get(set.as_slice()) == Some(&most))?;
-        let first = self.names.iter().zip(&sets).find(|(_, set)| *set == wanted)?.0;
-        let skipped: Vec<String> = (counts.iter())
-            .filter(|(set, _)| **set != wanted.as_slice())
-            .map(|(set, count)| format!("{count} with {}", set.join(", ")))
+        let most = of_set.values().map(|(count, _, _)| *count).max()?;
+        let main =
+            sets.iter().find(|set| of_set.get(set.as_slice()).is_some_and(|c| c.0 == most))?;
+        let (_, first, last) = *of_set.get(main.as_slice())?;
+        let mut read: Vec<&[String]> = vec![main];
+        for set in &sets {
+            let Some((count, from, to)) = of_set.get(set.as_slice()) else { continue };
+            let is_other = !set.is_empty()
+                && read.iter().all(|known| known.iter().all(|joint| !set.contains(joint)));
+            let together = (last.min(*to) - first.max(*from)) as f64;
+            if is_other
+                && *count as f64 >= LEAST_SHARE * most as f64
+                && together >= OVERLAP * (last - first) as f64
+            {
+                read.push(set);
+            }
+        }
+        let skipped: Vec<String> = (of_set.iter())
+            .filter(|(set, _)| !read.contains(*set))
+            .map(|(set, (count, _, _))| format!("{count} with {}", set.join(", ")))
             .collect();
-        Some((first.clone(), skipped.join("; ")))
+        let in_order = |set: &&[String]| {
+            self.names
+                .iter()
+                .zip(&sets)
+                .find(|(_, sorted)| sorted == set)
+                .map(|(list, _)| list.clone())
+        };
+        let sets = read.iter().filter_map(in_order).collect();
+        Some(Publishers { sets, skipped: skipped.join("; ") })
     }
 }
 
@@ -276,5 +332,31 @@ fn list(state: &JointState, quantity: Quantity) -> &[f64] {
         Quantity::Velocity => &state.velocity,
         Quantity::Effort => &state.effort,
         _ => &[],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages of these joints at so many per second for 10 s.
+    fn published(topic: &mut Topic, joints: &[&str], hz: i64) {
+        topic.names.push(joints.iter().map(ToString::to_string).collect());
+        for k in 0..10 * hz {
+            let state = JointState { stamp_ns: k * 1_000_000_000 / hz, ..JointState::default() };
+            topic.states.push((topic.names.len() - 1, state));
+        }
+    }
+
+    #[test]
+    fn publishers_of_other_joints_are_merged() {
+        let mut topic = Topic::default();
+        published(&mut topic, &["b", "a"], 50);
+        published(&mut topic, &["c"], 100);
+        published(&mut topic, &["finger"], 2);
+        published(&mut topic, &["a", "b", "c"], 20);
+        let Publishers { sets, skipped } = topic.publishers().unwrap();
+        assert_eq!(sets, [vec!["c".to_owned()], vec!["b".to_owned(), "a".to_owned()]]);
+        assert_eq!(skipped, "200 with a, b, c; 20 with finger");
     }
 }
