@@ -129,6 +129,8 @@ pub(super) struct ArmFit {
     pub(super) gain: Vec<f64>,
     pub(super) meaning: Vec<Meaning>,
     pub(super) x: Vec<f64>,
+    /// share of what friction leaves that is left over
+    pub(super) left: Vec<f64>,
     /// the least variance that any fit could have
     pub(super) least_variance: Vec<f64>,
 }
@@ -333,8 +335,17 @@ impl ArmSystem {
             }
             last = changed < CONVERGED || step + 2 == STEPS;
         }
+        let left = (0..n).map(|j| variance[j] / systems[j].beside_friction()).collect();
         let least_variance = systems.iter().map(|s| s.least_variance).collect();
-        ArmFit { log_likelihood, variance, gain, meaning: meaning.to_vec(), x, least_variance }
+        ArmFit {
+            log_likelihood,
+            variance,
+            gain,
+            meaning: meaning.to_vec(),
+            x,
+            left,
+            least_variance,
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use super::arm_columns::{ArmColumns, JointMap, JointProducts};
 use super::arm_likelihood::{
     ArmFit, ArmSystem, ConstantPrior, JointFacts, Meaning, mean_likelihood,
 };
-use super::channel::LinkErrors;
+use super::channel::{LinkErrors, USUAL_LOG_GAIN};
 use super::gravity::{Direction, GravityDirectionFound, refine};
 use super::verdict::SURE;
 use crate::minimal_set::MinimalSet;
@@ -45,6 +45,8 @@ const JUDGED_FULLY: usize = 3;
 const MOST_CHANGES: usize = 6;
 /// What an explanation must leave of some joint's error: half, or it explains less than is left.
 pub(super) const MUST_LEAVE: f64 = 0.5;
+/// Widest 95 % region of a direction that is one \[degrees\].
+const WIDEST_DEG: f64 = 10.0;
 /// Growth of any joint's error by an explanation that is none.
 const MUST_NOT_GROW: f64 = 1.5;
 
@@ -136,6 +138,9 @@ pub(super) fn explain(
         return Ok(nothing(said.meaning()));
     }
     let (gravity_e0, direction) = search.direction(&best);
+    if direction.as_ref().is_some_and(|found| found.radius_95_deg > WIDEST_DEG) {
+        return Ok(nothing(said.meaning()));
+    }
     let gravity_is_taken_off = best.state.gravity == Gravity::TakenOff;
     let meaning = best.meaning();
     let (map, as_said) = (best.state.map, probability);
@@ -417,7 +422,23 @@ impl Search<'_> {
         let of_heard: Vec<f64> = (0..ratios.len()).filter(heard).map(|s| ratios[s]).collect();
         let least = of_heard.iter().copied().fold(f64::INFINITY, f64::min);
         let most = of_heard.iter().copied().fold(0.0, f64::max);
-        least <= MUST_LEAVE && most <= MUST_NOT_GROW
+        least <= MUST_LEAVE && most <= MUST_NOT_GROW && self.fits_most(after)
+    }
+
+    /// Whether the arm explains most of its moving joints: accelerations that are noise, or stamps that are late, are
+    /// fitted by no arm, and the least bad one means nothing.
+    fn fits_most(&self, judged: &Judged) -> bool {
+        let Some(fit) = judged.best() else { return false };
+        let effort = &judged.state.map.effort;
+        let heard: Vec<usize> = (0..effort.len())
+            .filter(|&j| !self.facts.is_mute[effort[j]] && self.columns.moves[effort[j]])
+            .collect();
+        let fitted = heard.iter().filter(|&&j| {
+            let near_one =
+                (fit.gain[j] - 1.0).abs() < 2.0 * USUAL_LOG_GAIN || self.facts.is_signal[effort[j]];
+            near_one && fit.left[j] <= MUST_LEAVE.powi(2)
+        });
+        2 * fitted.count() >= heard.len()
     }
 
     /// Gravity of an explanation, and where it points if that is not where it was given.
