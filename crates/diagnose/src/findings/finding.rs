@@ -18,6 +18,7 @@ use crate::selection::materiality::{
     Materiality, excess, excess_before, held, link_materiality, materiality,
     surrogate_threshold_beside,
 };
+use crate::selection::prior_scale::SCALES;
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
 use crate::selection::solution::{Selection, Solution};
 use crate::uncertainty::jackknife::Jackknife;
@@ -171,7 +172,14 @@ pub(crate) fn reported_findings(
         let mut finding = inflated_link(design, link, &size, numbers);
         let rivals = rivals_of_body(&metric, &selection.estimate, link);
         let alternative_of = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
-        let behind = behind(selection, InPlace::Body(link), &rivals);
+        let mut behind = behind(selection, InPlace::Body(link), &rivals);
+        // small errors of all links explain it too, at a prior scale of their own
+        let all_links = SCALES.iter().filter_map(|scale| {
+            let metric = selection.problem.marginalised(*scale, &inflated);
+            Some(fit_set(&metric, selection.estimate.set.clone())?.score)
+        });
+        let best_of_all = all_links.min_by(f64::total_cmp);
+        behind.extend(best_of_all.map(|score| score - selection.estimate.score));
         finding.confidence = confidence(&size, finding.evidence.size, behind);
         finding.alternatives = rivals.iter().map(alternative_of).collect();
         found.push(ReportedFinding {
