@@ -28,7 +28,7 @@ use armident_motion::BAND_HZ;
 use armident_recording::Recording;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-/// What recordings show that a model leaves out, and what the selection makes of so many placebo terms.
+/// What recordings show that a model lacks, and what the selection makes of so many placebo terms.
 ///
 /// # Errors
 /// [`DiagnoseError`].
@@ -263,7 +263,7 @@ fn rigid_model(model: &ArmModel, design: &Design<'_>) -> Result<ArmModel, Diagno
 }
 
 /// The model of an estimate, which is not worse on its training recordings than links alone fitted to them. Where it is, its
-/// links were held: by a prior about links that are none, or by the projection to real bodies. Then these are opened.
+/// links were held: by a prior about links that are none, or by the projection. Then these are opened.
 fn sound_model(
     model: &ArmModel,
     design: &Design<'_>,

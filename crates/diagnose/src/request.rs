@@ -48,7 +48,7 @@ impl<'a> DiagnoseRequest<'a> {
         }
     }
 
-    /// Whether the given model holds more than links, so that only what it leaves out is found.
+    /// Whether the given model holds more than links, so that only what it lacks is found.
     pub fn is_beyond_a_model(&self) -> bool {
         // a reference shows all that a model of the same arm knows, as it is now
         self.reference.is_empty() && !self.model.is_links_only()
@@ -58,7 +58,7 @@ impl<'a> DiagnoseRequest<'a> {
 /// Finds the effects that the given model lacks, and confirms them on the hold-out.
 ///
 /// The input is checked first: columns that physics explains pass after all, and joints whose columns do not are excluded
-/// from a second fit, for what is wrong with one column says nothing against the other joints.
+/// from a second fit, for what is wrong with one column is no case against the other joints.
 ///
 /// # Errors
 /// [`DiagnoseError`]; [`DiagnoseError::WrongColumns`] where the columns leave nothing to diagnose.
@@ -82,7 +82,7 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     if request.trust_columns {
         checks.faults.clear();
     }
-    // sign, unit and order are read off the efforts of the links, which nobody measured
+    // sign, unit and order are read off the efforts of the links, which are not measured
     if placeholders(&model.chain).contains(&true) {
         checks.faults.retain(|fault| fault.topic == Topic::Quality);
         checks.of_arm = false;
@@ -120,7 +120,7 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
 }
 
 impl InputChecks {
-    /// Takes back what physics explains: where the diagnosed model leaves over little more than noise, the
+    /// Takes back what physics explains: where the residual of the diagnosed model is little more than noise, the
     /// columns are what they are called. Only links turned inside out and gains could turn a column of
     /// another joint, sign or unit into that: where these are found, the fault stands. So do faults of what was
     /// recorded at all: a column that is 0 is soon explained.

@@ -21,7 +21,7 @@ const RATE_HZ: f64 = 50.0;
 /// Viscous, Coulomb, rotor inertia of each joint, and the noise of its effort.
 const JOINTS: [[f64; 4]; 3] = [[4.0, 3.0, 0.4, 0.3], [6.0, 4.0, 0.5, 0.4], [2.0, 1.5, 0.2, 0.2]];
 
-/// The first three joints of a Puma 560, whose links are a tenth heavier than its URDF says.
+/// The first three joints of a Puma 560, whose links are a tenth heavier than in its URDF.
 struct Puma {
     model: ArmModel,
 }
@@ -113,9 +113,9 @@ fn gravity_is_found_at_any_angle() {
     let tilted = Vector3::new(9.81 * 0.3, -9.81 * 0.4, -9.81 * 0.75_f64.sqrt());
     for (gravity, option) in [(-DOWN, Some("0,0,9.81")), (tilted, None)] {
         let found = puma.checked(puma.moved(gravity, true));
-        let said = wrong(&found);
+        let reported = wrong(&found);
         assert!(
-            said.len() == 1 && said[0].topic == Topic::Gravity,
+            reported.len() == 1 && reported[0].topic == Topic::Gravity,
             "{gravity}: {:?}",
             found.checks
         );
@@ -134,8 +134,8 @@ fn mirrored_joint_is_named_alone() {
     let mut moved = puma.moved(DOWN, true);
     moved.iter_mut().for_each(|of| of[1].iter_mut().for_each(|x| *x = -*x));
     let found = puma.checked(moved);
-    let said = wrong(&found);
-    assert!(said.len() == 1 && said[0].topic == Topic::JointSign, "{said:?}");
+    let reported = wrong(&found);
+    assert!(reported.len() == 1 && reported[0].topic == Topic::JointSign, "{reported:?}");
     assert_eq!(found.mirrored, [false, true, false]);
 }
 
@@ -145,23 +145,23 @@ fn exchanged_joints_are_named_alone() {
     let mut moved = puma.moved(DOWN, true);
     moved.iter_mut().for_each(|of| of.swap(0, 2));
     let found = puma.checked(moved);
-    let said = wrong(&found);
-    assert!(said.len() == 1 && said[0].topic == Topic::Order, "{said:?}");
+    let reported = wrong(&found);
+    assert!(reported.len() == 1 && reported[0].topic == Topic::Order, "{reported:?}");
     assert_eq!(found.recorded_as, [2, 1, 0]);
 }
 
 #[test]
 fn columns_without_content_are_named() {
     let puma = Puma::new();
-    let verdict = |found: &RecordingCheck, says: &str| {
-        let said = found.checks.iter().find(|c| c.message.contains(says));
-        said.map(|c| (c.verdict, c.joint.clone()))
+    let verdict = |found: &RecordingCheck, text: &str| {
+        let reported = found.checks.iter().find(|c| c.message.contains(text));
+        reported.map(|c| (c.verdict, c.joint.clone()))
     };
     let mut constant = puma.moved(DOWN, true);
     constant[1][2].fill(0.0);
     let found = puma.checked(constant);
-    let said = verdict(&found, "exactly 0 throughout");
-    assert_eq!(said, Some((Verdict::Wrong, Some("joint_3".to_owned()))));
+    let reported = verdict(&found, "exactly 0 throughout");
+    assert_eq!(reported, Some((Verdict::Wrong, Some("joint_3".to_owned()))));
     let mut magnitudes = puma.moved(DOWN, true);
     magnitudes[1].iter_mut().flatten().for_each(|x| *x = x.abs());
     assert!(verdict(&puma.checked(magnitudes), "magnitude without sign").is_some());

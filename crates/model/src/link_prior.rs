@@ -6,7 +6,7 @@
 //! that every second moment of mass, along every line, is known to `r` of its size. The prior depends on neither units nor frames: `tr((J⁻¹ dJ)²)` is the
 //! metric that the physical consistency uses too; in it alone a link that is only heavier would be as unlikely as four errors
 //! of its shape. Errors of each parameter apart, relative to mass times length squared,
-//! would doubt a slender link's thickness as much as its length.
+//! would question a slender link's thickness as much as its length.
 //!
 //! References: T. Lee, F. C. Park, A geometric algorithm for robust multibody inertial parameter
 //! identification, IEEE RA-L 3(3), 2018.
@@ -78,7 +78,7 @@ impl MeanLink {
         (mass_kg > 0.0 && length_m > 0.0).then_some(Self { mass_kg, length_m })
     }
 
-    /// A root `L` of the pseudo-inertia `J = L Lᵀ` of the nearest real body that is heavy and thick enough: what a
+    /// A root `L` of the pseudo-inertia `J = L Lᵀ` of the nearest consistent link that is heavy and thick enough: what a
     /// description may be wrong by even where it gives next to nothing.
     fn least_root_of(&self, link: &InertialParameters) -> Matrix4<f64> {
         let body = link.nearest_physical();

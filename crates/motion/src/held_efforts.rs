@@ -1,14 +1,14 @@
 //! Efforts that a driver renews at a lower rate than the rows of the log.
 //!
 //! Between two renewals an effort is old: compared with the motion of its row it lags by up to a whole period, which looks like
-//! a memory of the joint. Only the rows in which efforts are renewed say something of them.
+//! a memory of the joint. Only the rows in which efforts are renewed show something of them.
 
 use armident_numeric::order_statistic;
 use armident_recording::{
     Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Recording,
 };
 
-/// Rows per renewal from which on it matters: below, an effort is not older than the half of a row on average.
+/// Rows per renewal from which on it is material: below, an effort is not older than the half of a row on average.
 const LEAST_HELD: f64 = 1.5;
 /// Fewest renewals.
 const FEWEST: usize = 20;
@@ -166,9 +166,9 @@ mod tests {
             assert!((grid.rate_hz() * held as f64 / 50.0 - 1.0).abs() < 1e-6, "{}", grid.rate_hz());
             assert_eq!(grid.stamps_s(), recording.time_s);
             assert!(grid.unmeasured_s(0.0).is_empty());
-            let said = crate::findings(&recording);
+            let found = crate::findings(&recording);
             let kinds = [QualityIssueKind::Stuck, QualityIssueKind::Saturated];
-            assert!(!said.iter().any(|finding| kinds.contains(&finding.kind)), "{said:?}");
+            assert!(!found.iter().any(|finding| kinds.contains(&finding.kind)), "{found:?}");
             let position = recording.joints[0].position.as_ref().unwrap();
             let back = grid.at_stamps(&grid.resample(position));
             let off = |k: usize| (back[k] - position[k]).abs();

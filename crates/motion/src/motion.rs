@@ -9,7 +9,7 @@ use crate::grid::EvenGrid;
 use crate::low_pass::{DEFAULT_ORDER, ZeroPhaseLowPass};
 use crate::noise_spectrum::noise_of;
 use crate::observations::Observations;
-use crate::standstill::rests_of;
+use crate::standstill::dwells_of;
 use armident_recording::{Fault, JointChannels, Quantity, Recording, RecordingError};
 
 /// Where velocity and acceleration come from.
@@ -71,8 +71,8 @@ pub struct Motion {
     pub stamps_s: Vec<f64>,
     /// Those of the recording, and what was chosen here.
     pub notes: Vec<String>,
-    /// Stretches of each joint at rest, in samples.
-    rests: Vec<Vec<Range<usize>>>,
+    /// Dwells of each joint, in samples.
+    dwells: Vec<Vec<Range<usize>>>,
     grid: EvenGrid,
     /// what a thinned motion was thinned from, and by which factor
     fine: Option<(Arc<Motion>, usize)>,
@@ -171,10 +171,10 @@ impl Motion {
                 filtered(on_grid(Quantity::Acceleration)?),
             ),
         };
-        let rests = (velocity.iter().zip(position_noise))
+        let dwells = (velocity.iter().zip(position_noise))
             .map(|(velocity, noise)| {
                 let gain = filter.as_ref().map_or(0.0, ZeroPhaseLowPass::noise_gain_of_rate);
-                rests_of(velocity, noise * gain, rate_hz)
+                dwells_of(velocity, noise * gain, rate_hz)
             })
             .collect();
         let effort = recorded(Quantity::Effort).then(|| on_grid(Quantity::Effort)).transpose()?;
@@ -196,7 +196,7 @@ impl Motion {
             source: recording.source.clone(),
             stamps_s: grid.stamps_s().to_vec(),
             notes,
-            rests,
+            dwells,
             grid,
             fine: None,
         })
@@ -237,7 +237,7 @@ impl Motion {
             source: self.source.clone(),
             stamps_s: self.stamps_s.clone(),
             notes: self.notes.clone(),
-            rests: (self.rests.iter())
+            dwells: (self.dwells.iter())
                 .map(|of| {
                     of.iter().map(|r| r.start.div_ceil(factor)..r.end.div_ceil(factor)).collect()
                 })
@@ -290,13 +290,13 @@ impl Motion {
 
     /// The samples `of` as observations of the effort of a joint: a rest is one.
     pub fn observations(&self, joint: usize, of: Range<usize>) -> Observations {
-        Observations::new(&self.rests[joint], of)
+        Observations::new(&self.dwells[joint], of)
     }
 
     /// Whether a joint rests, at every sample.
     pub fn at_rest(&self, joint: usize) -> Vec<bool> {
         let mut at_rest = vec![false; self.len()];
-        for rest in &self.rests[joint] {
+        for rest in &self.dwells[joint] {
             at_rest[rest.start..rest.end.min(self.len())].fill(true);
         }
         at_rest

@@ -11,11 +11,11 @@ pub struct Observations {
 }
 
 impl Observations {
-    /// The samples `of`, in which these rests lie.
-    pub(crate) fn new(rests: &[Range<usize>], of: Range<usize>) -> Self {
+    /// The samples `of`, in which these dwells lie.
+    pub(crate) fn new(dwells: &[Range<usize>], of: Range<usize>) -> Self {
         let mut spans = Vec::new();
         let mut at = of.start;
-        for rest in rests {
+        for rest in dwells {
             let rest = rest.start.max(of.start)..rest.end.min(of.end);
             if rest.is_empty() {
                 continue;
@@ -43,7 +43,7 @@ impl Observations {
 
     /// Number of observations.
     pub fn len(&self) -> usize {
-        self.spans.iter().map(|(span, rests)| if *rests { 1 } else { span.len() }).sum()
+        self.spans.iter().map(|(span, is_dwell)| if *is_dwell { 1 } else { span.len() }).sum()
     }
 
     /// Whether there is none.
@@ -63,9 +63,9 @@ impl Observations {
     /// A column given at every sample, at the observations: its mean over each rest.
     pub fn of(&self, column: &[f64]) -> Vec<f64> {
         let mut observed = Vec::with_capacity(self.len());
-        for (span, rests) in &self.spans {
+        for (span, is_dwell) in &self.spans {
             let samples = &column[span.clone()];
-            match rests {
+            match is_dwell {
                 true => observed.push(samples.iter().sum::<f64>() / samples.len() as f64),
                 false => observed.extend_from_slice(samples),
             }

@@ -219,7 +219,7 @@ fn roughness_ratio(positions: &[&[f64]], clock_s: &[f64], other_s: &[f64]) -> Op
     let mut speed = vec![0.0; n];
     for position in positions {
         let [on_clock, on_other] = [clock_s, other_s].map(|time_s| unpredicted(position, time_s));
-        // in units of what is left on both
+        // in units of the residual on both
         let mut sizes: Vec<f64> = (on_clock.iter().chain(&on_other)).map(|e| e.abs()).collect();
         let place = sizes.len() / 2;
         let unit = order_statistic(&mut sizes, place)?;

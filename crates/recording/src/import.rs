@@ -82,10 +82,10 @@ impl Import {
         {
             return Err(error);
         }
-        self.leave_out_empty();
+        self.exclude_empty();
         self.sort_rows()?;
         self.merge_publishers();
-        self.leave_out_zeros();
+        self.exclude_zeros();
         let rows = self.time_s.len();
         if let Some(error) = self.too_many_missing() {
             return Err(error);
@@ -360,8 +360,8 @@ impl Import {
         }
     }
 
-    /// Leaves out channels without a single value.
-    fn leave_out_empty(&mut self) {
+    /// Excludes channels without a single value.
+    fn exclude_empty(&mut self) {
         let is_empty = |channel: &Channel| channel.values.iter().all(|value| value.is_nan());
         let total = self.channels.len();
         let (empty, kept): (Vec<Channel>, Vec<Channel>) =
@@ -447,8 +447,8 @@ impl Import {
         names.join(", ")
     }
 
-    /// Leaves out rows of zeros of another publisher.
-    fn leave_out_zeros(&mut self) {
+    /// Excludes rows of zeros of another publisher.
+    fn exclude_zeros(&mut self) {
         let of = |are_positions: bool| -> Vec<&[f64]> {
             let is_one =
                 |channel: &&Channel| (channel.quantity == Quantity::Position) == are_positions;
@@ -506,7 +506,7 @@ impl Import {
             }
             let largest = self.replace(k, &samples, timing);
             let what = format!("jump away and back by up to {largest:.2}, as bus errors do");
-            self.say_replaced(k, QualityIssueKind::Glitches, &samples, &what);
+            self.report_replaced(k, QualityIssueKind::Glitches, &samples, &what);
             is_repaired = true;
         }
         if is_repaired {
@@ -515,8 +515,12 @@ impl Import {
         }
     }
 
-    /// Interpolates single efforts that jump away and back, and short drop-outs to 0.
+    /// Interpolates single efforts that jump away and back, and short drop-outs to 0; none beside accelerations, which only
+    /// simulations have: their efforts jump where their motion does.
     fn repair_efforts(&mut self, timing: &Timing) {
+        if self.channels.iter().any(|channel| channel.quantity == Quantity::Acceleration) {
+            return;
+        }
         let drives: Vec<usize> =
             (0..self.channels.len()).filter(|k| is_drive(self.channels[*k].quantity)).collect();
         for &k in &drives {
@@ -527,7 +531,7 @@ impl Import {
             if !dropped.is_empty() {
                 self.replace(k, &dropped, timing);
                 let what = "are exactly 0 while the joint moves (drop-outs)";
-                self.say_replaced(k, QualityIssueKind::DropOuts, &dropped, what);
+                self.report_replaced(k, QualityIssueKind::DropOuts, &dropped, what);
             }
         }
         let mut spikes: Vec<Vec<usize>> = (drives.iter())
@@ -538,7 +542,7 @@ impl Import {
             if !samples.is_empty() {
                 let largest = self.replace(k, &samples, timing);
                 let what = format!("jump away and back by up to {largest:.3} (outliers)");
-                self.say_replaced(k, QualityIssueKind::Outliers, &samples, &what);
+                self.report_replaced(k, QualityIssueKind::Outliers, &samples, &what);
             }
         }
     }
@@ -568,7 +572,7 @@ impl Import {
         largest
     }
 
-    fn say_replaced(
+    fn report_replaced(
         &mut self,
         channel: usize,
         kind: QualityIssueKind,

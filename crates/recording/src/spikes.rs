@@ -22,7 +22,7 @@ const MOST: f64 = 0.02;
 /// Share of a quick joint's steps (its 90 % quantile) below which it may rest or reverse: there friction may jump and
 /// return within a sample.
 const SLOW_SHARE: f64 = 0.05;
-/// A joint that is slow for so many samples before and behind rests: it does not reverse.
+/// A joint that is slow for so many samples before and behind is at rest: it does not reverse.
 const RESTING: usize = 5;
 /// Noise of an effort, as a share of its range, from which on a jump at rest is a spike nevertheless.
 const NOISY_SHARE: f64 = 1e-4;
@@ -66,8 +66,9 @@ pub(crate) fn outliers(effort: &[f64], position: Option<&[f64]>) -> Vec<usize> {
         - effort.iter().copied().fold(f64::MAX, f64::min);
     let n = effort.len();
     let moves = moving(position, n);
-    let rests = |k: usize| (k.saturating_sub(RESTING)..(k + RESTING + 1).min(n)).all(|i| !moves(i));
-    let found = spikes(effort, |k, noise| moves(k) || (noise >= NOISY_SHARE * range && rests(k)));
+    let at_rest =
+        |k: usize| (k.saturating_sub(RESTING)..(k + RESTING + 1).min(n)).all(|i| !moves(i));
+    let found = spikes(effort, |k, noise| moves(k) || (noise >= NOISY_SHARE * range && at_rest(k)));
     few(found, effort.len())
 }
 
@@ -259,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn drop_outs_are_not_dead_zones_or_rests() {
+    fn drop_outs_are_not_dead_zones_or_dwells() {
         let position = swing(2000, 0.0);
         let full: Vec<f64> =
             swing(2000, 0.0).iter().zip(noise(2000)).map(|(q, e)| 10.0 * q + 0.02 * e).collect();

@@ -500,7 +500,7 @@ fn motor_currents_of_an_arm_become_efforts() {
         assert_eq!(mapped.position, plain.position);
         let efforts = mapped.effort.as_ref().unwrap().iter();
         let pairs = efforts.zip(plain.current.as_ref().unwrap());
-        // outliers that several joints have together stay: that is asked of the channels that are read
+        // outliers that several joints have together stay: that is decided on the channels that are read
         let others = pairs.filter(|(e, current)| (*e - gain * *current).abs() > 1e-12).count();
         assert!(others < 55, "{joint}: {others} of 5500");
     }

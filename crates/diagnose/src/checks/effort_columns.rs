@@ -23,15 +23,15 @@ pub struct InferredDriveGain {
     /// Its 95 % interval.
     pub interval_95: [f64; 2],
     /// Whether the recordings determine it at all: an interval of less than a factor of ten. Without it
-    /// nothing is said about the joint.
+    /// nothing is reported about the joint.
     pub determined: bool,
 }
 
-/// A probability that leaves no doubt.
+/// A probability that excludes chance.
 const SURE: f64 = 0.99;
-/// Share of the believed effort that must be gravity for a gain to be told from an inertia.
+/// Share of the believed effort that must be gravity for a gain to be distinguished from an inertia.
 const GRAVITY_SHARE: f64 = 0.5;
-/// Ends of an interval whose ratio is larger say nothing.
+/// Ends of an interval whose ratio is larger mean nothing.
 const NOT_DETERMINED: f64 = 10.0;
 
 impl InferredDriveGain {
@@ -41,7 +41,7 @@ impl InferredDriveGain {
     }
 }
 
-/// Whether the effort columns of recordings are what their headers say.
+/// Whether the effort columns of recordings are what their headers state.
 #[derive(Debug, Clone, Default)]
 pub struct InputChecks {
     /// Columns that are wrong beyond a thousand to one, with what to do.
@@ -89,7 +89,7 @@ impl InputChecks {
                 return Ok(Self { unchecked: Some(error.to_string()), ..Self::default() });
             }
         };
-        // a log has its gravity taken off as a whole: where one joint surely has it, another that seems not to
+        // a log has its gravity taken off as a whole: where one joint clearly has it, another that seems not to
         // has something else
         let kind = |c: &ChannelEvidence, kind: ChannelKind| {
             ChannelKind::ALL.iter().position(|k| *k == kind).map_or(0.0, |k| c.probability[k])

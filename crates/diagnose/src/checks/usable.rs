@@ -39,7 +39,7 @@ pub(crate) fn usable_signals(
     Ok(signals)
 }
 
-/// Refuses recordings from which every estimate would be invented: channels that say one number.
+/// Refuses recordings from which every estimate would be invented: channels that hold one number.
 pub(crate) fn said_something(names: &[String], signals: &[BandMotion]) -> Result<(), Unusable> {
     let moves = |j: usize| signals.iter().any(|s| !is_constant(&s.recorded_position[j]));
     if !(0..names.len()).any(moves) {

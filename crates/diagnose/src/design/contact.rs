@@ -221,9 +221,9 @@ fn straight(samples: &[f64]) -> Vec<bool> {
     let mut on_line = vec![false; samples.len()];
     let mut from = 0;
     for k in 0..samples.len() {
-        let bends =
+        let is_kinked =
             k < 2 || (samples[k] - 2.0 * samples[k - 1] + samples[k - 2]).abs() > 1e-9 * range;
-        if bends {
+        if is_kinked {
             from = k.saturating_sub(1);
         }
         if k + 1 - from >= STRAIGHT {

@@ -48,7 +48,7 @@ fn weight_at_rest(residual: f64, rows: usize) -> f64 {
 }
 
 /// Number of rows of the rest that each row is in, 1 where the joint moves.
-fn rows_of_rests(stuck: &[bool]) -> Vec<usize> {
+fn rows_of_dwells(stuck: &[bool]) -> Vec<usize> {
     let of_run = |run: &[bool]| vec![if run[0] { run.len() } else { 1 }; run.len()];
     stuck.chunk_by(|a, b| a == b).flat_map(of_run).collect()
 }
@@ -118,7 +118,7 @@ impl Observations {
                 let deviation = (from_effort + from_encoders).sqrt();
                 squares += s.effort_noise[j].powi(2) / signals.len() as f64;
                 let stuck: Vec<bool> = touched(s, &s.stuck[j]).collect();
-                rows.rows_of_rest[j].extend(rows_of_rests(&stuck));
+                rows.rows_of_rest[j].extend(rows_of_dwells(&stuck));
                 for stuck in stuck {
                     let weight = if stuck { STUCK_WEIGHT } else { 1.0 };
                     let known = !s.effort[j].is_empty() && deviation > 0.0;
@@ -285,7 +285,7 @@ impl Observations {
     }
 
     /// Weights with which rows at rest decide nothing, so that a fit shows their residual.
-    pub(crate) fn without_rests(&self) -> Weights {
+    pub(crate) fn without_dwells(&self) -> Weights {
         self.with_residual_at_rest(vec![AT_REST_UNKNOWN; self.joints()])
     }
 
@@ -294,8 +294,8 @@ impl Observations {
         let mut weights = self.weights.clone();
         for (joint, new) in at_rest.iter().enumerate() {
             let old = weights.at_rest[joint];
-            let rests = self.stuck[joint].iter().zip(&self.rows_of_rest[joint]);
-            for (w, (is_stuck, rows)) in weights.by_row[joint].iter_mut().zip(rests) {
+            let dwells = self.stuck[joint].iter().zip(&self.rows_of_rest[joint]);
+            for (w, (is_stuck, rows)) in weights.by_row[joint].iter_mut().zip(dwells) {
                 if *is_stuck {
                     *w *= weight_at_rest(*new, *rows) / weight_at_rest(old, *rows);
                 }

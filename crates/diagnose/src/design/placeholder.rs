@@ -1,6 +1,6 @@
-//! Inertials that nobody measured: what is written where a file needs some.
+//! Inertials without a measurement: what is written where a file needs some.
 //!
-//! Relative errors of such links say nothing about the arm. In their place stand links of the lengths of the chain, as heavy as
+//! Relative errors of such links mean nothing for the arm. Instead of them stand links of the lengths of the chain, as heavy as
 //! those of large arms: a prior that is too wide costs little where recordings determine a link, one that is too narrow
 //! holds it at a number without meaning.
 //!

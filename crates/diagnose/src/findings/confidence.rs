@@ -7,9 +7,9 @@
 //! `m` is the materiality over its threshold, which holds the error of the model, `s` the size over two honest standard errors:
 //! the two errors add as independent ones do. Where one is small a name has 0.50 at the threshold of the other and 0.95 at
 //! twice that. `Δ` is by how much worse each rival scores, twice a log odds: what two laws explain equally well has either with
-//! the same probability. `h` is one half where the hold-out is predicted better without the finding. The threshold of `m` is what
-//! the model leaves over on the joint. Of a change it is a share of what the model leaves over in the reference too, which
-//! repeats; what it leaves over only since, on motion that the reference did not show, counts in full.
+//! the same probability. `h` is one half where the hold-out is predicted better without the finding. The threshold of `m` is the
+//! residual of the model on the joint. Of a change it is a share of the residual of the model in the reference too, which
+//! repeats; what came since, on motion that the reference did not show, counts in full.
 //!
 //! References: own.
 

@@ -77,7 +77,7 @@ pub struct Finding {
     /// beside rivals and where the hold-out contradicts.
     pub confidence: f64,
     /// Whether the model with it predicts recordings kept out better than the model without it; none
-    /// without such recordings, or where they cannot say (a contact happened once).
+    /// without such recordings, or where they cannot show it (a contact happened once).
     pub confirmed: Option<bool>,
     /// Why.
     pub evidence: FindingEvidence,

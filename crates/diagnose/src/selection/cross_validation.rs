@@ -84,7 +84,7 @@ fn gains_on(joints: Option<&Vec<usize>>, without: &[Vec<f64>], with: &[Vec<f64>]
 
 /// Whether cross-validated errors are significantly less than others: model discrepancy repeats, so that scores differ by too
 /// much.
-pub(crate) fn surely_less(errors: &[Vec<f64>], than: &[Vec<f64>]) -> bool {
+pub(crate) fn significantly_less(errors: &[Vec<f64>], than: &[Vec<f64>]) -> bool {
     let gains = gains_on(None, than, errors);
     gains.len() > 1 && paired_t(&gains) > CLEAR_T
 }

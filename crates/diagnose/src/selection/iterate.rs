@@ -32,7 +32,7 @@ use crate::selection::reversal::with_reversal_models;
 use crate::selection::rivals::{baseline_first, load_first, one_body_first};
 use crate::selection::simulated_candidates::with_simulated_candidates;
 use crate::selection::weights::{
-    discrepancies, discrepancies_after, initial_discrepancies, weights_with_rests,
+    discrepancies, discrepancies_after, initial_discrepancies, weights_with_dwells,
 };
 use armident_model::OperatingPoint;
 
@@ -83,17 +83,17 @@ pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)>
 /// Initial weights, from the residual of all columns. None where the reference cannot be fitted.
 fn initial_weights(design: &Design<'_>, point: &OperatingPoint) -> Option<Weights> {
     let seeks_change = design.observations.comparison.seeks_change();
-    let weights = weights_with_rests(design, point);
+    let weights = weights_with_dwells(design, point);
     let weighted = design.weighted(weights.clone());
     let first = weighted.problem(point);
     if seeks_change {
         // a change must not count as discrepancy in the effective sample size
-        let left_over = imperfection(&first, REFERENCE_SCALE)?;
+        let imperfect = imperfection(&first, REFERENCE_SCALE)?;
         let rows = &first.observations;
         let reference = &rows.starts[..=rows.comparison.first_judged()];
-        let share = independent_share(&left_over, reference, rows.rows_hz);
+        let share = independent_share(&imperfect, reference, rows.rows_hz);
         let discrepancy: Vec<f64> =
-            left_over.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect();
+            imperfect.iter().map(|r| (dot(r, r) / r.len().max(1) as f64).sqrt().max(1.0)).collect();
         let weights = with_discrepancies(&weighted, discrepancy);
         let share = share.min(weights.share);
         return Some(weights.with_share(share));

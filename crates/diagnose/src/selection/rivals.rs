@@ -18,7 +18,7 @@ use crate::regression::fit_set::{Estimate, fit_set};
 use crate::regression::folds::fold_errors;
 use crate::regression::marginalised::Marginalised;
 use crate::regression::score::PRICE_OF_SELDOM;
-use crate::selection::cross_validation::surely_less;
+use crate::selection::cross_validation::significantly_less;
 use crate::selection::materiality::{LEAST, band_noise, held};
 use crate::selection::prior_scale::{may_be_inflated, with_one_more};
 use armident_model::OperatingPoint;
@@ -136,8 +136,8 @@ pub(crate) fn load_first(metric: &Marginalised<'_>, mut of: Estimate) -> Estimat
     of
 }
 
-/// The estimate of a change with one body instead of several effects on single joints, where these do not surely predict
-/// left-out blocks better: a body loads several joints, and that as many of them changed on their own at once is rare.
+/// The estimate of a change with one body instead of several effects on single joints, where these do not clearly predict
+/// left-out blocks better: a body loads several joints, and that as many of them changed on their own together is rare.
 pub(crate) fn one_body_first(metric: &Marginalised<'_>, of: Estimate) -> Estimate {
     let problem = metric.problem;
     let candidates = &problem.candidates;
@@ -161,8 +161,8 @@ pub(crate) fn one_body_first(metric: &Marginalised<'_>, of: Estimate) -> Estimat
     let Some(body) = best else { return of };
     let errors = |set: &[usize]| fold_errors(problem, set, metric.scale, &metric.inflated);
     let of_body = errors(&body.set);
-    let explains = surely_less(&of_body, &errors(&rest));
-    if explains && !surely_less(&errors(&of.set), &of_body) { body } else { of }
+    let explains = significantly_less(&of_body, &errors(&rest));
+    if explains && !significantly_less(&errors(&of.set), &of_body) { body } else { of }
 }
 
 fn of_candidate(metric: &Marginalised<'_>, of: &Estimate, candidate: usize) -> Vec<Rival> {
@@ -227,7 +227,7 @@ fn of_candidate(metric: &Marginalised<'_>, of: &Estimate, candidate: usize) -> V
             let of_links = [candidate, *other].map(|g| candidates[g].is_of_link());
             let changed = problem.observations.comparison.seeks_change();
             if changed && of_links == [true; 2] {
-                near || !surely_less(&errors, &left_out(&rival.estimate))
+                near || !significantly_less(&errors, &left_out(&rival.estimate))
             } else if !changed && candidates[candidate].transform.is_some() && metric.scale > 0.0 {
                 // link errors absorb the residual of any law instead of a load: there the score decides, among its
                 // look-alikes

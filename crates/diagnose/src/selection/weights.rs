@@ -56,8 +56,8 @@ fn left_by_all(problem: &LinearProblem) -> Vec<Option<(Vec<f64>, f64)>> {
 
 /// Weights of rows in which joints rest, from the residual that all columns of the library have there when only the
 /// rows in motion decide.
-pub(crate) fn weights_with_rests(design: &Design<'_>, point: &OperatingPoint) -> Weights {
-    let moving = design.weighted(design.observations.without_rests());
+pub(crate) fn weights_with_dwells(design: &Design<'_>, point: &OperatingPoint) -> Weights {
+    let moving = design.weighted(design.observations.without_dwells());
     let problem = moving.problem(point);
     let residual = |(j, left): (usize, &Option<(Vec<f64>, f64)>)| {
         let (residual, _) = left.as_ref()?;

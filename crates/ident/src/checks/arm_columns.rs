@@ -42,18 +42,18 @@ pub(super) struct JointMap {
 }
 
 impl JointMap {
-    pub(super) fn as_said(joints: usize) -> Self {
+    pub(super) fn as_labelled(joints: usize) -> Self {
         let source: Vec<usize> = (0..joints).collect();
         Self { effort: source.clone(), sign: vec![1.0; joints], source }
     }
 
     /// Whether every joint is the one that it is called, whatever its effort column is.
-    pub(super) fn joints_are_as_said(&self) -> bool {
+    pub(super) fn joints_are_as_labelled(&self) -> bool {
         self.source.iter().enumerate().all(|(j, s)| j == *s) && self.sign.iter().all(|s| *s > 0.0)
     }
 
-    pub(super) fn is_as_said(&self) -> bool {
-        *self == Self::as_said(self.source.len())
+    pub(super) fn is_as_labelled(&self) -> bool {
+        *self == Self::as_labelled(self.source.len())
     }
 
     /// Columns of the recordings as those of the joints of the arm.
@@ -108,7 +108,7 @@ pub(super) struct ArmColumns<'p> {
     heavy: Vec<Vec<usize>>,
     /// per recorded joint
     pub(super) samples: Vec<f64>,
-    /// independent samples of what friction leaves over: the motion's, not those of noise
+    /// independent samples of the residual of friction: the motion's, not those of noise
     pub(super) independent: Vec<f64>,
     /// whether it moves
     pub(super) moves: Vec<bool>,
@@ -318,7 +318,7 @@ impl JointProducts {
     }
 }
 
-/// What is left of products once their first columns are projected out of the others.
+/// The remainder of products once their first columns are projected out of the others.
 pub(super) fn beyond_first(product: &Mat<f64>, first: usize) -> Mat<f64> {
     let rest = product.nrows() - first;
     let size = |k: usize| product[(k, k)].max(f64::MIN_POSITIVE).sqrt();

@@ -4,8 +4,8 @@
 //! effort_j = b_j Y_j x + φ_j p_j + noise_j,   x ~ N(x₀, Λ),   b_j ~ N(1, 0.3²),   p flat,   noise of unknown level
 //! ```
 //!
-//! Method: as [`likelihood`](super::likelihood), but the constants are those of all joints at once, so what one joint
-//! says about a link binds the others. `x` is integrated out in closed form, gains and noise levels are at their most likely
+//! Method: as [`likelihood`](super::likelihood), but the constants are those of all joints together, so what one joint
+//! shows of a link binds the others. `x` is integrated out in closed form, gains and noise levels are at their most likely
 //! values (MacKay's fixed point). A joint's column may also be any multiple of its effort, or have a spring or a
 //! counterbalance beside it, each with the prior of a fault: what one column alone explains is no case against the arm.
 //!
@@ -17,13 +17,13 @@ use armident_numeric::{Cholesky, Mat, dot};
 use nalgebra::Vector3;
 
 use super::arm_columns::{ArmColumns, JointProducts, beyond_first};
-use super::channel::{LARGEST_LOG_GAIN, USUAL_LOG_GAIN};
+use super::link_errors::{LARGEST_LOG_GAIN, USUAL_LOG_GAIN};
 
 /// Steps of the fixed point of noise levels and gains: at most.
 const STEPS: usize = 16;
 /// Change of the logarithm of a variance at which they have converged: a hundredth of a unit of likelihood.
 const CONVERGED: f64 = 1e-3;
-/// Share of the effort beside friction that must be left over for another meaning of its column to be tried.
+/// Share of the effort beside friction that must remain for another meaning of its column to be tried.
 const POOR: f64 = 0.1;
 /// Prior probability of a spring or a counterbalance on a joint, ...
 const SPRING: f64 = 0.03;
@@ -66,8 +66,8 @@ impl ConstantPrior {
         Some(Self { mean, root })
     }
 
-    /// Rows of the root of some constants, and behind them `extra` unknowns that stay as they are.
-    pub(super) fn whitened_with(&self, constants: &[usize], extra: usize) -> Mat<f64> {
+    /// Rows of the root of some constants, and behind them `extra` parameters that stay as they are.
+    pub(super) fn standardised_with(&self, constants: &[usize], extra: usize) -> Mat<f64> {
         let (z, m) = (constants.len(), self.mean.len());
         Mat::from_fn(z + extra, m + extra, |i, k| match (i < z, k < m) {
             (true, true) => self.root[(constants[i], k)],
@@ -83,7 +83,7 @@ pub(super) enum Meaning {
     /// The joint's effort.
     Effort,
     /// The joint's effort beside a spring or a counterbalance.
-    Sprung,
+    Compliant,
     /// Any multiple of the effort, with either sign.
     Multiple,
 }
@@ -106,14 +106,14 @@ pub(super) struct JointFacts {
     pub(super) noise: Vec<f64>,
     /// the effort is known as a current or voltage only
     pub(super) is_signal: Vec<bool>,
-    /// left out: the column says nothing about its joint
+    /// left out: the column shows nothing of its joint
     pub(super) is_mute: Vec<bool>,
 }
 
 /// The arm at one gravity with its joints recorded in one way.
 pub(super) struct ArmSystem {
     plain: Vec<JointSystem>,
-    sprung: Vec<OnceLock<JointSystem>>,
+    compliant: Vec<OnceLock<JointSystem>>,
     /// with springs: what the others are made of, and how many columns are friction and spring
     whole: Vec<(Mat<f64>, [usize; 2])>,
     is_signal: Vec<bool>,
@@ -124,12 +124,12 @@ pub(super) struct ArmSystem {
 #[derive(Debug, Clone)]
 pub(super) struct ArmFit {
     pub(super) log_likelihood: f64,
-    /// noise variance of each joint of the arm \[(N m)² or N²\], all that is left over
+    /// noise variance of each joint of the arm \[(N m)² or N²\]: of the whole residual
     pub(super) variance: Vec<f64>,
     pub(super) gain: Vec<f64>,
     pub(super) meaning: Vec<Meaning>,
     pub(super) x: Vec<f64>,
-    /// share of what friction leaves that is left over
+    /// the residual as a share of what friction leaves
     pub(super) left: Vec<f64>,
     /// the least variance that any fit could have
     pub(super) least_variance: Vec<f64>,
@@ -172,7 +172,7 @@ impl ArmSystem {
         let by_joint = |of: &[bool]| products.iter().map(|p| of[p.effort]).collect();
         Self {
             plain: products.iter().zip(&whole).map(plain).collect(),
-            sprung: products.iter().map(|_| OnceLock::new()).collect(),
+            compliant: products.iter().map(|_| OnceLock::new()).collect(),
             is_signal: by_joint(&facts.is_signal),
             is_mute: by_joint(&facts.is_mute),
             whole,
@@ -181,10 +181,10 @@ impl ArmSystem {
 
     fn system(&self, joint: usize, meaning: Meaning) -> &JointSystem {
         let plain = &self.plain[joint];
-        if meaning != Meaning::Sprung {
+        if meaning != Meaning::Compliant {
             return plain;
         }
-        self.sprung[joint].get_or_init(|| {
+        self.compliant[joint].get_or_init(|| {
             let (all, [friction, spring]) = &self.whole[joint];
             JointSystem {
                 constants: plain.constants.clone(),
@@ -201,18 +201,19 @@ impl ArmSystem {
         let mut meaning: Vec<Meaning> = (self.is_signal.iter())
             .map(|signal| if *signal { Meaning::Multiple } else { Meaning::Effort })
             .collect();
-        let plain: Vec<Whitened> = self.plain.iter().map(|s| Whitened::of(s, prior)).collect();
-        let sprung: Vec<OnceLock<Whitened>> = plain.iter().map(|_| OnceLock::new()).collect();
+        let plain: Vec<Standardised> =
+            self.plain.iter().map(|s| Standardised::of(s, prior)).collect();
+        let compliant: Vec<OnceLock<Standardised>> =
+            plain.iter().map(|_| OnceLock::new()).collect();
         let fit_as = |meaning: &[Meaning]| {
-            let whitened: Vec<&Whitened> = (0..n)
+            let standardised: Vec<&Standardised> = (0..n)
                 .map(|j| match meaning[j] {
-                    Meaning::Sprung => {
-                        sprung[j].get_or_init(|| Whitened::of(self.system(j, meaning[j]), prior))
-                    }
+                    Meaning::Compliant => compliant[j]
+                        .get_or_init(|| Standardised::of(self.system(j, meaning[j]), prior)),
                     _ => &plain[j],
                 })
                 .collect();
-            self.fit_as(prior, meaning, &whitened)
+            self.fit_as(prior, meaning, &standardised)
         };
         let mut best = fit_as(&meaning);
         // the worst joint first: it may be why others seem to be wrong
@@ -226,7 +227,7 @@ impl ArmSystem {
             if share(&best, j) < POOR {
                 break;
             }
-            for other in [Meaning::Multiple, Meaning::Sprung] {
+            for other in [Meaning::Multiple, Meaning::Compliant] {
                 let mut tried = meaning.clone();
                 tried[j] = other;
                 let fit = fit_as(&tried);
@@ -239,15 +240,20 @@ impl ArmSystem {
         best
     }
 
-    fn fit_as(&self, prior: &ConstantPrior, meaning: &[Meaning], whitened: &[&Whitened]) -> ArmFit {
+    fn fit_as(
+        &self,
+        prior: &ConstantPrior,
+        meaning: &[Meaning],
+        standardised: &[&Standardised],
+    ) -> ArmFit {
         let (n, m) = (self.plain.len(), prior.mean.len());
         let systems: Vec<&JointSystem> = (0..n).map(|j| self.system(j, meaning[j])).collect();
-        let heard: Vec<usize> = (0..n).filter(|&j| !self.is_mute[j]).collect();
+        let usable: Vec<usize> = (0..n).filter(|&j| !self.is_mute[j]).collect();
         let mut x = prior.mean.clone();
         let mut gain = vec![1.0; n];
         let mut variance: Vec<f64> =
             systems.iter().map(|s| s.beside_friction().max(s.least_variance)).collect();
-        for &j in heard.iter().filter(|&&j| meaning[j] == Meaning::Multiple) {
+        for &j in usable.iter().filter(|&&j| meaning[j] == Meaning::Multiple) {
             let (along, square) = systems[j].against(&x);
             if square > 0.0 {
                 gain[j] = bounded(along / square, systems[j], square);
@@ -262,12 +268,12 @@ impl ArmSystem {
                 .collect();
             let mut information = Mat::<f64>::zeros(m, m);
             let mut rhs = vec![0.0; m];
-            for &j in &heard {
+            for &j in &usable {
                 let factor = weight[j] * gain[j] * gain[j];
-                information += faer_scaled(&whitened[j].square, factor);
+                information += faer_scaled(&standardised[j].square, factor);
                 for (k, r) in rhs.iter_mut().enumerate() {
-                    *r +=
-                        weight[j] * gain[j] * whitened[j].effort[k] - factor * whitened[j].mean[k];
+                    *r += weight[j] * gain[j] * standardised[j].effort[k]
+                        - factor * standardised[j].mean[k];
                 }
             }
             let entry = |i: usize, j: usize| information[(i, j)] + f64::from(u8::from(i == j));
@@ -278,19 +284,20 @@ impl ArmSystem {
             }
             let inverse = root.inverse();
             let mut twice = -root.log_determinant() - dot(&z, &z);
-            for &j in &heard {
+            for &j in &usable {
                 let system = systems[j];
                 let (along, square) = system.against(&x);
                 let effort = system.effort_square();
                 let freedom = (system.independent - system.aside).max(1.0);
-                let used: f64 = weight[j] * gain[j] * gain[j] * whitened[j].trace_with(&inverse);
+                let used: f64 =
+                    weight[j] * gain[j] * gain[j] * standardised[j].trace_with(&inverse);
                 // what the constants take, the gain counted with them
                 let left_of = |b: f64| (effort - 2.0 * b * along + b * b * square).max(0.0);
                 let per = system.independent / system.samples.max(1.0);
                 let left = left_of(gain[j]);
                 twice -= freedom * variance[j].ln() + weight[j] * left;
                 twice += match meaning[j] {
-                    Meaning::Effort | Meaning::Sprung => {
+                    Meaning::Effort | Meaning::Compliant => {
                         let spread = USUAL_LOG_GAIN;
                         let known = weight[j] * square * spread * spread;
                         -((gain[j] - 1.0) / spread).powi(2) - (1.0 + known).ln()
@@ -303,7 +310,7 @@ impl ArmSystem {
                 twice += match meaning[j] {
                     Meaning::Effort => 2.0 * (1.0 - SPRING - OTHER_GAIN).ln(),
                     // flat coefficients: a quarter of an e-fold an independent sample each, as Schwarz counts
-                    Meaning::Sprung => {
+                    Meaning::Compliant => {
                         let coefficients = system.aside - self.plain[j].aside;
                         2.0 * SPRING.ln() - coefficients * system.independent.max(1.0).ln()
                     }
@@ -320,7 +327,7 @@ impl ArmSystem {
                 if square > 0.0 {
                     gain[j] = match meaning[j] {
                         Meaning::Multiple => bounded(along / square, system, square),
-                        Meaning::Effort | Meaning::Sprung => {
+                        Meaning::Effort | Meaning::Compliant => {
                             let (known, prior) =
                                 (per * square / variance[j], USUAL_LOG_GAIN.powi(-2));
                             let likely = per * along / variance[j];
@@ -381,8 +388,8 @@ impl JointSystem {
     }
 }
 
-/// A joint's products over the whitened constants.
-struct Whitened {
+/// A joint's products over the standardised constants.
+struct Standardised {
     /// `Lᵀ K L`
     square: Mat<f64>,
     /// `Lᵀ Yᵀ e`
@@ -391,7 +398,7 @@ struct Whitened {
     mean: Vec<f64>,
 }
 
-impl Whitened {
+impl Standardised {
     fn of(system: &JointSystem, prior: &ConstantPrior) -> Self {
         let (z, m) = (system.constants.len(), prior.mean.len());
         let root = Mat::from_fn(z, m, |i, k| prior.root[(system.constants[i], k)]);

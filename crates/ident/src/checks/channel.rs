@@ -7,20 +7,15 @@ use rayon::prelude::*;
 use super::assignment::cheapest_assignment;
 use super::explanations::Explained;
 use super::likelihood::{JointModel, Relation};
+use super::link_errors::{LARGEST_LOG_GAIN, LinkErrors, USUAL_LOG_GAIN};
 use super::rows::ChannelRows;
 use super::verdict::{PROBABLY_RIGHT, Verdict};
-use crate::regression::{BatchProblem, Term, UNKNOWN, spread_of_numbers};
+use crate::regression::{BatchProblem, Term};
 
-/// Gains looked at: a factor of ten thousand to either side of a joint's effort, which takes in gears,
-/// currents, milli- and per-mille units.
-pub(super) const LARGEST_LOG_GAIN: f64 = 9.210_340_371_976_184;
 /// Step of the logarithm of the gain, to find it, ...
 const FINE: f64 = 0.1;
 /// ... and to compare columns, in which any gain will do.
 const COARSE: f64 = 0.3;
-/// Standard deviation of the logarithm of the gain of a correct channel: published drive gains of one type of arm differ
-/// by up to a third.
-pub(super) const USUAL_LOG_GAIN: f64 = 0.3;
 /// Largest ratio of the URDF's effort, times the gain, to the recorded one, by their standard deviations. Beyond it,
 /// friction or much lighter links would have to cancel most of it: constants without bounds then imitate the residual of
 /// the friction laws, the better the larger the gain.
@@ -35,8 +30,8 @@ const LOADS: [f64; 3] = [0.0, 0.1, 1.0];
 const FEW_PRIORS: [usize; 4] = [0, 2, 6, 8];
 /// Probability that a joint's links have another error than those of the others.
 const ODD_LINK: f64 = 0.01;
-/// Prior probability of a column: as its header says, and each of the faults.
-const AS_SAID: f64 = 0.96;
+/// Prior probability of a column: as its header states, and each of the faults.
+const AS_LABELLED: f64 = 0.96;
 const EACH_FAULT: f64 = 0.01;
 /// Probability of compensated gravity that is no larger than the prior one: gravity is not visible.
 const NO_GRAVITY_VISIBLE: f64 = 0.0105;
@@ -80,7 +75,7 @@ impl ChannelKind {
     }
 
     fn prior_probability(self) -> f64 {
-        if self == Self::JointEffort { AS_SAID } else { EACH_FAULT }
+        if self == Self::JointEffort { AS_LABELLED } else { EACH_FAULT }
     }
 }
 
@@ -104,7 +99,7 @@ pub struct ChannelEvidence {
     pub urdf_share: f64,
     /// Share of the variance of the column that friction alone explains.
     pub friction_share: f64,
-    /// Log likelihood of the signs of friction and rotor inertia, which drive nothing, with the sign flipped over that as said.
+    /// Log likelihood of the signs of friction and rotor inertia, which drive nothing, with the sign flipped over that as it is.
     pub friction_flipped: f64,
 }
 
@@ -118,7 +113,7 @@ pub(super) struct Channels {
     pub(super) order_probability: f64,
 }
 
-/// Prior odds at which nothing is said about the order.
+/// Prior odds at which nothing is reported about the order.
 const UNDECIDED: f64 = 0.6;
 
 impl Channels {
@@ -133,7 +128,7 @@ impl Channels {
         let moved = found.iter().enumerate().any(|(j, k)| j != *k);
         if moved {
             self.order = found;
-            self.order_probability = explained.as_said;
+            self.order_probability = explained.as_labelled;
         } else if self.order.iter().enumerate().any(|(j, k)| j != *k) {
             self.order_probability = self.order_probability.max(UNDECIDED);
         }
@@ -193,18 +188,18 @@ pub(super) fn channels(
         .collect();
     let order = cheapest_assignment(&cost);
     let of = |order: &[usize]| -> f64 { order.iter().enumerate().map(|(j, &k)| cost[j][k]).sum() };
-    let as_said: Vec<usize> = (0..n).collect();
-    let odds = if order == as_said {
+    let as_labelled: Vec<usize> = (0..n).collect();
+    let odds = if order == as_labelled {
         0.0
     } else {
         let prior = OTHER_ORDER / arrangements(n, &order);
-        prior / (1.0 - OTHER_ORDER) * (of(&as_said) - of(&order)).exp()
+        prior / (1.0 - OTHER_ORDER) * (of(&as_labelled) - of(&order)).exp()
     };
 
     let evidence = (0..n)
         .map(|j| {
-            let others =
-                (0..n).filter(|&k| k != j && order[k] == k && alone[k].as_said() == Verdict::Ok);
+            let others = (0..n)
+                .filter(|&k| k != j && order[k] == k && alone[k].as_labelled() == Verdict::Ok);
             let mut weights = even.clone();
             for k in others {
                 for (weight, profile) in weights.iter_mut().zip(&profiles[k]) {
@@ -253,16 +248,16 @@ impl ChannelEvidence {
         (evidence, -all)
     }
 
-    /// Whether the column is what its header says.
-    pub fn as_said(&self) -> Verdict {
-        let [as_said, flipped, other, other_flipped, without_gravity] = self.probability;
+    /// Whether the column is what its header states.
+    pub fn as_labelled(&self) -> Verdict {
+        let [as_labelled, flipped, other, other_flipped, without_gravity] = self.probability;
         // on a joint without gravity both are the same
         if without_gravity <= NO_GRAVITY_VISIBLE
             && flipped + other + other_flipped < 1.0 - PROBABLY_RIGHT
         {
             return Verdict::Ok;
         }
-        Verdict::of_probability(as_said)
+        Verdict::of_probability(as_labelled)
     }
 }
 
@@ -311,30 +306,6 @@ impl JointTerms {
             &spread,
             &pick(&prior.mean),
         )
-    }
-}
-
-/// Prior of the constants: `x = mean + spread ξ`, `ξ ~ N(0, I)`.
-pub(super) struct LinkErrors {
-    pub(super) mean: Vec<f64>,
-    /// by columns
-    pub(super) spread: Vec<Vec<f64>>,
-}
-
-impl LinkErrors {
-    pub(super) fn of(problem: &BatchProblem, error: f64, load: f64) -> Self {
-        let (arm, set) = (problem.arm(), problem.set());
-        let mut spread = spread_of_numbers(arm, set, error, load).unwrap_or_default();
-        // rotors that are part of a constant may be of any size
-        for &(k, _) in problem.merged.iter().flat_map(|m| &m.into) {
-            if let Term::Constant(c) = problem.terms[k] {
-                let own = spread.iter().map(|column| column[c].powi(2)).sum::<f64>().sqrt();
-                let mut alone = vec![0.0; set.len()];
-                alone[c] = UNKNOWN * own;
-                spread.push(alone);
-            }
-        }
-        Self { mean: set.values(&arm.constants()), spread }
     }
 }
 

@@ -5,8 +5,8 @@ use armident_recording::Recording;
 
 use super::excitation::activity;
 
-/// Speed of a direction as a share of the RMS speed: below it a joint turns or rests.
-const TURNING: f64 = 0.1;
+/// Speed of a direction as a share of the RMS speed: below it a joint turns or is at rest.
+const SLOW_SHARE: f64 = 0.1;
 /// Reversals of a joint in which an effort with a sign would have changed it at least once.
 const REVERSALS: usize = 4;
 /// Size as a share of the 95 % quantile of the column at which it is near zero, and beyond which it has left it: a
@@ -19,7 +19,7 @@ const RETURNS: usize = 5;
 /// What a column shows alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Alone {
-    /// Nothing that speaks against it.
+    /// Nothing against it.
     Sound,
     /// One number in each recording.
     Constant(f64),
@@ -33,7 +33,7 @@ pub(super) enum Alone {
 }
 
 impl Alone {
-    /// Whether the column says nothing about its joint.
+    /// Whether the column shows nothing of its joint.
     pub(super) fn is_mute(self) -> bool {
         self != Self::Sound
     }
@@ -84,8 +84,8 @@ fn side_of(columns: &[&[f64]]) -> Option<f64> {
     }
 }
 
-/// The motion with numbers without meaning in the place of constant efforts: least squares of a column that is explained to the
-/// last digit have no noise level. Nothing is said of these columns but that they are constant.
+/// The motion with numbers without meaning instead of constant efforts: least squares of a column that is explained to the
+/// last digit have no noise level. Nothing is reported of these columns but that they are constant.
 pub(super) fn with_stand_ins(motion: &Motion, alone: &[Alone]) -> Motion {
     let mut filled = motion.clone();
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -136,7 +136,7 @@ fn returns_to_zero(column: &[f64], large: f64) -> usize {
 /// Changes of the direction of motion.
 fn reversals(velocity: &[f64]) -> usize {
     let square = velocity.iter().map(|v| v * v).sum::<f64>() / velocity.len().max(1) as f64;
-    let least = TURNING * square.sqrt();
+    let least = SLOW_SHARE * square.sqrt();
     let (mut direction, mut count) = (0.0, 0);
     for v in velocity.iter().filter(|v| v.abs() > least) {
         if direction != 0.0 && v.signum() != direction {

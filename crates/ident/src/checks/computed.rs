@@ -1,7 +1,7 @@
 //! Efforts that were computed instead of measured: a target, a command, the output of a model.
 //!
 //! Every drive that moves has friction, and every sensor noise. A model without friction has neither: what its rigid
-//! body leaves over is rounding.
+//! body leaves is rounding.
 
 use armident_effects::{Admissible, LawRole};
 
@@ -11,7 +11,7 @@ use crate::regression::{BatchProblem, LAWS, Term};
 /// Root of the share of the squared effort that friction must explain on a measured joint: bearings alone take a hundredth
 /// of the effort, gears a tenth.
 const LEAST_FRICTION: f64 = 5e-3;
-/// The same of what is left over, and of noise: torque sensors are good to some thousandths of their range.
+/// The same of the residual, and of noise: torque sensors are good to some thousandths of their range.
 const LEAST_RESIDUAL: f64 = 5e-3;
 const LEAST_NOISE: f64 = 2e-3;
 

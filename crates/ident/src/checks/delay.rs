@@ -1,6 +1,6 @@
-//! Delay between effort and motion, one for the robot, and what else looks like one.
+//! Delay between effort and motion, one for the robot, and what looks like one.
 //!
-//! Friction that builds up over a travel after each reversal, and efforts that are held between slower updates, come late
+//! Presliding friction, which follows each reversal, and efforts that are held between slower updates, come late
 //! too. A delay of clocks explains more than either, and is the same below another cut-off.
 
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ pub struct Delay {
 
 /// What takes a delay for something else.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Doubt {
+pub(super) enum LookAlike {
     /// Presliding friction explains as much.
     Presliding,
     /// Below another cut-off \[Hz\] it is another one \[s\].
@@ -53,22 +53,22 @@ const LOWER: f64 = 0.6;
 const HELD_SHARE: f64 = 0.6;
 
 /// Why a delay is none, if something else explains it.
-pub(super) fn doubt(
+pub(super) fn look_alike(
     found: &Delay,
     problem: &BatchProblem,
     (motions, noise): (&[Motion], &[f64]),
     (recordings, map): (&[Recording], &JointMap),
     is_silent: &[bool],
-) -> Result<Option<Doubt>, NumericError> {
+) -> Result<Option<LookAlike>, NumericError> {
     let [low, high] = found.interval_95_s;
     let half = 0.5 * (high - low);
     if let Some(held_s) = held_s(recordings, &motions[0].joints)
         && (found.delay_s - 0.5 * held_s).abs() < half + 0.25 * held_s
     {
-        return Ok(Some(Doubt::Held(held_s)));
+        return Ok(Some(LookAlike::Held(held_s)));
     }
     if presliding_evidence(problem, motions, is_silent)? > AS_GOOD * found.evidence {
-        return Ok(Some(Doubt::Presliding));
+        return Ok(Some(LookAlike::Presliding));
     }
     let Some(cutoff_hz) = motions.iter().find_map(|m| Some(LOWER * m.filter.as_ref()?.cutoff_hz()))
     else {
@@ -86,7 +86,8 @@ pub(super) fn doubt(
     let half_there = 0.5 * (there.interval_95_s[1] - there.interval_95_s[0]);
     let agrees = (there.delay_s - found.delay_s).abs() <= half.hypot(half_there);
     let same_side = there.delay_s * found.delay_s > 0.0;
-    Ok((!(agrees && same_side)).then_some(Doubt::OtherCutoff { cutoff_hz, delay_s: there.delay_s }))
+    Ok((!(agrees && same_side))
+        .then_some(LookAlike::OtherCutoff { cutoff_hz, delay_s: there.delay_s }))
 }
 
 /// `2 ln` of the likelihood of efforts in time with presliding friction over that without.

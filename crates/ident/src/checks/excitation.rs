@@ -102,7 +102,7 @@ pub(super) fn excitation(
         let verdict = match relative {
             r if r <= WELL_DETERMINED => Verdict::Ok,
             r if r <= POORLY_DETERMINED => Verdict::Doubtful,
-            _ => Verdict::CannotTell,
+            _ => Verdict::Inconclusive,
         };
         let reason = (verdict != Verdict::Ok).then(|| {
             let joint = constant.joint;

@@ -1,8 +1,8 @@
-//! What would explain all columns at once, before any of them is accused: gravity that points another way, joints that are
+//! What would explain all columns together, before any of them is accused: gravity that points another way, joints that are
 //! exchanged, or that count the other way, with position and effort.
 //!
 //! Method: the likelihood of the whole arm ([`arm_likelihood`](super::arm_likelihood)) of each explanation times its prior
-//! probability. From what the headers say, the best single change is taken while it multiplies the posterior by a
+//! probability. From what the headers state, the best single change is taken while it multiplies the posterior by a
 //! thousand; then changes that others have made needless are taken back.
 //!
 //! References: own.
@@ -18,8 +18,8 @@ use super::arm_columns::{ArmColumns, JointMap, JointProducts};
 use super::arm_likelihood::{
     ArmFit, ArmSystem, ConstantPrior, JointFacts, Meaning, mean_likelihood,
 };
-use super::channel::{LinkErrors, USUAL_LOG_GAIN};
 use super::gravity::{Direction, GravityDirectionFound, refine};
+use super::link_errors::{LinkErrors, USUAL_LOG_GAIN};
 use super::verdict::SURE;
 use crate::minimal_set::MinimalSet;
 use crate::regression::BatchProblem;
@@ -41,7 +41,7 @@ const STANDARD_GRAVITY: f64 = 9.806_65;
 const SHARE_OF_SPHERE: f64 = 1e-6;
 /// Changes that are judged with all priors: the best of those that one prior ranks.
 const JUDGED_FULLY: usize = 3;
-/// Changes of what the headers say, at most.
+/// Changes of what the headers state, at most.
 const MOST_CHANGES: usize = 6;
 /// What an explanation must leave of some joint's error: half, or it explains less than is left.
 pub(super) const MUST_LEAVE: f64 = 0.5;
@@ -53,7 +53,7 @@ const MUST_NOT_GROW: f64 = 1.5;
 /// How gravity stands in an explanation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Gravity {
-    AsSaid,
+    AsGiven,
     Axis(Vector3<f64>),
     TakenOff,
     Free(Vector3<f64>),
@@ -76,8 +76,8 @@ pub(super) struct Explained {
     pub(super) direction: Option<GravityDirectionFound>,
     pub(super) gravity_is_taken_off: bool,
     pub(super) map: JointMap,
-    /// Posterior probability of what the headers say, against this.
-    pub(super) as_said: f64,
+    /// Posterior probability of what the headers state, against this.
+    pub(super) as_labelled: f64,
     /// What each effort column is for the arm as a whole, by joints of the recordings.
     pub(super) meaning: Vec<Meaning>,
 }
@@ -101,13 +101,13 @@ pub(super) fn explain(
             ConstantPrior::of(of.mean, &of.spread)
         })
         .collect();
-    let as_said = JointMap::as_said(arm.dof());
+    let as_labelled = JointMap::as_labelled(arm.dof());
     let nothing = |meaning: Vec<Meaning>| Explained {
         gravity_e0: arm.gravity_e0,
         direction: None,
         gravity_is_taken_off: false,
-        map: JointMap::as_said(arm.dof()),
-        as_said: 1.0,
+        map: JointMap::as_labelled(arm.dof()),
+        as_labelled: 1.0,
         meaning,
     };
     if priors.len() < PRIORS.len() {
@@ -115,36 +115,36 @@ pub(super) fn explain(
     }
     let columns = ArmColumns::of(&problem, motions);
     let search = Search { model, columns, priors, facts, given: arm.gravity_e0 };
-    let start = State { gravity: Gravity::AsSaid, map: as_said, map_prior: 0.0 };
-    let said = search.judged(&start);
-    // what is left over of every joint is noise: nothing explains half of it
-    if !search.leaves_more_than_noise(&said) {
-        return Ok(nothing(said.meaning()));
+    let start = State { gravity: Gravity::AsGiven, map: as_labelled, map_prior: 0.0 };
+    let labelled = search.judged(&start);
+    // the residual of every joint is noise: nothing explains half of it
+    if !search.leaves_more_than_noise(&labelled) {
+        return Ok(nothing(labelled.meaning()));
     }
-    let mut best = said.clone();
+    let mut best = labelled.clone();
     for _ in 0..MOST_CHANGES {
         let Some(better) = search.better(&best) else { break };
         best = better;
     }
-    if best.state == said.state {
-        return Ok(nothing(said.meaning()));
+    if best.state == labelled.state {
+        return Ok(nothing(labelled.meaning()));
     }
-    let odds = (said.score - best.score).exp();
+    let odds = (labelled.score - best.score).exp();
     let probability = odds / (1.0 + odds);
     if probability > SURE
-        || !search.explains(&said, &best)
-        || !search.holds_in_each_recording(&said, &best)
+        || !search.explains(&labelled, &best)
+        || !search.holds_in_each_recording(&labelled, &best)
     {
-        return Ok(nothing(said.meaning()));
+        return Ok(nothing(labelled.meaning()));
     }
     let (gravity_e0, direction) = search.direction(&best);
     if direction.as_ref().is_some_and(|found| found.radius_95_deg > WIDEST_DEG) {
-        return Ok(nothing(said.meaning()));
+        return Ok(nothing(labelled.meaning()));
     }
     let gravity_is_taken_off = best.state.gravity == Gravity::TakenOff;
     let meaning = best.meaning();
-    let (map, as_said) = (best.state.map, probability);
-    Ok(Explained { gravity_e0, direction, gravity_is_taken_off, map, as_said, meaning })
+    let (map, as_labelled) = (best.state.map, probability);
+    Ok(Explained { gravity_e0, direction, gravity_is_taken_off, map, as_labelled, meaning })
 }
 
 /// The arm with gravity along no special direction.
@@ -193,7 +193,7 @@ impl Search<'_> {
 
     fn gravity_of(&self, gravity: Gravity) -> Vector3<f64> {
         match gravity {
-            Gravity::AsSaid => self.given,
+            Gravity::AsGiven => self.given,
             Gravity::TakenOff => Vector3::zeros(),
             Gravity::Axis(at) | Gravity::Free(at) => at,
         }
@@ -218,7 +218,7 @@ impl Search<'_> {
         let fits = self.fits(products, &self.gravity_of(state.gravity));
         let prior = state.map_prior
             + match state.gravity {
-                Gravity::AsSaid => (1.0 - OTHER_AXIS - TAKEN_OFF - FREE).ln(),
+                Gravity::AsGiven => (1.0 - OTHER_AXIS - TAKEN_OFF - FREE).ln(),
                 Gravity::Axis(_) => (OTHER_AXIS / 5.0).ln(),
                 Gravity::TakenOff => TAKEN_OFF.ln(),
                 Gravity::Free(_) => (FREE * SHARE_OF_SPHERE).ln(),
@@ -236,7 +236,7 @@ impl Search<'_> {
         let mut tried: Vec<Judged> = self.gravities(from, &products);
         let mapped = |(map, prior): &(JointMap, f64)| State {
             map: map.clone(),
-            map_prior: if map.is_as_said() { 0.0 } else { from.state.map_prior + prior },
+            map_prior: if map.is_as_labelled() { 0.0 } else { from.state.map_prior + prior },
             ..from.state.clone()
         };
         // all with the priors that a search needs, the best of them with all
@@ -281,7 +281,7 @@ impl Search<'_> {
         let axes: Vec<Vector3<f64>> = axes.iter().flat_map(|a| [along(*a), along(-*a)]).collect();
         let mut states: Vec<Gravity> =
             axes.iter().filter(|at| !is_given(at)).map(|at| Gravity::Axis(*at)).collect();
-        states.push(Gravity::AsSaid);
+        states.push(Gravity::AsGiven);
         states.push(Gravity::TakenOff);
         states.retain(|gravity| *gravity != from.state.gravity);
         let mut judged: Vec<Judged> = states
@@ -353,11 +353,11 @@ impl Search<'_> {
     /// Maps with two effort columns exchanged.
     fn effort_maps(&self, from: &JointMap) -> Vec<(JointMap, f64)> {
         let n = self.columns.joints();
-        let heard: Vec<usize> = (0..n).filter(|&j| !self.facts.is_mute[from.effort[j]]).collect();
+        let usable: Vec<usize> = (0..n).filter(|&j| !self.facts.is_mute[from.effort[j]]).collect();
         let pairs = (n * n.saturating_sub(1) / 2).max(1) as f64;
         let mut maps = Vec::new();
-        for &j in &heard {
-            for &k in heard.iter().filter(|&&k| k < j) {
+        for &j in &usable {
+            for &k in usable.iter().filter(|&&k| k < j) {
                 let mut map = from.clone();
                 map.effort.swap(j, k);
                 maps.push((map, (EXCHANGED / pairs).ln()));
@@ -366,7 +366,7 @@ impl Search<'_> {
         maps
     }
 
-    /// Whether no recording alone says the contrary of what all say together.
+    /// Whether no recording alone shows the contrary of what all show together.
     fn holds_in_each_recording(&self, before: &Judged, after: &Judged) -> bool {
         let blocks = self.columns.blocks_by_recording();
         if blocks.len() < 2 {
@@ -409,19 +409,19 @@ impl Search<'_> {
     fn leaves_more_than_noise(&self, judged: &Judged) -> bool {
         judged.best().is_none_or(|fit| {
             (0..self.columns.joints()).any(|s| {
-                let heard = !self.facts.is_mute[s] && self.columns.moves[s];
-                heard && fit.variance[s] * MUST_LEAVE.powi(2) > fit.least_variance[s]
+                let usable = !self.facts.is_mute[s] && self.columns.moves[s];
+                usable && fit.variance[s] * MUST_LEAVE.powi(2) > fit.least_variance[s]
             })
         })
     }
 
     /// Whether an explanation leaves half of some joint's error at most, and of none much more.
     fn explains(&self, before: &Judged, after: &Judged) -> bool {
-        let heard = |s: &usize| !self.facts.is_mute[*s] && self.columns.moves[*s];
+        let usable = |s: &usize| !self.facts.is_mute[*s] && self.columns.moves[*s];
         let ratios = self.ratios(before, after);
-        let of_heard: Vec<f64> = (0..ratios.len()).filter(heard).map(|s| ratios[s]).collect();
-        let least = of_heard.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = of_heard.iter().copied().fold(0.0, f64::max);
+        let of_usable: Vec<f64> = (0..ratios.len()).filter(usable).map(|s| ratios[s]).collect();
+        let least = of_usable.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = of_usable.iter().copied().fold(0.0, f64::max);
         least <= MUST_LEAVE && most <= MUST_NOT_GROW && self.fits_most(after)
     }
 
@@ -430,21 +430,21 @@ impl Search<'_> {
     fn fits_most(&self, judged: &Judged) -> bool {
         let Some(fit) = judged.best() else { return false };
         let effort = &judged.state.map.effort;
-        let heard: Vec<usize> = (0..effort.len())
+        let usable: Vec<usize> = (0..effort.len())
             .filter(|&j| !self.facts.is_mute[effort[j]] && self.columns.moves[effort[j]])
             .collect();
-        let fitted = heard.iter().filter(|&&j| {
+        let fitted = usable.iter().filter(|&&j| {
             let near_one =
                 (fit.gain[j] - 1.0).abs() < 2.0 * USUAL_LOG_GAIN || self.facts.is_signal[effort[j]];
             near_one && fit.left[j] <= MUST_LEAVE.powi(2)
         });
-        2 * fitted.count() >= heard.len()
+        2 * fitted.count() >= usable.len()
     }
 
     /// Gravity of an explanation, and where it points if that is not where it was given.
     fn direction(&self, best: &Judged) -> (Vector3<f64>, Option<GravityDirectionFound>) {
         let at = self.gravity_of(best.state.gravity);
-        if matches!(best.state.gravity, Gravity::AsSaid | Gravity::TakenOff) {
+        if matches!(best.state.gravity, Gravity::AsGiven | Gravity::TakenOff) {
             return (self.given, None);
         }
         let products = self.columns.products(&best.state.map);

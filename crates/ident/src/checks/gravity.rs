@@ -1,8 +1,8 @@
-//! Where gravity points, as the efforts of all joints say.
+//! Where gravity points, as the efforts of all joints show.
 //!
 //! Method: Gauss-Newton over the constants, the friction and the two angles of a direction, about the direction so far, to
 //! convergence: no linearisation about the given direction is left, at any angle. The covariance of the direction is that of
-//! the jackknife over blocks of time, which counts the correlation of what is left over; its radius is the 95 % quantile of
+//! the jackknife over blocks of time, which counts the correlation of the residual; its radius is the 95 % quantile of
 //! Hotelling's T² of two components.
 //!
 //! References: H. R. Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17
@@ -168,7 +168,7 @@ fn step(
         if fit.variance[j] == f64::INFINITY {
             continue;
         }
-        let with_spring = fit.meaning[j] == Meaning::Sprung;
+        let with_spring = fit.meaning[j] == Meaning::Compliant;
         let all = of.at_gravity(&sums[j], gravity, with_spring, &tangents);
         let first = of.friction + if with_spring { of.spring } else { 0 };
         let beyond = beyond_first(&all, first);
@@ -176,8 +176,8 @@ fn step(
         let weight = columns.independent[of.effort]
             / (columns.samples[of.effort].max(1.0) * fit.variance[j]);
         let b = fit.gain[j];
-        // unknowns: whitened constants, then the turn
-        let design = prior.whitened_with(&of.constants, 2);
+        // parameters: standardised constants, then the turn
+        let design = prior.standardised_with(&of.constants, 2);
         let square = Mat::from_fn(z + 2, z + 2, |i, k| beyond[(i, k)]);
         let half = &square * &design;
         let full = design.transpose() * &half;

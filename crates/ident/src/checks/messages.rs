@@ -8,11 +8,12 @@ use armident_motion::{
 use armident_recording::{Action, QualityIssue, QualityIssueKind, Quantity};
 
 use super::arm_likelihood::Meaning;
-use super::channel::{ChannelEvidence, ChannelKind, Channels, LARGEST_LOG_GAIN};
+use super::channel::{ChannelEvidence, ChannelKind, Channels};
 use super::computed::BesideRigid;
-use super::delay::{Delay, Doubt};
+use super::delay::{Delay, LookAlike};
 use super::excitation::{ConstantCheck, activity};
 use super::explanations::Explained;
+use super::link_errors::LARGEST_LOG_GAIN;
 use super::verdict::{Check, SURE, Topic, Verdict};
 
 /// `2 ln` of the likelihood ratio above which a delay is wrong: a thousand to one, with a prior of
@@ -27,7 +28,7 @@ const BEYOND_LIMIT: f64 = 3.0;
 /// Share of the squared effort beside friction that the rigid body must explain for a verdict on sign and unit: half, or more
 /// is left than explained. The same share of the whole shows friction.
 const SHOWS: f64 = 0.5;
-/// Share of a column that is left over where nothing of a joint's motion is in it.
+/// Share of a column that remains where nothing of a joint's motion is in it.
 const FITS_NOTHING: f64 = 0.7;
 /// Angle beyond which gravity is that of another mounting \[degrees\]: a base that stands on a slope, or was screwed on
 /// carelessly, is tilted by less, and a diagnosis finds that.
@@ -161,7 +162,11 @@ pub(super) fn rate(reports: &[QualityReport], motions: &[Motion]) -> Vec<Check> 
         .collect()
 }
 
-pub(super) fn delay(delay: Option<&Delay>, doubt: Option<Doubt>, motions: &[Motion]) -> Check {
+pub(super) fn delay(
+    delay: Option<&Delay>,
+    look_alike: Option<LookAlike>,
+    motions: &[Motion],
+) -> Check {
     let step_s = motions.iter().map(|m| 1.0 / m.rate_hz).fold(0.0, f64::max);
     let Some(found) = delay else {
         let message = "delay not identifiable from this motion".to_owned();
@@ -169,7 +174,7 @@ pub(super) fn delay(delay: Option<&Delay>, doubt: Option<Doubt>, motions: &[Moti
         return Check {
             advice: Some(advice),
             unit: "s",
-            ..robot_wide(Topic::Delay, Verdict::CannotTell, message)
+            ..robot_wide(Topic::Delay, Verdict::Inconclusive, message)
         };
     };
     let [low, high] = found.interval_95_s;
@@ -181,22 +186,22 @@ pub(super) fn delay(delay: Option<&Delay>, doubt: Option<Doubt>, motions: &[Moti
     } else if excludes_zero && found.delay_s.abs() > 0.5 * step_s {
         Verdict::Doubtful
     } else if half > 5.0 * step_s && !excludes_zero {
-        Verdict::CannotTell
+        Verdict::Inconclusive
     } else {
         Verdict::Ok
     };
-    let verdict = if doubt.is_some() { verdict.min(Verdict::CannotTell) } else { verdict };
-    let rival = match doubt {
+    let verdict = if look_alike.is_some() { verdict.min(Verdict::Inconclusive) } else { verdict };
+    let rival = match look_alike {
         None => String::new(),
-        Some(Doubt::Presliding) => {
+        Some(LookAlike::Presliding) => {
             "; friction that builds up after each reversal explains as much: no case against the clocks".to_owned()
         }
-        Some(Doubt::OtherCutoff { cutoff_hz, delay_s }) => format!(
+        Some(LookAlike::OtherCutoff { cutoff_hz, delay_s }) => format!(
             "; below {} Hz it is {:.1} ms: no delay of clocks, which is the same at any cut-off",
             digits(cutoff_hz, 3),
             1e3 * delay_s
         ),
-        Some(Doubt::Held(held_s)) => format!(
+        Some(LookAlike::Held(held_s)) => format!(
             "; effort samples are held for {:.0} ms, and come late by half of it",
             1e3 * held_s
         ),
@@ -213,10 +218,10 @@ pub(super) fn delay(delay: Option<&Delay>, doubt: Option<Doubt>, motions: &[Moti
             "shift the effort stamps by {:.1} ms, or time-stamp both channels at the source",
             -1e3 * found.delay_s
         )),
-        Verdict::CannotTell if doubt.is_none() => {
+        Verdict::Inconclusive if look_alike.is_none() => {
             Some("excite several frequencies, faster".to_owned())
         }
-        Verdict::CannotTell | Verdict::Ok => None,
+        Verdict::Inconclusive | Verdict::Ok => None,
     };
     Check {
         value: Some(found.delay_s),
@@ -262,11 +267,11 @@ fn is_absent(found: &ChannelEvidence) -> bool {
 /// `is_effort`: joints whose efforts are recorded, not currents.
 pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
     let is_missing = |c: &ChannelEvidence| {
-        c.as_said() == Verdict::Wrong && is_absent(c) && c.residual_rms > FITS_NOTHING * c.sd
+        c.as_labelled() == Verdict::Wrong && is_absent(c) && c.residual_rms > FITS_NOTHING * c.sd
     };
     let pairs = channels.evidence.iter().zip(is_effort);
     let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
-    let none_fits = all.len() > 1 && all.iter().all(|c| c.as_said() != Verdict::Ok);
+    let none_fits = all.len() > 1 && all.iter().all(|c| c.as_labelled() != Verdict::Ok);
     (none_fits && all.into_iter().any(is_missing)).then(|| Check {
         advice: Some("check that efforts and positions come from one run and one clock".to_owned()),
         ..robot_wide(
@@ -339,7 +344,7 @@ pub(super) fn exchanged(explained: &Explained, names: &[&str]) -> Check {
     let columns: Vec<String> =
         moved.iter().map(|&j| format!("{} to joint {}", names[source[j]], names[j])).collect();
     Check {
-        value: Some(explained.as_said),
+        value: Some(explained.as_labelled),
         unit: "probability",
         advice: Some(format!(
             "assign the columns in a mapping file (position, velocity and effort): {}",
@@ -379,7 +384,7 @@ pub(super) fn computed(beside: &[BesideRigid]) -> Option<Check> {
 pub(super) fn joint_sign(explained: &Explained, joint: usize, names: &[&str]) -> Option<Check> {
     (explained.map.sign[joint] < 0.0).then(|| Check {
         joint: Some(names[joint].to_owned()),
-        value: Some(explained.as_said),
+        value: Some(explained.as_labelled),
         unit: "probability",
         advice: Some(
             "set sign = -1 on its position, velocity and effort in a mapping file, or turn the axis in the URDF"
@@ -481,7 +486,7 @@ pub(super) fn channel(
     }
     if has_dead_zone {
         let message = format!("the column has a dead zone; {gain}");
-        return base(Verdict::CannotTell, message, None);
+        return base(Verdict::Inconclusive, message, None);
     }
     let [_, flipped, other, other_flipped, without_gravity] = found.probability;
     if let Some(quantity) = signal {
@@ -496,10 +501,10 @@ pub(super) fn channel(
             base(Verdict::Ok, message, Some(advice))
         } else {
             let message = format!("{quantity}, gain not identifiable from this motion; {gain}");
-            base(Verdict::CannotTell, message, None)
+            base(Verdict::Inconclusive, message, None)
         };
     }
-    let verdict = found.as_said();
+    let verdict = found.as_labelled();
     if matches!(verdict, Verdict::Ok) {
         return base(verdict, format!("matches the URDF, {gain}"), None);
     }
@@ -521,21 +526,23 @@ pub(super) fn channel(
         let message = format!(
             "less gravity than the URDF's links have on this joint: a spring or counterbalance, or other masses; {gain}"
         );
-        return base(Verdict::CannotTell, message, None);
+        return base(Verdict::Inconclusive, message, None);
     }
     // a sign or unit that the arm as a whole does not ask for is none
     let meaning = explained.meaning[explained.map.source[joint]];
     // no spring turns friction round
     let turned = backwards && found.friction_flipped > -SURE.ln();
-    if meaning == Meaning::Sprung && verdict != Verdict::Ok && !turned {
+    if meaning == Meaning::Compliant && verdict != Verdict::Ok && !turned {
         let message = format!(
             "the URDF's links and a spring or counterbalance on this joint explain it better than another sign or unit; {gain}"
         );
-        return base(Verdict::CannotTell, message, None);
+        return base(Verdict::Inconclusive, message, None);
     }
     let shows = found.urdf_share > SHOWS || (is_friction && backwards);
-    let agrees = meaning == Meaning::Multiple || turned || absent;
-    let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::CannotTell) };
+    // the column itself shows its sign and unit where its gain is known to a factor of two
+    let is_known = low * high > 0.0 && f64::max(high / low, low / high) < 2.0;
+    let agrees = meaning == Meaning::Multiple || turned || absent || is_known;
+    let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::Inconclusive) };
     // of a joint that swings freely, or of links with other lengths, friction is all that is left
     if absent && verdict == Verdict::Wrong && found.residual_rms > FITS_NOTHING * found.sd {
         let message = format!(
@@ -554,14 +561,14 @@ pub(super) fn channel(
             short(found.sd),
             short(found.urdf_sd)
         );
-        return base(Verdict::CannotTell, message, None);
+        return base(Verdict::Inconclusive, message, None);
     }
-    let verdict = if absent { Verdict::CannotTell } else { verdict };
-    if matches!(verdict, Verdict::CannotTell) && found.urdf_share > SHOWS {
+    let verdict = if absent { Verdict::Inconclusive } else { verdict };
+    if matches!(verdict, Verdict::Inconclusive) && found.urdf_share > SHOWS {
         let message = format!("fits the URDF, but other signs and units are not excluded; {gain}");
         return base(verdict, message, None);
     }
-    if matches!(verdict, Verdict::CannotTell) {
+    if matches!(verdict, Verdict::Inconclusive) {
         let message = format!(
             "the rigid-body effort (standard deviation {} {newton}) is small compared with friction \
              and residual ({} {newton}); {gain}",
@@ -747,14 +754,14 @@ pub(super) fn motion(motions: &[Motion], joint: usize, name: &str) -> Option<Che
     })
 }
 
-pub(super) fn excitation(constants: &[ConstantCheck], rank: usize, unknowns: usize) -> Check {
+pub(super) fn excitation(constants: &[ConstantCheck], rank: usize, parameters: usize) -> Check {
     let count = |verdict| constants.iter().filter(|c| c.verdict == verdict).count();
     let (well, hardly, not) =
-        (count(Verdict::Ok), count(Verdict::Doubtful), count(Verdict::CannotTell));
+        (count(Verdict::Ok), count(Verdict::Doubtful), count(Verdict::Inconclusive));
     let verdict = if hardly + not == 0 { Verdict::Ok } else { Verdict::Doubtful };
     let message = format!(
         "{well} of {} constants well determined (standard error below 10 % of size), {hardly} poorly, {not} not; \
-         rank {rank} of {unknowns}",
+         rank {rank} of {parameters}",
         constants.len()
     );
     let advice = (verdict != Verdict::Ok)

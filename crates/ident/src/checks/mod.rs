@@ -1,4 +1,4 @@
-//! Input checks: are the columns of a recording what their headers say, and are they good enough for a fit?
+//! Input checks: are the columns of a recording what their headers state, and are they good enough for a fit?
 //!
 //! | check | how |
 //! | --- | --- |
@@ -11,7 +11,7 @@
 //!
 //! Verdicts follow from posterior probabilities or standard errors, using the effective sample size of the residual: at
 //! most what the low-pass passes, and at most that of the motion where the residual is not noise. A joint whose efforts
-//! are dominated by friction and noise is inconclusive ([`Verdict::CannotTell`]). How well the URDF fits decides nothing:
+//! are dominated by friction and noise is inconclusive ([`Verdict::Inconclusive`]). How well the URDF fits decides nothing:
 //! its parameters may be wrong by their size, and the arm may carry an unknown load.
 
 mod arm_columns;
@@ -25,6 +25,7 @@ mod excitation;
 mod explanations;
 mod gravity;
 mod likelihood;
+mod link_errors;
 mod messages;
 mod rows;
 mod verdict;
@@ -64,7 +65,7 @@ pub struct RecordingCheck {
     pub channels: Vec<ChannelEvidence>,
     /// Per joint, the joint whose column most likely holds its effort.
     pub order: Vec<usize>,
-    /// Where gravity points; none where nothing says that it is not as given.
+    /// Where gravity points; none where nothing shows that it is not as given.
     pub gravity: Option<GravityDirectionFound>,
     /// Per joint, the joint of the recordings that it is, with position and effort.
     pub recorded_as: Vec<usize>,
@@ -74,7 +75,7 @@ pub struct RecordingCheck {
     pub delay: Option<Delay>,
     /// How well each constant is determined.
     pub constants: Vec<ConstantCheck>,
-    /// Rank of the recordings alone, of so many unknowns.
+    /// Rank of the recordings alone, of so many parameters.
     pub rank: (usize, usize),
     /// Timing, noise and steps of each recording.
     pub quality: Vec<QualityReport>,
@@ -160,7 +161,7 @@ pub fn check(
         is_signal: names.iter().map(|name| signals.contains_key(*name)).collect(),
         is_mute: is_mute.clone(),
     };
-    // what explains all columns comes before anything is said of one
+    // what explains all columns comes before anything is reported of one
     let explained = explanations::explain(model, motions, &problem, &facts)?;
     let map = &explained.map;
     let mapped: Vec<Motion> = motions.iter().map(|m| map.motion(m)).collect();
@@ -181,11 +182,11 @@ pub fn check(
         let Some(rest) = delay::delay(&rows, &is_silent) else { break };
         delay = Some(so_far.and_then(&rest));
     }
-    let doubt = match delay.as_ref().filter(|d| d.excludes_zero()) {
+    let look_alike = match delay.as_ref().filter(|d| d.excludes_zero()) {
         Some(found) => {
             let in_time = problem_of(&arm, motions)?;
             let of = ((motions, noise.as_slice()), (recordings, map));
-            delay::doubt(found, &in_time, of.0, of.1, &is_silent)?
+            delay::look_alike(found, &in_time, of.0, of.1, &is_silent)?
         }
         None => None,
     };
@@ -212,8 +213,8 @@ pub fn check(
     let mut checks = messages::quality(&quality, &differences, &with_dead_zone);
     checks.extend(messages::rate(&quality, motions));
     checks.extend(messages::gravity(&explained));
-    checks.push(messages::delay(delay.as_ref(), doubt, motions));
-    checks.push(match map.joints_are_as_said() || map.source.is_sorted() {
+    checks.push(messages::delay(delay.as_ref(), look_alike, motions));
+    checks.push(match map.joints_are_as_labelled() || map.source.is_sorted() {
         true => messages::order(&channels, &names),
         false => messages::exchanged(&explained, &names),
     });

@@ -9,7 +9,8 @@ pub enum Verdict {
     /// Right; the recordings would show a fault.
     Ok,
     /// The recordings would not show a fault.
-    CannotTell,
+    #[serde(rename = "cannot_tell")]
+    Inconclusive,
     /// More likely wrong than not, or of little use.
     Doubtful,
     /// Wrong beyond a thousand to one.
@@ -18,7 +19,7 @@ pub enum Verdict {
 
 /// A fault less likely than this is none, one more likely than its complement is one.
 pub(super) const SURE: f64 = 1e-3;
-/// Probability of what a header says above which a column is right.
+/// Probability of what a header states above which a column is right.
 pub(super) const PROBABLY_RIGHT: f64 = 0.99;
 
 impl Verdict {
@@ -26,7 +27,7 @@ impl Verdict {
     pub(super) fn of_probability(p: f64) -> Self {
         match p {
             p if p >= PROBABLY_RIGHT => Self::Ok,
-            p if p >= 0.5 => Self::CannotTell,
+            p if p >= 0.5 => Self::Inconclusive,
             p if p > SURE => Self::Doubtful,
             _ => Self::Wrong,
         }

@@ -132,7 +132,7 @@ fn residuals(
 struct Weighing {
     /// per motion and used sample: absolute residual, then the root of the weight
     roots: Vec<Vec<f64>>,
-    /// per motion and used sample: whether the joint rests
+    /// per motion and used sample: whether the joint is at rest
     at_rest: Vec<Vec<bool>>,
     /// sum of the weights, samples within the scale, and all
     sum: f64,
@@ -144,7 +144,8 @@ impl Weighing {
     /// Standard deviation of the residual in motion, if it is normal, from its median.
     fn scale(&self) -> f64 {
         let all = self.roots.iter().flatten().zip(self.at_rest.iter().flatten());
-        let mut left: Vec<f64> = all.filter(|(_, rests)| !**rests).map(|(left, _)| *left).collect();
+        let mut left: Vec<f64> =
+            all.filter(|(_, at_rest)| !**at_rest).map(|(left, _)| *left).collect();
         let middle = left.len() / 2;
         if left.is_empty() {
             return f64::MIN_POSITIVE;

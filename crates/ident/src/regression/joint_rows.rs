@@ -226,7 +226,7 @@ fn rows_of_joint(
     for (index, motion) in motions.iter().enumerate() {
         let effort = effort_of(motion, joint);
         let (mut columns, mut y) = form(index, joint, effort);
-        // rows of zeros say nothing
+        // rows of zeros mean nothing
         for unmeasured in motion.unmeasured() {
             for column in columns.iter_mut().chain([&mut y]) {
                 column[unmeasured.clone()].fill(0.0);

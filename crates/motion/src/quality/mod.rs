@@ -19,7 +19,7 @@ use stuck::{quantisation_step, stuck};
 
 /// Positions beyond this are four turns; arms rarely do that, degrees always \[rad\].
 const FAR_POSITION: f64 = 25.0;
-/// Jitter that is told, as a share of the step.
+/// Jitter that is reported, as a share of the step.
 const SMALLEST_JITTER: f64 = 1e-3;
 /// Rates of two recordings are the same within this share.
 const SAME_RATE: f64 = 0.01;

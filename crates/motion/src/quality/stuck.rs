@@ -28,8 +28,8 @@ const FLAT_SAMPLES: usize = 5;
 const ENTRY_STEPS: f64 = 3.5;
 /// Share of a joint's range within which it rests: in five samples of a kilohertz a joint of a radian at a tenth of its
 /// speed comes farther.
-const RESTS_SHARE: f64 = 1e-4;
-/// Flat tops are told from 3 of them on, or from one of this many samples.
+const AT_REST_SHARE: f64 = 1e-4;
+/// Flat tops are reported from 3 of them on, or from one of this many samples.
 const LONG_FLAT_SAMPLES: usize = 10;
 const FEWEST_FLATS: usize = 3;
 /// Share of the samples that must be at levels that others are at.
@@ -75,7 +75,7 @@ pub(crate) fn quantisation_step(values: &[f64]) -> Option<f64> {
     (step.is_finite() && on_steps >= ON_STEPS_SHARE * differences.len() as f64).then_some(step)
 }
 
-/// First and last sample of each stretch of equal values, if it has at least so many.
+/// First and last sample of each run of equal values, if it has at least so many.
 fn repetitions(values: &[f64], fewest: usize) -> Vec<(usize, usize)> {
     let mut runs = Vec::new();
     let mut from = 0;
@@ -103,7 +103,7 @@ fn range(values: &[f64]) -> f64 {
 pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> Vec<QualityIssue> {
     let Some(position) = joint.position.as_deref() else { return Vec::new() };
     let fewest = ((STUCK_S / timing.median_step_s).ceil() as usize).max(STUCK_SAMPLES);
-    // steps take a sorted copy of the channel, and mostly nobody asks
+    // steps take a sorted copy of the channel, and are mostly not needed
     let moved = LazyCell::new(|| {
         let step = quantisation_step(position).unwrap_or(0.0);
         (MOVES_STEPS * step).max(RESTING_RANGE)
@@ -224,7 +224,7 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIss
         // at rest an effort may be constant
         if let Some(position) = joint.position.as_deref().filter(|_| !runs.is_empty()) {
             let step = quantisation_step(position).unwrap_or(0.0);
-            let still = (RESTING_STEPS * step).max(RESTS_SHARE * range(position));
+            let still = (RESTING_STEPS * step).max(AT_REST_SHARE * range(position));
             runs.retain(|&(from, to)| range(&position[from..=to]) > still);
         }
         let is_long = runs.iter().any(|(from, to)| to - from + 1 >= LONG_FLAT_SAMPLES);

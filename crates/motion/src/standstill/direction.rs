@@ -38,11 +38,11 @@ pub(crate) fn directions_and_stops(
 ) -> (Vec<f64>, Vec<bool>) {
     let n = velocity.len();
     let (rms, threshold) = sure_speed(velocity, noise);
-    let rests: Vec<(usize, usize)> =
+    let dwells: Vec<(usize, usize)> =
         stops.iter().map(Standstill::samples).filter(|(start, end)| start < end).collect();
     let mut velocity = velocity.to_vec();
     let mut resting = vec![false; n];
-    for (start, end) in &rests {
+    for (start, end) in &dwells {
         velocity[*start..*end].fill(0.0);
         resting[*start..*end].fill(true);
     }
@@ -52,7 +52,7 @@ pub(crate) fn directions_and_stops(
     let mut direction: Vec<f64> =
         velocity.iter().map(|v| if v.abs() >= threshold { v.signum() } else { 0.0 }).collect();
     let bridge = |(start, end): (usize, usize)| {
-        let mut within = rests.iter().filter(|(from, to)| *from < end && start < *to);
+        let mut within = dwells.iter().filter(|(from, to)| *from < end && start < *to);
         let first = within.next();
         let last = within.next_back().or(first);
         Bridge {
@@ -79,8 +79,8 @@ pub(crate) fn directions_and_stops(
     (direction, stuck)
 }
 
-/// Stretches in which a joint rests, from its speed and the noise of that: the slow ones that last.
-pub(crate) fn rests_of(velocity: &[f64], noise: f64, rate_hz: f64) -> Vec<Range<usize>> {
+/// Dwells of a joint, from its speed and the noise of that: slow spells that last.
+pub(crate) fn dwells_of(velocity: &[f64], noise: f64, rate_hz: f64) -> Vec<Range<usize>> {
     let (rms, _) = sure_speed(velocity, noise);
     let slow = (SIGN_DEVIATIONS * noise).min(SLOW_SHARE * rms).max(STICK_SHARE * rms);
     let spells = spells(velocity, slow).into_iter();

@@ -95,9 +95,9 @@ fn is_smooth(position: &[f64], noise: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Holds of 25 ms between slides of 60 ms are found; the smooth reversals of a sine are not rests.
+    /// Holds of 25 ms between slides of 60 ms are found; the smooth reversals of a sine are not dwells.
     #[test]
-    fn holds_between_slides_are_rests() {
+    fn holds_between_slides_are_dwells() {
         const RATE_HZ: f64 = 400.0;
         let slides = |t: f64| {
             let (cycle, phase) = ((t / 0.085).floor(), t % 0.085);

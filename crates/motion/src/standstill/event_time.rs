@@ -139,13 +139,13 @@ impl Around {
         if turns {
             self.try_turns(&from, directions, &mut best);
         }
-        self.try_rests(&from, &coarse, directions, &mut best);
+        self.try_dwells(&from, &coarse, directions, &mut best);
         let fine = |at: f64| self.places(at - 1.0 / COARSE, at + 1.0 / COARSE, FINE);
         if let Some(turn) = best.turn {
             self.try_turns(&fine(turn.stop.from), directions, &mut best);
         }
         if let Some(rest) = best.rest {
-            self.try_rests(&fine(rest.stop.from), &fine(rest.stop.to), directions, &mut best);
+            self.try_dwells(&fine(rest.stop.from), &fine(rest.stop.to), directions, &mut best);
         }
         let Tried { left, stop } = match (best.turn, best.rest) {
             (Some(turn), Some(rest)) => {
@@ -185,7 +185,7 @@ impl Around {
     }
 
     /// Stops at which the joint rests before it breaks away.
-    fn try_rests(&self, from: &[f64], to: &[f64], directions: [f64; 2], best: &mut Best) {
+    fn try_dwells(&self, from: &[f64], to: &[f64], directions: [f64; 2], best: &mut Best) {
         let before: Vec<Option<Side>> = from.iter().map(|t| self.before(*t)).collect();
         let after: Vec<Option<Side>> = to.iter().map(|t| self.after(*t, false)).collect();
         for (&from, before) in from.iter().zip(&before) {
@@ -342,8 +342,9 @@ mod tests {
                         assert!(early < 1.2 && late < 1.2, "{stop:?} {found:?}");
                         assert!(stop.to - stop.from < 2.0, "{stop:?}");
                     }
-                    let rests = stop.to - stop.from > 2.0;
-                    (turned, rested) = (turned + usize::from(!rests), rested + usize::from(rests));
+                    let is_dwell = stop.to - stop.from > 2.0;
+                    (turned, rested) =
+                        (turned + usize::from(!is_dwell), rested + usize::from(is_dwell));
                 }
             }
         }

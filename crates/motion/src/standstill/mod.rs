@@ -6,7 +6,7 @@
 //! a fraction of a sample ([`event_time`]). A drive does not jump: its effort is continuous where a joint stops and where it
 //! breaks away, so while the joint rests it goes from what it needed before to what it needs after ([`actuator`]). The other
 //! joints' efforts do not jump either, so their accelerations do ([`coupled_jumps`]). And what the drive follows goes on
-//! meanwhile: how far it runs while friction reverses is told by the rests in which the joint turns back ([`direction`]).
+//! meanwhile: how far it runs while friction reverses follows from the dwells in which the joint turns back ([`direction`]).
 
 mod actuator;
 mod coupled_jumps;
@@ -20,7 +20,7 @@ mod segments;
 pub use actuator::continued;
 pub(crate) use actuator::held;
 pub(crate) use coupled_jumps::{CoupledJump, SmearedStep, coupled_jumps_of};
-pub(crate) use direction::{directions_and_stops, rests_of};
+pub(crate) use direction::{directions_and_stops, dwells_of};
 pub(crate) use record_ends::{stands_at_ends, starts_at_rest};
 pub use segments::{ChannelSeries, Kind, filter_between};
 
@@ -110,7 +110,7 @@ struct Glimpse {
     start: usize,
     end: usize,
     /// whether the joint was seen to stay where it is, not only to turn
-    rests: bool,
+    is_dwell: bool,
     directions: [f64; 2],
 }
 
@@ -127,7 +127,7 @@ impl Channels<'_> {
         let samples = self.position.len();
         let deviation = noise.max(quantisation(self.step));
         let exact = |(k, glimpse): (usize, &Glimpse)| {
-            let &Glimpse { start, end, rests, directions } = glimpse;
+            let &Glimpse { start, end, is_dwell, directions } = glimpse;
             let before = k.checked_sub(1).map_or(0, |k| seen[k].end);
             let after = seen.get(k + 1).map_or(samples, |next| next.start);
             let found = (start > 0 && end < samples).then(|| {
@@ -136,8 +136,8 @@ impl Channels<'_> {
             });
             match found.flatten() {
                 // a motion that is smooth all through may turn as well
-                Some((stop, is_clear)) => (is_clear || rests).then_some(stop),
-                None => rests.then_some(Standstill {
+                Some((stop, is_clear)) => (is_clear || is_dwell).then_some(stop),
+                None => is_dwell.then_some(Standstill {
                     from: start as f64,
                     to: end as f64 - 1.0,
                     directions,
@@ -175,11 +175,11 @@ impl Channels<'_> {
             let directions =
                 inside.then(|| [velocity[start - 1], velocity[end]].map(f64::signum))?;
             let turns = directions[0] * directions[1] < 0.0;
-            turns.then_some(Glimpse { start, end, rests: false, directions })
+            turns.then_some(Glimpse { start, end, is_dwell: false, directions })
         });
         let at_rest = dwells.iter().map(|&(start, end)| {
             let directions = self.ways_beside((start, end));
-            Glimpse { start, end, rests: true, directions }
+            Glimpse { start, end, is_dwell: true, directions }
         });
         let mut seen: Vec<Glimpse> = turns.chain(at_rest).collect();
         seen.sort_by_key(|glimpse| (glimpse.start, glimpse.end));
@@ -319,20 +319,20 @@ mod tests {
             };
             (0..3).map(of).collect()
         };
-        let rests = |positions: Vec<Vec<f64>>| {
+        let is_at_rest = |positions: Vec<Vec<f64>>| {
             let joints: Vec<Channels<'_>> = positions.iter().map(|q| channels(q)).collect();
             starts_at_rest(&joints, &[quantisation(STEP); 3])
         };
-        assert!(rests(arm_from(0.0)));
-        assert!(!rests(arm_from(0.02)));
-        assert!(!rests(arm_from(1.0)));
+        assert!(is_at_rest(arm_from(0.0)));
+        assert!(!is_at_rest(arm_from(0.02)));
+        assert!(!is_at_rest(arm_from(1.0)));
     }
 
     /// While a joint rests and turns back its friction reverses in a line. Where it goes on the same way, friction gives
     /// way as far as what the drive follows runs back meanwhile, and never reverses: nothing to speak of for a soft drive,
     /// whose joint turned back in a longer rest.
     #[test]
-    fn friction_of_a_joint_that_rests() {
+    fn friction_of_a_joint_at_rest() {
         let joined = |turning_s: f64| -> Vec<f64> {
             let (turns, extensions) = (stopping(turning_s, 1.0), stopping(0.1, -1.0));
             let offset = turns[599] - extensions[0];
@@ -345,9 +345,9 @@ mod tests {
             let (direction, stuck) =
                 directions_and_stops(velocity, acceleration, &stops, 1e-6, RATE_HZ);
             // the middle of it is neither
-            let rests: Vec<&Standstill> =
+            let dwells: Vec<&Standstill> =
                 stops.iter().filter(|stop| stop.is_dwell(RATE_HZ)).collect();
-            let &[turns, extensions] = rests.as_slice() else { panic!("{stops:?}") };
+            let &[turns, extensions] = dwells.as_slice() else { panic!("{stops:?}") };
             assert!(turns.turns() && !extensions.turns());
             [turns, extensions].map(|stop| {
                 let middle = (0.5 * (stop.from + stop.to)).round() as usize;

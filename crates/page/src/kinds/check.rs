@@ -30,7 +30,7 @@ pub(crate) fn view(of: &CheckReport, drawing: &Drawing) -> View {
         tone: match of.verdict {
             CheckVerdict::Wrong => Tone::Bad,
             CheckVerdict::Ok => Tone::Good,
-            CheckVerdict::CannotTell | CheckVerdict::Doubtful => Tone::Open,
+            CheckVerdict::Inconclusive | CheckVerdict::Doubtful => Tone::Open,
         },
         headline: match wrong.len() {
             0 if of.verdict == CheckVerdict::Ok => "All checks passed".to_owned(),

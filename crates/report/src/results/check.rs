@@ -18,7 +18,8 @@ pub enum CheckVerdict {
     Ok,
     /// Inconclusive: the recordings would not show a fault.
     #[default]
-    CannotTell,
+    #[serde(rename = "cannot_tell")]
+    Inconclusive,
     /// More likely wrong than not, or of little use.
     Doubtful,
     /// Wrong beyond a thousand to one.
@@ -27,13 +28,13 @@ pub enum CheckVerdict {
 
 impl CheckVerdict {
     /// All verdicts, worst first.
-    pub const WORST_FIRST: [Self; 4] = [Self::Wrong, Self::Doubtful, Self::CannotTell, Self::Ok];
+    pub const WORST_FIRST: [Self; 4] = [Self::Wrong, Self::Doubtful, Self::Inconclusive, Self::Ok];
 
     /// The verdict in a word.
     pub fn word(self) -> &'static str {
         match self {
             Self::Ok => "ok",
-            Self::CannotTell => "inconclusive",
+            Self::Inconclusive => "inconclusive",
             Self::Doubtful => "doubtful",
             Self::Wrong => "wrong",
         }
@@ -44,7 +45,7 @@ impl From<check::Verdict> for CheckVerdict {
     fn from(verdict: check::Verdict) -> Self {
         match verdict {
             check::Verdict::Ok => Self::Ok,
-            check::Verdict::CannotTell => Self::CannotTell,
+            check::Verdict::Inconclusive => Self::Inconclusive,
             check::Verdict::Doubtful => Self::Doubtful,
             check::Verdict::Wrong => Self::Wrong,
         }
