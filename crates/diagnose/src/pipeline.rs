@@ -13,16 +13,17 @@ use crate::findings::fitted_model::{Links, choose_outputs, fitted_model, links_o
 use crate::findings::placebo::placebo;
 use crate::findings::residual_map::{atlas, character};
 use crate::findings::size::with_size;
-use crate::regression::elimination::InflatedLink;
-use crate::regression::fit_set::{Estimate, fit_any_sign};
+use crate::regression::elimination::{INFLATIONS, InflatedLink};
+use crate::regression::fit_set::{Estimate, fit_any_sign, fit_set};
 use crate::selection::bandwidth_test::{NARROW_HZ, is_off_in};
 use crate::selection::cross_validation::{Predictor, predictor};
 use crate::selection::iterate::select;
 use crate::selection::materiality::joints_of_inertial_errors;
+use crate::selection::prior_scale::SCALES;
 use crate::selection::solution::{Selection, Solution};
 use crate::selection::sublinear::with_sublinear_friction;
 use crate::uncertainty::jackknife::Jackknife;
-use crate::uncertainty::minimal_constants::constants;
+use crate::uncertainty::minimal_constants::{ConstantEstimates, constants};
 use armident_model::ArmModel;
 use armident_motion::BAND_HZ;
 use armident_recording::Recording;
@@ -155,6 +156,30 @@ impl<'a> Selected<'a> {
         }
     }
 
+    /// The constants where single links are named and all others are exact: with the named ones free and the others known to the
+    /// least prior scale. None where no link is named: inertias were not in question.
+    fn constants_of_named_links(
+        &self,
+        given: &ArmModel,
+        fitted: &ArmModel,
+    ) -> Option<ConstantEstimates> {
+        let (problem, predicting) = self.predicting();
+        let (links, laws): (Vec<usize>, Vec<usize>) =
+            predicting.estimate.set.iter().partition(|g| problem.candidates[**g].is_of_link());
+        if links.is_empty() {
+            return None;
+        }
+        let times = INFLATIONS.into_iter().fold(1.0, f64::max);
+        let named = |g: &usize| {
+            let link = problem.candidates[*g].location.joints.first()?;
+            Some(InflatedLink { link: *link, times })
+        };
+        let inflated: Vec<InflatedLink> = links.iter().filter_map(named).collect();
+        let metric = problem.marginalised(SCALES[1], &inflated);
+        let estimate = fit_set(&metric, laws)?;
+        constants(given, fitted, &metric, &estimate)
+    }
+
     /// The diagnosis: findings, models and where the residual is.
     fn diagnosis(&self, model: &ArmModel, names: &[String]) -> Result<Diagnosis, DiagnoseError> {
         let Self { design, selection, best, errors, narrowed_to_hz, .. } = self;
@@ -166,7 +191,11 @@ impl<'a> Selected<'a> {
         let rigid = rigid_model(model, design)?;
         let (fitted, links_off) =
             sound_model(model, design, selection, (problem, predicting), &rigid)?;
-        let constants = constants(model, &fitted, &model_metric, &predicting.estimate);
+        let constants = if predicting.scale > 0.0 {
+            constants(model, &fitted, &model_metric, &predicting.estimate)
+        } else {
+            self.constants_of_named_links(model, &fitted)
+        };
         let reported_findings = reported_findings(design, selection, &best_solution, errors);
         // the model of another estimate, all that is not in question as in the model learned
         let model_of = |estimate: &Estimate, inflated: &[InflatedLink]| {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
 use crate::grid::EvenGrid;
+use crate::stuck::RESTING_RANGE;
 use armident_numeric::order_statistic;
 use armident_recording::{MIN_SAMPLES, Quantity, Recording, RecordingError};
 
@@ -25,9 +26,6 @@ pub const LOWEST_CUTOFF_HZ: f64 = 1.0;
 const POSSIBLE_SHARE: f64 = 0.4;
 /// Highest cutoff chosen, as a share of the sample rate.
 pub const HIGHEST_CUTOFF_SHARE: f64 = 0.2;
-
-/// Range of positions below which a joint counts as resting \[rad or m\].
-pub const RESTING_RANGE: f64 = 1e-3;
 
 /// Mean square of a Hann window.
 const HANN_POWER: f64 = 0.375;

@@ -6,8 +6,8 @@ use armident_recording::{
 
 use crate::duplicate_frames::RepeatedFrames;
 use crate::held_efforts::HeldEfforts;
-use crate::quality::saturated;
 use crate::sampling_clock::SamplingClock;
+use crate::stuck::saturated;
 
 /// Grid samples per recorded sample above which a recording is mostly gap.
 const MOST_GRID_SAMPLES: f64 = 2.0;

@@ -64,12 +64,13 @@ mod quality;
 mod recorded_velocity;
 mod sampling_clock;
 mod standstill;
+mod stuck;
 
 pub use band_motion::BandMotion;
 pub use compare_band::{BAND_HZ, Band, EDGE_S};
 pub use cutoff::{
-    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, RESTING_RANGE,
-    band_edge_hz, common_cutoff_hz, default_cutoff_hz,
+    CUTOFF_OVER_EDGE, HIGHEST_CUTOFF_SHARE, LOWEST_CUTOFF_HZ, POWER_SHARE, band_edge_hz,
+    common_cutoff_hz, default_cutoff_hz,
 };
 pub use decimate::{kinematics_filter, later, low_pass};
 pub use differentiate::differentiate;
@@ -86,3 +87,4 @@ pub use quality::{
 pub use recorded_velocity::with_recorded_velocity;
 pub use sampling_clock::SamplingClock;
 pub use standstill::{ChannelSeries, Kind, Standstill, continued, filter_between};
+pub use stuck::RESTING_RANGE;

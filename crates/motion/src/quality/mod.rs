@@ -8,14 +8,11 @@ use crate::duplicate_frames::RepeatedFrames;
 use crate::grid::EvenGrid;
 use crate::held_efforts::HeldEfforts;
 use crate::sampling_clock::SamplingClock;
+use crate::stuck::{quantisation_step, saturated, stuck};
 use armident_recording::{
     Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Recording, Span, Timing,
     percent, velocity_findings,
 };
-mod stuck;
-
-pub(crate) use stuck::saturated;
-use stuck::{quantisation_step, stuck};
 
 /// Positions beyond this are four turns; arms rarely do that, degrees always \[rad\].
 const FAR_POSITION: f64 = 25.0;

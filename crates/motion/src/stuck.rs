@@ -2,12 +2,13 @@
 
 use std::cell::LazyCell;
 
-use crate::cutoff::RESTING_RANGE;
 use armident_numeric::order_statistic;
 use armident_recording::{
     Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Span, Timing, percent,
 };
 
+/// Range of positions below which a joint counts as resting \[rad or m\].
+pub const RESTING_RANGE: f64 = 1e-3;
 /// Shortest repetition that can be stuck \[s\]: slower updates than 10 Hz are a fault as well.
 const STUCK_S: f64 = 0.1;
 /// Fewest samples of a repetition that can be stuck.
