@@ -29,10 +29,12 @@ fn uninformative_recordings_have_no_findings() {
     assert!(refused.stderr.contains("too short"), "{}", refused.stderr);
     // efforts of one number
     changed(&folder, "constant.csv", |h, row| Some(set(h, row, "elbow_joint/effort", "3")));
-    let refused = diagnose("constant.csv", &[]);
-    assert_eq!(refused.code, 1);
-    assert!(refused.stderr.contains("effort column of elbow_joint is constant"));
-    assert!(refused.stderr.contains("hint"), "{}", refused.stderr);
+    let constant = diagnose("constant.csv", &[]).fine().json();
+    let faults = list(&constant["input_checks"]["faults"]);
+    assert!(faults.iter().all(|fault| fault["joint"] == "elbow_joint"), "{faults:?}");
+    let is_said = |fault: &Value| string(&fault["message"]).contains("no sensor");
+    assert!(faults.iter().any(is_said), "{faults:?}");
+    assert!(named(&constant).iter().all(|(_, joint)| joint != "elbow_joint"));
     // positions of one number
     changed(&folder, "at_rest.csv", |h, row| {
         Some(set(h, &set(h, row, "/position", "0.5"), "/velocity", "0"))

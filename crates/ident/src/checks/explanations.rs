@@ -119,7 +119,11 @@ pub(super) fn explain(
     let labelled = search.judged(&start);
     // the residual of every joint is noise: nothing explains half of it
     if !search.leaves_more_than_noise(&labelled) {
-        return Ok(nothing(labelled.meaning()));
+        // links without gravity fit such efforts too: only their likelihood decides
+        let off = search.judged(&State { gravity: Gravity::TakenOff, ..start });
+        let gravity_is_taken_off = off.score > labelled.score - SURE.ln();
+        let meaning = if gravity_is_taken_off { off.meaning() } else { labelled.meaning() };
+        return Ok(Explained { gravity_is_taken_off, ..nothing(meaning) });
     }
     let mut best = labelled.clone();
     for _ in 0..MOST_CHANGES {

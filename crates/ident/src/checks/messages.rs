@@ -538,6 +538,12 @@ pub(super) fn channel(
         );
         return base(Verdict::Inconclusive, message, None);
     }
+    let is_off = explained.gravity_is_taken_off && without_gravity > 0.5;
+    if is_off {
+        let message = "gravity is already compensated".to_owned();
+        let advice = "log uncompensated efforts, or pass --gravity 0,0,0".to_owned();
+        return base(verdict, message, Some(advice));
+    }
     let shows = found.urdf_share > SHOWS || (is_friction && backwards);
     // the column itself shows its sign and unit where its gain is known to a factor of two
     let is_known = low * high > 0.0 && f64::max(high / low, low / high) < 2.0;
