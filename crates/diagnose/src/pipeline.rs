@@ -156,8 +156,8 @@ impl<'a> Selected<'a> {
         }
     }
 
-    /// The constants where single links are named and all others are exact: with the named ones free and the others known to the
-    /// least prior scale. None where no link is named: inertias were not in question.
+    /// The constants where single links are named and all others are exact: with the named ones free and the others known as
+    /// well as by a good CAD model, the least scale at which all of a link counts. None where no link is named: inertias were not in question.
     fn constants_of_named_links(
         &self,
         given: &ArmModel,
@@ -175,7 +175,7 @@ impl<'a> Selected<'a> {
             Some(InflatedLink { link: *link, times })
         };
         let inflated: Vec<InflatedLink> = links.iter().filter_map(named).collect();
-        let metric = problem.marginalised(SCALES[1], &inflated);
+        let metric = problem.marginalised(SCALES[2], &inflated);
         let estimate = fit_set(&metric, laws)?;
         constants(given, fitted, &metric, &estimate)
     }
