@@ -41,9 +41,10 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// # Errors
 /// [`NumericError::NoConvergence`](crate::NumericError::NoConvergence).
 pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), crate::NumericError> {
-    // faer 0.24 counts below zero on one entry
-    if a.nrows() == 1 {
-        return Ok((vec![a[(0, 0)]], Mat::from_fn(1, 1, |_, _| 1.0)));
+    // faer 0.24 counts below zero there
+    if a.nrows() < 2 {
+        let n = a.nrows();
+        return Ok(((0..n).map(|k| a[(k, k)]).collect(), Mat::identity(n, n)));
     }
     let eigen =
         a.self_adjoint_eigen(faer::Side::Lower).map_err(|_| crate::NumericError::NoConvergence)?;
