@@ -19,7 +19,7 @@ use crate::selection::bandwidth_test::{NARROW_HZ, is_off_in};
 use crate::selection::cross_validation::{Predictor, predictor};
 use crate::selection::iterate::select;
 use crate::selection::materiality::joints_of_inertial_errors;
-use crate::selection::prior_scale::SCALES;
+use crate::selection::prior_scale::CAD_SCALE;
 use crate::selection::solution::{Selection, Solution};
 use crate::selection::sublinear::with_sublinear_friction;
 use crate::uncertainty::jackknife::Jackknife;
@@ -71,7 +71,8 @@ pub(crate) fn against_reference(
     let (design, beyond_reference) =
         design_of(Some(&known), body, &names, &all, band_hz)?.against_reference(reference.len());
     let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
-    let (selection, best, errors) = with_size(&design, selection);
+    let best = predictor(&selection.metric(), &selection.estimate);
+    let (selection, best, errors) = with_size(&design, selection, best);
     let selected = Selected { design, selection, best, errors, sublinear: None, narrowed_to_hz };
     let mut diagnosis = selected.diagnosis(body, &names)?;
     diagnosis.beyond_reference = beyond_reference;
@@ -132,18 +133,20 @@ fn selected<'a>(
         && is_off_in(&narrow, &selection, &best)
         && let Some((design, selection)) = select(&narrow)
     {
-        return Ok(Selected::with_sublinear_where_shown(design, selection, Some(NARROW_HZ)));
+        let best = predictor(&selection.metric(), &selection.estimate);
+        return Ok(Selected::with_sublinear_where_shown(design, selection, best, Some(NARROW_HZ)));
     }
-    Ok(Selected::with_sublinear_where_shown(design, selection, None))
+    Ok(Selected::with_sublinear_where_shown(design, selection, best, None))
 }
 
 impl<'a> Selected<'a> {
     fn with_sublinear_where_shown(
         design: Design<'a>,
         selection: Selection,
+        best: Predictor,
         narrowed_to_hz: Option<f64>,
     ) -> Self {
-        let (selection, best, errors) = with_size(&design, selection);
+        let (selection, best, errors) = with_size(&design, selection, best);
         let sublinear = with_sublinear_friction(&design, &selection, &best);
         Self { design, selection, best, errors, sublinear, narrowed_to_hz }
     }
@@ -157,7 +160,7 @@ impl<'a> Selected<'a> {
     }
 
     /// The constants where single links are named and all others are exact: with the named ones free and the others known as
-    /// well as by a good CAD model, the least scale at which all of a link counts. None where no link is named: inertias were not in question.
+    /// well as from CAD. None where no link is named: inertias were not in question.
     fn constants_of_named_links(
         &self,
         given: &ArmModel,
@@ -175,7 +178,7 @@ impl<'a> Selected<'a> {
             Some(InflatedLink { link: *link, times })
         };
         let inflated: Vec<InflatedLink> = links.iter().filter_map(named).collect();
-        let metric = problem.marginalised(SCALES[2], &inflated);
+        let metric = problem.marginalised(CAD_SCALE, &inflated);
         let estimate = fit_set(&metric, laws)?;
         constants(given, fitted, &metric, &estimate)
     }

@@ -3,9 +3,9 @@
 //! Method: a link of pseudo-inertia `J = L Lᵀ` differs from the URDF's by `L (x 1 + X) Lᵀ`. Its density is known to the
 //! prior scale `r`: `x` is normal with this standard deviation, and all moments of mass go with it, as in a link of another
 //! material or wall thickness. So is its shape: `X` is symmetric, its diagonal normal with `r`, the rest with `r / √2`, so
-//! that every second moment of mass, along every line, is known to `r` of its size. The prior depends on neither units nor frames: `tr((J⁻¹ dJ)²)` is the
-//! metric that the physical consistency uses too; in it alone a link that is only heavier would be as unlikely as four errors
-//! of its shape. Errors of each parameter apart, relative to mass times length squared,
+//! that every second moment of mass, along every line, is known to `r` of its size. The prior depends on neither units nor
+//! frames: `tr((J⁻¹ dJ)²)` is the metric that the physical consistency uses too; in it alone a link that is only heavier
+//! would be as unlikely as four errors of its shape. Errors of each parameter apart, relative to mass times length squared,
 //! would question a slender link's thickness as much as its length.
 //!
 //! References: T. Lee, F. C. Park, A geometric algorithm for robust multibody inertial parameter

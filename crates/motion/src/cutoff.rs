@@ -7,7 +7,7 @@ use realfft::RealFftPlanner;
 
 use crate::grid::EvenGrid;
 use crate::stuck::RESTING_RANGE;
-use armident_numeric::order_statistic;
+use armident_numeric::{extremes, order_statistic};
 use armident_recording::{MIN_SAMPLES, Quantity, Recording, RecordingError};
 
 /// Share of the velocity power that lies below the band edge of a motion.
@@ -114,8 +114,7 @@ struct Band {
 
 impl Band {
     fn of(position: &[f64], rate_hz: f64) -> Option<Self> {
-        let largest = position.iter().copied().fold(f64::MIN, f64::max);
-        let smallest = position.iter().copied().fold(f64::MAX, f64::min);
+        let [smallest, largest] = extremes(position.iter().copied());
         if position.len() < MIN_SAMPLES || largest - smallest < RESTING_RANGE {
             return None;
         }

@@ -131,20 +131,23 @@ impl ZeroPhaseLowPass {
     /// half the sample rate. White noise of variance s² comes out with s² times this, divided by
     /// half the sample rate.
     pub fn effective_bandwidth_hz(&self) -> f64 {
-        let cutoff = (PI * self.cutoff_hz / self.rate_hz).tan();
-        let power = |share: f64| {
-            // of the bilinear transform; the tangent of a right angle is large enough here
-            let ratio = (PI * share).tan() / cutoff;
-            (1.0 + ratio.powi(2 * self.order as i32)).powi(-2)
-        };
         // |H|⁴ is periodic in the frequency, where the trapezoidal rule converges geometrically; the
         // nearest singularity is a fraction of the distance of the cutoff from either end away
         let cutoff_share = self.cutoff_hz / self.rate_hz;
         let narrowest_share = cutoff_share.min(0.5 - cutoff_share);
         let intervals = (POINTS_PER_BAND * 0.5 / narrowest_share).ceil() as usize;
-        let inner: f64 = (1..intervals).map(|k| power(0.5 * k as f64 / intervals as f64)).sum();
-        let ends = 0.5 * (power(0.0) + power(0.5));
+        let inner: f64 =
+            (1..intervals).map(|k| self.passed(0.5 * k as f64 / intervals as f64)).sum();
+        let ends = 0.5 * (self.passed(0.0) + self.passed(0.5));
         self.rate_hz * 0.5 / intervals as f64 * (inner + ends)
+    }
+
+    /// |H|⁴ at a frequency, as a share of the sample rate.
+    fn passed(&self, share: f64) -> f64 {
+        let cutoff = (PI * self.cutoff_hz / self.rate_hz).tan();
+        // of the bilinear transform; the tangent of a right angle is large enough here
+        let ratio = (PI * share).tan() / cutoff;
+        (1.0 + ratio.powi(2 * self.order as i32)).powi(-2)
     }
 
     /// Share of independent samples in filtered white noise: 2 bandwidth / rate.
@@ -155,12 +158,9 @@ impl ZeroPhaseLowPass {
     /// Standard deviation of the derivative of filtered white noise of deviation 1 a sample \[1/s\].
     pub(crate) fn noise_gain_of_rate(&self) -> f64 {
         const POINTS: usize = 400;
-        let cutoff = (PI * self.cutoff_hz / self.rate_hz).tan();
         let power = |k: usize| {
             let share = 0.5 * (k as f64 + 0.5) / POINTS as f64;
-            let ratio = (PI * share).tan() / cutoff;
-            let passed = (1.0 + ratio.powi(2 * self.order as i32)).powi(-2);
-            passed * (2.0 * PI * share * self.rate_hz).powi(2)
+            self.passed(share) * (2.0 * PI * share * self.rate_hz).powi(2)
         };
         ((0..POINTS).map(power).sum::<f64>() / POINTS as f64).sqrt()
     }

@@ -171,11 +171,9 @@ impl Motion {
                 filtered(on_grid(Quantity::Acceleration)?),
             ),
         };
+        let gain = filter.as_ref().map_or(0.0, ZeroPhaseLowPass::noise_gain_of_rate);
         let dwells = (velocity.iter().zip(position_noise))
-            .map(|(velocity, noise)| {
-                let gain = filter.as_ref().map_or(0.0, ZeroPhaseLowPass::noise_gain_of_rate);
-                dwells_of(velocity, noise * gain, rate_hz)
-            })
+            .map(|(velocity, noise)| dwells_of(velocity, noise * gain, rate_hz))
             .collect();
         let effort = recorded(Quantity::Effort).then(|| on_grid(Quantity::Effort)).transpose()?;
         if effort.is_none() {

@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use armident_numeric::order_statistic;
+use armident_numeric::{order_statistic, range};
 use armident_recording::{Action, QualityIssue, QualityIssueKind, Recording, Timing, percent};
 
 /// Fewest samples from which a clock is recovered: the period is known to a thousandth then.
@@ -223,9 +223,7 @@ fn roughness_ratio(positions: &[&[f64]], clock_s: &[f64], other_s: &[f64]) -> Op
         let mut sizes: Vec<f64> = (on_clock.iter().chain(&on_other)).map(|e| e.abs()).collect();
         let place = sizes.len() / 2;
         let unit = order_statistic(&mut sizes, place)?;
-        let range = position.iter().copied().fold(f64::MIN, f64::max)
-            - position.iter().copied().fold(f64::MAX, f64::min);
-        if unit <= 0.0 || range <= 0.0 {
+        if unit <= 0.0 || range(position) <= 0.0 {
             continue;
         }
         for k in 2..n - 2 {

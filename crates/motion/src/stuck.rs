@@ -2,7 +2,7 @@
 
 use std::cell::LazyCell;
 
-use armident_numeric::order_statistic;
+use armident_numeric::{extremes, order_statistic, range};
 use armident_recording::{
     Action, JointChannels, QualityIssue, QualityIssueKind, Quantity, Span, Timing, percent,
 };
@@ -95,11 +95,6 @@ fn samples_in(runs: &[(usize, usize)]) -> usize {
     runs.iter().map(|(from, to)| to - from + 1).sum()
 }
 
-fn range(values: &[f64]) -> f64 {
-    let largest = values.iter().copied().fold(f64::MIN, f64::max);
-    largest - values.iter().copied().fold(f64::MAX, f64::min)
-}
-
 /// Channels of a joint that repeat a value although the joint moves.
 pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> Vec<QualityIssue> {
     let Some(position) = joint.position.as_deref() else { return Vec::new() };
@@ -131,7 +126,7 @@ pub(crate) fn stuck(time_s: &[f64], timing: &Timing, joint: &JointChannels) -> V
                 });
             }
             Quantity::Effort | Quantity::Current | Quantity::Voltage => {
-                let (largest, smallest) = extremes(values);
+                let [smallest, largest] = extremes(values.iter().copied());
                 runs.retain(|&(from, to)| {
                     // at an end of the range it is saturated rather than stuck
                     let at_an_end = largest > smallest
@@ -209,18 +204,10 @@ fn retain_still(runs: &mut Vec<(usize, usize)>, time_s: &[f64], joint: &JointCha
     });
 }
 
-fn extremes(values: &[f64]) -> (f64, f64) {
-    (
-        values.iter().copied().fold(f64::MIN, f64::max),
-        values.iter().copied().fold(f64::MAX, f64::min),
-    )
-}
-
 /// Drive channels with flat tops.
 pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIssue> {
-    let drives = [Quantity::Effort, Quantity::Current, Quantity::Voltage];
-    let of = |quantity| Some((quantity, joint.channel(quantity)?));
-    let found = drives.into_iter().filter_map(of).filter_map(|(quantity, values)| {
+    let drives = joint.channels().filter(|(quantity, _)| quantity.is_of_drive());
+    let found = drives.filter_map(|(quantity, values)| {
         let mut runs = flat_tops(values);
         // at rest an effort may be constant
         if let Some(position) = joint.position.as_deref().filter(|_| !runs.is_empty()) {
@@ -234,7 +221,7 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIss
         }
         let share = samples_in(&runs) as f64 / values.len() as f64;
         let spans = Span::of_runs(time_s, &runs);
-        let (largest, smallest) = extremes(values);
+        let [smallest, largest] = extremes(values.iter().copied());
         let limits: Vec<String> = [largest, smallest]
             .into_iter()
             .filter(|limit| runs.iter().any(|(from, _)| values[*from] == *limit))
@@ -261,7 +248,7 @@ pub(crate) fn saturated(time_s: &[f64], joint: &JointChannels) -> Vec<QualityIss
 }
 
 fn flat_tops(values: &[f64]) -> Vec<(usize, usize)> {
-    let (largest, smallest) = extremes(values);
+    let [smallest, largest] = extremes(values.iter().copied());
     let mut runs = repetitions(values, FLAT_SAMPLES);
     // zero is where a drive that is off rests
     runs.retain(|&(from, _)| {

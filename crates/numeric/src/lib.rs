@@ -44,6 +44,6 @@ pub use least_squares::{
     DampedLeastSquares, LeastSquares, NumericError, PseudoInverse, information_root,
 };
 pub use non_negative::NonNegative;
-pub use order::order_statistic;
+pub use order::{extremes, order_statistic, range};
 pub use rank::{DependentColumn, Elimination, RankDecision, eliminate_in_order, rank_of_columns};
 pub use svd::ThinSvd;

@@ -306,9 +306,8 @@ impl Import {
             plural(count),
             self.time_s[first]
         );
-        let keep: Vec<bool> =
-            (0..total).map(|k| k == 0 || self.time_s[k] != self.time_s[k - 1]).collect();
-        self.keep_rows(&(0..total).filter(|k| keep[*k]).collect::<Vec<_>>());
+        let is_new = |k: &usize| *k == 0 || self.time_s[*k] != self.time_s[k - 1];
+        self.keep_rows(&(0..total).filter(is_new).collect::<Vec<_>>());
         let share = count as f64 / total as f64;
         let finding =
             QualityIssue::of_stamps(QualityIssueKind::RepeatedStamps, Action::Repaired, share);
@@ -399,7 +398,7 @@ impl Import {
         let cells: Vec<Cells<'_>> = (self.channels.iter())
             .map(|c| Cells {
                 is_position: c.quantity == Quantity::Position,
-                is_drive: is_drive(c.quantity),
+                is_drive: c.quantity.is_of_drive(),
                 values: &c.values,
             })
             .collect();
@@ -522,7 +521,7 @@ impl Import {
             return;
         }
         let drives: Vec<usize> =
-            (0..self.channels.len()).filter(|k| is_drive(self.channels[*k].quantity)).collect();
+            (0..self.channels.len()).filter(|k| self.channels[*k].quantity.is_of_drive()).collect();
         for &k in &drives {
             let dropped: Vec<usize> = (drop_outs(&self.channels[k].values, self.position_of(k)))
                 .into_iter()
@@ -598,11 +597,6 @@ impl Import {
         );
         self.findings.push(finding.at(spans).with_message(message));
     }
-}
-
-/// Whether a channel is the effort of a joint or a signal of its drive.
-fn is_drive(quantity: Quantity) -> bool {
-    matches!(quantity, Quantity::Effort | Quantity::Current | Quantity::Voltage)
 }
 
 /// First and last of each run of successive samples.

@@ -40,6 +40,11 @@ impl Quantity {
         Self::Temperature,
     ];
 
+    /// Whether it is the effort of a joint, or a signal of its drive that is a multiple of it.
+    pub fn is_of_drive(self) -> bool {
+        matches!(self, Self::Effort | Self::Current | Self::Voltage)
+    }
+
     /// The last part of a column's name: `position` in `elbow/position`.
     pub fn suffix(self) -> &'static str {
         match self {

@@ -1,6 +1,6 @@
 //! Single values that jump away from their channel and back: glitches, outliers and drop-outs.
 
-use armident_numeric::order_statistic;
+use armident_numeric::{order_statistic, range};
 
 /// A value is judged by the median of so many around it, which two bad ones do not move, ...
 const WINDOW: usize = 5;
@@ -62,8 +62,7 @@ pub(crate) fn without_events(spikes: &mut [Vec<usize>]) {
 
 /// Samples of an effort that are spikes, increasing; `position` is that of its joint, if there is one.
 pub(crate) fn outliers(effort: &[f64], position: Option<&[f64]>) -> Vec<usize> {
-    let range = effort.iter().copied().fold(f64::MIN, f64::max)
-        - effort.iter().copied().fold(f64::MAX, f64::min);
+    let range = range(effort);
     let n = effort.len();
     let moves = moving(position, n);
     let at_rest =

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use armident_numeric::{extremes, range};
+
 /// A step is a wrap if it differs from a full turn by less than this \[rad\], and no other step may
 /// be longer: a joint that moves faster per sample is indistinguishable from one that wraps.
 const LONGEST_OTHER_STEP: f64 = 1.0;
@@ -16,9 +18,7 @@ const NOISE: f64 = 0.1;
 /// within 1 rad of a full turn or shorter than 1 rad. Lengths and speeds do so only if they jump
 /// from one end of a range of 2 π to the other.
 pub(crate) fn unwrap_turns(values: &mut [f64]) -> Vec<usize> {
-    let largest = values.iter().copied().fold(f64::MIN, f64::max);
-    let smallest = values.iter().copied().fold(f64::MAX, f64::min);
-    let range = largest - smallest;
+    let range = range(values);
     if !(TAU - LONGEST_OTHER_STEP..=WINDOW).contains(&range) {
         return Vec::new();
     }
@@ -45,8 +45,7 @@ pub(crate) fn unwrap_turns(values: &mut [f64]) -> Vec<usize> {
 /// Whether a sample of an angle that is logged modulo a full turn lies a full turn from the one before or after: noise at the
 /// end of the range crosses it back and forth.
 pub(crate) fn is_wrap_of(values: &[f64], sample: usize) -> bool {
-    let largest = values.iter().copied().fold(f64::MIN, f64::max);
-    let smallest = values.iter().copied().fold(f64::MAX, f64::min);
+    let [smallest, largest] = extremes(values.iter().copied());
     let near_end =
         |value: f64| value - smallest < LONGEST_OTHER_STEP || largest - value < LONGEST_OTHER_STEP;
     let steps = [sample.checked_sub(1), Some(sample + 1)].into_iter().flatten();

@@ -3,6 +3,7 @@
 //! Over short windows, the change of the position is compared with the integral of the velocity.
 //! That needs neither a filter nor even stamps, and quantisation averages out.
 
+use armident_numeric::range;
 use rayon::prelude::*;
 
 use crate::finding::{Action, QualityIssue, QualityIssueKind};
@@ -101,9 +102,7 @@ pub(crate) fn compare(
     position: &[f64],
     velocity: &[f64],
 ) -> Option<Comparison> {
-    let largest = position.iter().copied().fold(f64::MIN, f64::max);
-    let smallest = position.iter().copied().fold(f64::MAX, f64::min);
-    if step_s <= 0.0 || largest - smallest < LEAST_TRAVEL {
+    if step_s <= 0.0 || range(position) < LEAST_TRAVEL {
         return None;
     }
     let steps = ((WINDOW_S / step_s).round() as usize).max(FEWEST_STEPS);

@@ -1,9 +1,11 @@
 //! Windows of time in which a constant force on the tip explains the residual.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use armident_effects::{ExternalContact, LawRole};
 use armident_motion::BandMotion;
+use armident_numeric::range;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::design::candidate::{Candidate, CandidateKind, Location};
@@ -35,6 +37,8 @@ pub(crate) struct ContactColumns {
     samples: Vec<Vec<Vec<Vec<f64>>>>,
     /// `[axis]`, rows of all joints
     rows: Vec<Vec<Vec<f64>>>,
+    /// `[recording][joint][row]`, formed when a window is first looked for
+    unmeasured: OnceLock<Vec<Vec<Vec<bool>>>>,
 }
 
 impl ContactColumns {
@@ -49,7 +53,7 @@ impl ContactColumns {
                 design.arm_blocks(&pieces)
             })
             .collect();
-        Self { samples, rows }
+        Self { samples, rows, unmeasured: OnceLock::new() }
     }
 
     /// Whether a force in these rows is a contact, and no row is to be doubted before that: it explains something in most
@@ -88,7 +92,8 @@ impl ContactColumns {
     /// The best window of each recording: `(gain, recording, [from, to])`.
     fn windows(&self, design: &Design<'_>, residual: &[Vec<f64>]) -> Vec<(f64, usize, [f64; 2])> {
         let mut best = Vec::new();
-        let unmeasured: Vec<Vec<Vec<bool>>> = design.signals.iter().map(unmeasured_rows).collect();
+        let unmeasured =
+            self.unmeasured.get_or_init(|| design.signals.iter().map(unmeasured_rows).collect());
         for (r, signals) in
             design.signals.iter().enumerate().skip(design.observations.comparison.first_judged())
         {
@@ -216,8 +221,7 @@ fn unmeasured_rows(signals: &BandMotion) -> Vec<Vec<bool>> {
 
 /// Samples on straight lines.
 fn straight(samples: &[f64]) -> Vec<bool> {
-    let range = samples.iter().fold(f64::MIN, |a, b| a.max(*b))
-        - samples.iter().fold(f64::MAX, |a, b| a.min(*b));
+    let range = range(samples);
     let mut on_line = vec![false; samples.len()];
     let mut from = 0;
     for k in 0..samples.len() {

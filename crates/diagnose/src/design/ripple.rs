@@ -2,7 +2,7 @@
 
 use armident_effects::{Effect, JointMotion, TorqueRipple};
 use armident_kinematics::JointKind;
-use armident_numeric::dot;
+use armident_numeric::{dot, extremes};
 
 use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
@@ -27,8 +27,8 @@ type Wave = (f64, Vec<f64>, Vec<f64>);
 /// Least order of a ripple on a joint: one wave over the range that the judged recordings travel \[cycles per turn or metre\].
 pub(crate) fn least_order(design: &Design<'_>, joint: usize) -> f64 {
     let judged = design.signals.iter().skip(design.observations.comparison.first_judged());
-    let positions = || judged.clone().flat_map(|s| s.position[joint].iter().copied());
-    let travel = positions().fold(f64::MIN, f64::max) - positions().fold(f64::MAX, f64::min);
+    let [least, most] = extremes(judged.flat_map(|s| s.position[joint].iter().copied()));
+    let travel = most - least;
     let turn = match design.chain.joints[joint].kind {
         JointKind::Rotational => std::f64::consts::TAU,
         JointKind::Translational => 1.0,

@@ -132,14 +132,11 @@ pub(crate) fn reported_findings(
             let (size, without) =
                 materiality(&metric, &selection.estimate, g, &selection.point, &chance);
             let numbers = numbers(best, g, jackknife);
-            let mut finding = finding_of_candidate(&solution, g, &size, numbers);
             let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
             let alternative_of = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
             let behind = behind(selection, InPlace::Candidate(g), &rivals);
-            let named = confidence(&size, finding.evidence.size, behind);
-            let candidate = &selection.problem.candidates[g];
-            let described = has_smooth_friction(&selection.problem, &selection.estimate, candidate);
-            finding.confidence = if described { named.min(BESIDE_SMOOTH_TERM) } else { named };
+            let confidence = confidence(&size, numbers.size, behind);
+            let mut finding = finding_of_candidate(&solution, g, &size, numbers, confidence);
             finding.alternatives = rivals.iter().map(alternative_of).collect();
             finding.alternatives.extend(load_unweighed(&solution, g));
             ReportedFinding {
@@ -169,7 +166,6 @@ pub(crate) fn reported_findings(
         if numbers.size.is_some_and(|size| size < 1.0) {
             continue;
         }
-        let mut finding = inflated_link(design, link, &size, numbers);
         let rivals = rivals_of_body(&metric, &selection.estimate, link);
         let alternative_of = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
         let mut behind = behind(selection, InPlace::Body(link), &rivals);
@@ -180,7 +176,8 @@ pub(crate) fn reported_findings(
         });
         let best_of_all = all_links.min_by(f64::total_cmp);
         behind.extend(best_of_all.map(|score| score - selection.estimate.score));
-        finding.confidence = confidence(&size, finding.evidence.size, behind);
+        let confidence = confidence(&size, numbers.size, behind);
+        let mut finding = inflated_link(design, link, &size, numbers, confidence);
         finding.alternatives = rivals.iter().map(alternative_of).collect();
         found.push(ReportedFinding {
             finding,
@@ -300,9 +297,11 @@ fn finding_of_candidate(
     id: usize,
     size: &Materiality,
     numbers: Numbers,
+    confidence: f64,
 ) -> Finding {
-    let Solution { design, metric, .. } = *solution;
+    let Solution { design, metric, estimate, .. } = *solution;
     let candidate = &metric.problem.candidates[id];
+    let described = has_smooth_friction(metric.problem, estimate, candidate);
     let names = |joints: &[usize]| joints.iter().map(|j| design.names[*j].clone()).collect();
     Finding {
         effect: candidate.slug().to_owned(),
@@ -311,7 +310,7 @@ fn finding_of_candidate(
         window: candidate.location.window.map(|w| w.1),
         recording: candidate.location.window.map(|w| stem(&design.signals[w.0].source)),
         parameters: numbers.parameters,
-        confidence: 0.0,
+        confidence: if described { confidence.min(BESIDE_SMOOTH_TERM) } else { confidence },
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,
@@ -355,6 +354,7 @@ fn inflated_link(
     link: usize,
     size: &Materiality,
     numbers: Numbers,
+    confidence: f64,
 ) -> Finding {
     let joint = &design.chain.joints[link];
     Finding {
@@ -364,7 +364,7 @@ fn inflated_link(
         window: None,
         recording: None,
         parameters: numbers.parameters,
-        confidence: 0.0,
+        confidence,
         confirmed: None,
         evidence: FindingEvidence {
             materiality: size.value,

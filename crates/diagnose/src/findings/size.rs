@@ -16,23 +16,24 @@ use crate::selection::materiality::{estimate_without, held};
 use crate::selection::solution::{Selection, Solution};
 use crate::uncertainty::jackknife::Jackknife;
 
-/// A selection whose candidates have a size, what predicts best with it, and the errors of that.
+/// A selection whose candidates have a size, what predicts best with it, and the errors of that; `best` predicts best with the
+/// selection as it is.
 pub(crate) fn with_size(
     design: &Design<'_>,
     mut selection: Selection,
+    mut best: Predictor,
 ) -> (Selection, Predictor, Jackknife) {
     loop {
-        let metric = selection.metric();
-        let best = predictor(&metric, &selection.estimate);
-        let best_metric = selection.problem.marginalised(best.scale, &selection.inflated);
-        let solution = Solution::new(design, &best_metric, &best.estimate, &selection.point);
-        let jackknife = honest_errors(design, &solution);
-        let Some(rest) = without_least_certain(&selection, &solution, &jackknife) else {
-            drop(solution);
-            drop(best_metric);
-            return (selection, best, jackknife);
+        let (jackknife, rest) = {
+            let metric = selection.problem.marginalised(best.scale, &selection.inflated);
+            let solution = Solution::new(design, &metric, &best.estimate, &selection.point);
+            let jackknife = honest_errors(design, &solution);
+            let rest = without_least_certain(&selection, &solution, &jackknife);
+            (jackknife, rest)
         };
+        let Some(rest) = rest else { return (selection, best, jackknife) };
         selection.estimate = rest;
+        best = predictor(&selection.metric(), &selection.estimate);
     }
 }
 

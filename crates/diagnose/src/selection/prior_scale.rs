@@ -21,8 +21,10 @@ use crate::selection::beam_search::search;
 use crate::selection::materiality::prune;
 use armident_model::OperatingPoint;
 
+/// Prior scale of links from CAD.
+pub(crate) const CAD_SCALE: f64 = 0.03;
 /// Prior scales tried: exact, a good data sheet, CAD, a guess, unknown.
-pub(crate) const SCALES: [f64; 9] = [0.0, 0.012, 0.03, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+pub(crate) const SCALES: [f64; 9] = [0.0, 0.012, CAD_SCALE, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// Largest prior scale at which single links are inflated.
 const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most inflated links.

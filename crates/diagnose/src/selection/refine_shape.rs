@@ -48,7 +48,9 @@ pub(crate) fn refine(
     let best = fit_named(&small.marginalised_by(&mut elimination), set, named);
     let Some(best) = best else { return found };
     let near = HashMap::new();
-    let mut trials = Trials { design, at, contact, small, elimination, best, named, near };
+    let least_orders = (0..design.joints()).map(|joint| least_order(design, joint)).collect();
+    let mut trials =
+        Trials { design, at, contact, least_orders, small, elimination, best, named, near };
     for round in 0..2 {
         for k in 0..named {
             let candidate = trials.candidate(k).clone();
@@ -107,6 +109,8 @@ struct Trials<'a, 'e> {
     design: &'a Design<'e>,
     at: &'a [Posed<'e>],
     contact: &'a ContactColumns,
+    /// of a ripple on each joint
+    least_orders: Vec<f64>,
     small: LinearProblem,
     elimination: NuisanceElimination,
     best: Estimate,
@@ -173,9 +177,15 @@ impl Trials<'_, '_> {
         &self.small.candidates[self.best.set[k]]
     }
 
+    /// Whether a candidate is no ripple, or one of at least a wave over the travel of its joint.
+    fn is_full_wave(&self, candidate: &Candidate) -> bool {
+        !candidate.has(|law| law.has_role(LawRole::Ripple))
+            || candidate.shape[0] >= self.least_orders[candidate.location.joints[0]]
+    }
+
     /// Takes another candidate in a place of the estimate, if the score is better by it.
     fn improved_by(&mut self, k: usize, trial: &Candidate) -> bool {
-        if !is_full_wave(self.design, trial) {
+        if !self.is_full_wave(trial) {
             return false;
         }
         let mark = self.small.mark();
@@ -198,12 +208,6 @@ impl Trials<'_, '_> {
             }
         }
     }
-}
-
-/// Whether a candidate is no ripple, or one of at least a wave over the travel of its joint.
-fn is_full_wave(design: &Design<'_>, candidate: &Candidate) -> bool {
-    !candidate.has(|law| law.has_role(LawRole::Ripple))
-        || candidate.shape[0] >= least_order(design, candidate.location.joints[0])
 }
 
 /// Joints whose ripple ended at an order that is no whole number.

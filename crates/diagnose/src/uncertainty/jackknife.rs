@@ -7,7 +7,7 @@
 
 use crate::regression::folds::LEFT_OUT_PER_RECORDING;
 use armident_effects::{LinkSide, OperatingTerm};
-use armident_inference::time_blocks;
+use armident_inference::{time_blocks, variance};
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -62,14 +62,14 @@ impl Jackknife {
             })
             .unzip();
         let of_link = |link: usize| -> Vec<f64> {
-            let of = |p: usize| errors.iter().map(|e: &Vec<f64>| e[10 * link + p]).collect();
-            (0..MOMENTS).map(|p| armident_inference::variance(&of(p) as &Vec<f64>)).collect()
+            let of = |p: usize| -> Vec<f64> { errors.iter().map(|e| e[10 * link + p]).collect() };
+            (0..MOMENTS).map(|p| variance(&of(p))).collect()
         };
         let links = metric.inflated.iter().map(|body| (body.link, of_link(body.link))).collect();
         let mut variances = BTreeMap::new();
         for (column, here) in pairs_of_columns(problem, of, &small) {
             let values: Vec<f64> = fits.iter().map(|fit| fit.coefficient(here)).collect();
-            variances.insert(column, armident_inference::variance(&values));
+            variances.insert(column, variance(&values));
         }
         let residual_ratio = (of.fit.sum_of_squares / rows.effective()).sqrt();
         let (by_lag, by_reference) = (BTreeMap::new(), BTreeMap::new());

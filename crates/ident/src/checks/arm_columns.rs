@@ -14,7 +14,7 @@ use armident_dynamics::{ArmMotion, RigidArm};
 use armident_inference::correlation_time;
 use armident_kinematics::JointKind;
 use armident_motion::{Motion, RESTING_RANGE};
-use armident_numeric::{Cholesky, Mat, dot, gram_of_columns};
+use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, range};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -408,9 +408,4 @@ fn beyond_friction(recorded: &[Recorded], joint: usize) -> Vec<Vec<f64>> {
             left
         })
         .collect()
-}
-
-fn range(values: &[f64]) -> f64 {
-    let largest = values.iter().copied().fold(f64::MIN, f64::max);
-    largest - values.iter().copied().fold(f64::MAX, f64::min)
 }

@@ -13,6 +13,7 @@
 
 use std::sync::OnceLock;
 
+use armident_inference::log_sum;
 use armident_numeric::{Cholesky, Mat, dot};
 use nalgebra::Vector3;
 
@@ -426,10 +427,6 @@ fn faer_scaled(a: &Mat<f64>, factor: f64) -> Mat<f64> {
 
 /// The priors integrated out, all equally likely.
 pub(super) fn mean_likelihood(fits: &[ArmFit]) -> f64 {
-    let top = fits.iter().map(|f| f.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-    if top == f64::NEG_INFINITY {
-        return top;
-    }
-    let sum: f64 = fits.iter().map(|f| (f.log_likelihood - top).exp()).sum();
-    top + (sum / fits.len() as f64).ln()
+    let all: Vec<f64> = fits.iter().map(|fit| fit.log_likelihood).collect();
+    log_sum(&all) - (fits.len() as f64).ln()
 }

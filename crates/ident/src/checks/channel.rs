@@ -1,6 +1,7 @@
 //! Which effort channel each column is.
 
 use armident_effects::Admissible;
+use armident_inference::log_sum;
 use armident_numeric::NumericError;
 use rayon::prelude::*;
 
@@ -425,14 +426,6 @@ fn highest(values: &[f64]) -> Option<usize> {
     (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
 }
 
-fn log_sum(logs: &[f64]) -> f64 {
-    let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if top == f64::NEG_INFINITY {
-        return top;
-    }
-    top + logs.iter().map(|l| (l - top).exp()).sum::<f64>().ln()
-}
-
 /// Arrangements of `n` columns that are as likely as this one before they are looked at: as many columns in a
 /// wrong place are as likely as any other number, and the arrangements of that number as each other.
 fn arrangements(n: usize, order: &[usize]) -> f64 {
@@ -456,12 +449,5 @@ mod tests {
         for (order, count) in [([1, 0, 2, 3], 6.0), ([1, 2, 0, 3], 8.0), ([1, 2, 3, 0], 9.0)] {
             assert!((arrangements(4, &order) - 3.0 * count).abs() < 1e-12);
         }
-    }
-
-    #[test]
-    fn sums_of_logarithms() {
-        assert!((log_sum(&[0.0, 0.0]) - 2.0_f64.ln()).abs() < 1e-15);
-        assert!((log_sum(&[-1e4, -1e4]) + 1e4 - 2.0_f64.ln()).abs() < 1e-9);
-        assert_eq!(log_sum(&[f64::NEG_INFINITY]), f64::NEG_INFINITY);
     }
 }

@@ -1,7 +1,7 @@
 //! Which constants a recording determines, and why not the others.
 
 use armident_motion::{Motion, RESTING_RANGE};
-use armident_numeric::{AccumulatedQr, NumericError};
+use armident_numeric::{AccumulatedQr, NumericError, range};
 
 use super::rows::ChannelRows;
 use super::verdict::Verdict;
@@ -54,10 +54,8 @@ pub(super) fn activity(motions: &[Motion], joint: usize) -> JointActivity {
     let speed_rms = rms(&velocity);
     let forth = velocity.iter().filter(|v| **v > 0.1 * speed_rms).count() as f64;
     let back = velocity.iter().filter(|v| **v < -0.1 * speed_rms).count() as f64;
-    let largest = position.iter().copied().fold(f64::MIN, f64::max);
-    let smallest = position.iter().copied().fold(f64::MAX, f64::min);
     JointActivity {
-        range: largest - smallest,
+        range: range(&position),
         rarer_direction: if forth + back > 0.0 { forth.min(back) / (forth + back) } else { 0.0 },
     }
 }

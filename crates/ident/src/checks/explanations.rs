@@ -203,23 +203,31 @@ impl Search<'_> {
         }
     }
 
-    fn fits(&self, products: &[JointProducts], gravity: &Vector3<f64>) -> Vec<ArmFit> {
-        let all: Vec<usize> = (0..self.priors.len()).collect();
-        self.fits_with(&all, products, gravity)
-    }
-
-    fn fits_with(
+    /// The fits to the blocks of time that are wanted, under all priors.
+    fn fits(
         &self,
-        priors: &[usize],
         products: &[JointProducts],
         gravity: &Vector3<f64>,
+        wanted: &dyn Fn(usize) -> bool,
     ) -> Vec<ArmFit> {
-        let system = ArmSystem::of(&self.columns, products, self.facts, gravity, &|_| true);
-        priors.iter().map(|&prior| system.fit(&self.priors[prior])).collect()
+        let system = ArmSystem::of(&self.columns, products, self.facts, gravity, wanted);
+        self.priors.iter().map(|prior| system.fit(prior)).collect()
+    }
+
+    /// The fit at one gravity under the widest prior, with which a search ranks.
+    fn loose_fit(&self, products: &[JointProducts], gravity: &Vector3<f64>) -> ArmFit {
+        ArmSystem::of(&self.columns, products, self.facts, gravity, &|_| true)
+            .fit(&self.priors[self.priors.len() - 1])
+    }
+
+    /// The most likely direction near one, under that prior.
+    fn refined(&self, products: &[JointProducts], near: &Vector3<f64>) -> Option<Direction> {
+        let prior = &self.priors[self.priors.len() - 1];
+        refine(&self.columns, products, prior, near, &|at| self.loose_fit(products, at))
     }
 
     fn judged_with(&self, state: &State, products: &[JointProducts]) -> Judged {
-        let fits = self.fits(products, &self.gravity_of(state.gravity));
+        let fits = self.fits(products, &self.gravity_of(state.gravity), &|_| true);
         let prior = state.map_prior
             + match state.gravity {
                 Gravity::AsGiven => (1.0 - OTHER_AXIS - TAKEN_OFF - FREE).ln(),
@@ -244,7 +252,6 @@ impl Search<'_> {
             ..from.state.clone()
         };
         // all with the priors that a search needs, the best of them with all
-        let loose = &[self.priors.len() - 1];
         let gravity = self.gravity_of(from.state.gravity);
         let mut rough: Vec<(f64, State)> = self
             .maps(&from.state.map)
@@ -252,8 +259,8 @@ impl Search<'_> {
             .map(|change| {
                 let state = mapped(change);
                 let products = self.columns.products(&state.map);
-                let fits = self.fits_with(loose, &products, &gravity);
-                (state.map_prior + mean_likelihood(&fits), state)
+                let fit = self.loose_fit(&products, &gravity);
+                (state.map_prior + fit.log_likelihood, state)
             })
             .collect();
         let exchanged: Vec<(f64, State)> = self
@@ -264,8 +271,8 @@ impl Search<'_> {
                 let efforts = state.map.effort.iter();
                 let products: Vec<JointProducts> =
                     products.iter().zip(efforts).map(|(of, &k)| of.with_effort(k)).collect();
-                let fits = self.fits_with(loose, &products, &gravity);
-                (state.map_prior + mean_likelihood(&fits), state)
+                let fit = self.loose_fit(&products, &gravity);
+                (state.map_prior + fit.log_likelihood, state)
             })
             .collect();
         rough.extend(exchanged);
@@ -293,11 +300,6 @@ impl Search<'_> {
             .map(|&gravity| self.judged_with(&State { gravity, ..from.state.clone() }, products))
             .collect();
         // any direction: from the best of a grid over the sphere
-        let loose = self.priors.len() - 1;
-        let fit_at = |at: &Vector3<f64>| {
-            ArmSystem::of(&self.columns, products, self.facts, at, &|_| true)
-                .fit(&self.priors[loose])
-        };
         let grid: Vec<Vector3<f64>> = (0..27)
             .map(|k| {
                 Vector3::new(f64::from(k % 3 - 1), f64::from(k / 3 % 3 - 1), f64::from(k / 9 - 1))
@@ -307,11 +309,10 @@ impl Search<'_> {
             .collect();
         let start = grid
             .par_iter()
-            .map(|at| (fit_at(at).log_likelihood, *at))
+            .map(|at| (self.loose_fit(products, at).log_likelihood, *at))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, at)) = start
-            && let Some((found, _)) =
-                refine(&self.columns, products, &self.priors[loose], &at, &fit_at)
+            && let Some(found) = self.refined(products, &at)
         {
             let gravity = Gravity::Free(found.gravity);
             judged.push(self.judged_with(&State { gravity, ..from.state.clone() }, products));
@@ -384,11 +385,7 @@ impl Search<'_> {
             let [was, is] =
                 [(before, &products[0]), (after, &products[1])].map(|(of, products)| {
                     let gravity = self.gravity_of(of.state.gravity);
-                    let wanted = |b: usize| own.contains(&b);
-                    let system =
-                        ArmSystem::of(&self.columns, products, self.facts, &gravity, &wanted);
-                    let fits: Vec<ArmFit> = self.priors.iter().map(|p| system.fit(p)).collect();
-                    mean_likelihood(&fits)
+                    mean_likelihood(&self.fits(products, &gravity, &|b| own.contains(&b)))
                 });
             is > was + SURE.ln()
         })
@@ -452,13 +449,7 @@ impl Search<'_> {
             return (self.given, None);
         }
         let products = self.columns.products(&best.state.map);
-        let loose = self.priors.len() - 1;
-        let fit_at = |at: &Vector3<f64>| {
-            ArmSystem::of(&self.columns, &products, self.facts, at, &|_| true)
-                .fit(&self.priors[loose])
-        };
-        let refined = refine(&self.columns, &products, &self.priors[loose], &at, &fit_at);
-        let Some((found, _)) = refined else { return (at, None) };
+        let Some(found) = self.refined(&products, &at) else { return (at, None) };
         let found = self.in_base(&found);
         let to_e0 = self.model.chain.base_from_e0.rotation.inverse();
         (to_e0 * Vector3::from(found.rounded()), Some(found))

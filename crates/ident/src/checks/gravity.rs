@@ -104,14 +104,14 @@ impl Direction {
     }
 }
 
-/// The most likely direction near one with its fit, and its covariance.
+/// The most likely direction near one, and its covariance.
 pub(super) fn refine(
     columns: &ArmColumns<'_>,
     products: &[JointProducts],
     prior: &ConstantPrior,
     start: &Vector3<f64>,
     fit_at: &dyn Fn(&Vector3<f64>) -> ArmFit,
-) -> Option<(Direction, ArmFit)> {
+) -> Option<Direction> {
     let size = start.norm();
     let mut gravity = *start;
     let mut fit = fit_at(&gravity);
@@ -139,7 +139,7 @@ pub(super) fn refine(
     let spread: Matrix2<f64> =
         steps.iter().map(|s| (s - mean) * (s - mean).transpose()).sum::<Matrix2<f64>>();
     let covariance = spread * ((blocks as f64 - 1.0) / blocks as f64);
-    Some((Direction { gravity, across: across(&gravity), covariance, blocks }, fit))
+    Some(Direction { gravity, across: across(&gravity), covariance, blocks })
 }
 
 /// Two axes across a direction.

@@ -147,9 +147,7 @@ fn findings_at(
     let is_held = |finding: &QualityIssue| {
         held.is_some()
             && finding.kind == QualityIssueKind::Stuck
-            && finding.quantity.is_some_and(|quantity| {
-                [Quantity::Effort, Quantity::Current, Quantity::Voltage].contains(&quantity)
-            })
+            && finding.quantity.is_some_and(Quantity::is_of_drive)
     };
     findings.extend(of_joints.into_iter().flatten().filter(|finding| !is_held(finding)));
     findings
