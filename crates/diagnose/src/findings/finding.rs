@@ -134,7 +134,7 @@ pub(crate) fn reported_findings(
             let numbers = numbers(best, g, jackknife);
             let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
             let alternative_of = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
-            let behind = behind(selection, InPlace::Candidate(g), &rivals);
+            let behind = behind(selection, best, InPlace::Candidate(g), &rivals);
             let confidence = confidence(&size, numbers.size, behind);
             let mut finding = finding_of_candidate(&solution, g, &size, numbers, confidence);
             finding.alternatives = rivals.iter().map(alternative_of).collect();
@@ -168,14 +168,15 @@ pub(crate) fn reported_findings(
         }
         let rivals = rivals_of_body(&metric, &selection.estimate, link);
         let alternative_of = |r: &Rival| alternative(&solution, InPlace::Body(link), r);
-        let mut behind = behind(selection, InPlace::Body(link), &rivals);
-        // small errors of all links explain it too, at a prior scale of their own
+        let mut behind = behind(selection, best, InPlace::Body(link), &rivals);
+        // small errors of all links explain it too, at a prior scale of their own; beside the small terms of the model, without
+        // which links fit what those explain
         let all_links = SCALES.iter().filter_map(|scale| {
             let metric = selection.problem.marginalised(*scale, &inflated);
-            Some(fit_set(&metric, selection.estimate.set.clone())?.score)
+            Some(fit_set(&metric, best.estimate.set.clone())?.score)
         });
         let best_of_all = all_links.min_by(f64::total_cmp);
-        behind.extend(best_of_all.map(|score| score - selection.estimate.score));
+        behind.extend(best_of_all.map(|score| score - best.estimate.score));
         let confidence = confidence(&size, numbers.size, behind);
         let mut finding = inflated_link(design, link, &size, numbers, confidence);
         finding.alternatives = rivals.iter().map(alternative_of).collect();
@@ -193,8 +194,14 @@ pub(crate) fn reported_findings(
 }
 
 /// By how much worse the rivals of a finding score; none of those with another zero or clock, whose efforts are others, and of
-/// the same body by another name.
-fn behind(selection: &Selection, of: InPlace, rivals: &[Rival]) -> Vec<f64> {
+/// the same body by another name. Bodies are compared beside the small terms of the model: without these, links fit what the
+/// small terms explain.
+fn behind(
+    selection: &Selection,
+    best: &Solution<'_, '_>,
+    of: InPlace,
+    rivals: &[Rival],
+) -> Vec<f64> {
     let candidates = &selection.problem.candidates;
     let link = |place: InPlace| match place {
         InPlace::Body(link) => Some(link),
@@ -210,7 +217,21 @@ fn behind(selection: &Selection, of: InPlace, rivals: &[Rival]) -> Vec<f64> {
     }
     let is_same = |rival: &&Rival| link(of).is_some() && link(of) == link(rival.by);
     let others = rivals.iter().filter(|rival| !is_same(rival));
-    others.map(|rival| rival.estimate.score - selection.estimate.score).collect()
+    let score_beside_small_terms = |rival: &Rival| {
+        let mut set = best.estimate.set.clone();
+        set.retain(|g| of != InPlace::Candidate(*g));
+        if let InPlace::Candidate(g) = rival.by {
+            set.retain(|o| !candidates[*o].excludes(&candidates[g]));
+            set.push(g);
+        }
+        let metric = selection.problem.marginalised(best.metric.scale, &rival.inflated);
+        Some(fit_set(&metric, set)?.score - best.estimate.score)
+    };
+    let of_rival = |rival: &Rival| {
+        let beside = link(of).and_then(|_| score_beside_small_terms(rival));
+        beside.unwrap_or(rival.estimate.score - selection.estimate.score)
+    };
+    others.map(of_rival).collect()
 }
 
 fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alternative {

@@ -49,7 +49,9 @@ const ALL_FROM: usize = 3;
 /// The selection of a design.
 ///
 /// The prior scale is chosen before the operating point has converged and every law was tried, by one of two criteria
-/// ([`ScaleCriterion`]). Where they disagree, both iterations are completed, and the lower score is the estimate.
+/// ([`ScaleCriterion`]). Where the material candidates want links less well known than the whole set does, both iterations are
+/// completed, and the lower score is the estimate: small laws have absorbed a link error. The other way round the whole set
+/// decides: what was removed as immaterial is still there, and exact links with a free one between them absorb it.
 pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)> {
     let point = OperatingPoint::of(design.joints());
     let ripple = RippleColumns::new(design, &design.at(&point));
@@ -59,12 +61,13 @@ pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)>
     if design.observations.comparison.seeks_change() {
         return Some((end.design, end.found));
     }
-    if state.criteria_disagree {
+    if state.links_less_known {
         let other = iterate(&initial, &ripple, &mut SearchState::new(ScaleCriterion::Material));
         // an iteration that still moves is no solution where the other one has converged
         let is_better = |other: &IterationEnd<'_>| match (other.converged, end.converged) {
             (true, false) => true,
             (false, true) => false,
+            _ if other.found.scale < end.found.scale => false,
             _ => {
                 let shares = [&end.design, &other.design].map(|d| d.observations.weights.share);
                 let share = shares[0].min(shares[1]);

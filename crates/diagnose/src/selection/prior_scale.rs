@@ -53,8 +53,8 @@ pub(crate) struct SearchState {
     /// prior scale of the last iteration
     pub(crate) scale: Option<f64>,
     criterion: ScaleCriterion,
-    /// whether the two criteria have disagreed
-    pub(crate) criteria_disagree: bool,
+    /// whether the material candidates have wanted links less well known than the whole set
+    pub(crate) links_less_known: bool,
 }
 
 impl SearchState {
@@ -65,7 +65,7 @@ impl SearchState {
             no_ripple: HashSet::new(),
             scale: None,
             criterion,
-            criteria_disagree: false,
+            links_less_known: false,
         }
     }
 }
@@ -117,7 +117,7 @@ pub(crate) fn best_of_scales(
     }
     let [by_all, by_material] =
         [ScaleCriterion::All, ScaleCriterion::Material].map(|by| found.best(by).map(|b| b.scale));
-    state.criteria_disagree |= by_all != by_material;
+    state.links_less_known |= by_material > by_all;
     Some((found.best(state.criterion)?.clone(), starts))
 }
 

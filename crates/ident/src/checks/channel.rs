@@ -94,6 +94,9 @@ pub struct ChannelEvidence {
     pub sd: f64,
     /// RMS residual of the model with free parameters.
     pub residual_rms: f64,
+    /// Share of the standard deviation of the column that its joint's terms leave, after degrees of freedom: 1 where nothing of
+    /// the joint's motion is in it.
+    pub residual_share: f64,
     /// Standard deviation of the URDF's effort of this joint on this motion \[N m or N\].
     pub urdf_sd: f64,
     /// Share of what friction leaves of the column that the URDF's effort explains, times any gain.
@@ -241,6 +244,7 @@ impl ChannelEvidence {
             gain_95,
             sd: own.effort_sd,
             residual_rms: own.residual_rms,
+            residual_share: own.residual_share(),
             urdf_sd: own.urdf_sd,
             urdf_share: own.urdf_share,
             friction_share: own.friction_share,

@@ -267,7 +267,7 @@ fn is_absent(found: &ChannelEvidence) -> bool {
 /// `is_effort`: joints whose efforts are recorded, not currents.
 pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
     let is_missing = |c: &ChannelEvidence| {
-        c.as_labelled() == Verdict::Wrong && is_absent(c) && c.residual_rms > FITS_NOTHING * c.sd
+        c.as_labelled() == Verdict::Wrong && is_absent(c) && c.residual_share > FITS_NOTHING
     };
     let pairs = channels.evidence.iter().zip(is_effort);
     let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
@@ -544,13 +544,15 @@ pub(super) fn channel(
         let advice = "log uncompensated efforts, or pass --gravity 0,0,0".to_owned();
         return base(verdict, message, Some(advice));
     }
-    let shows = found.urdf_share > SHOWS || (is_friction && backwards);
-    // the column itself shows its sign and unit where its gain is known to a factor of two
+    // the column itself shows its sign and unit where its gain is known to a factor of two, and the URDF's effort at a gain of 1
+    // would stand above what is left
     let is_known = low * high > 0.0 && f64::max(high / low, low / high) < 2.0;
+    let would_stand = is_known && found.urdf_sd > found.residual_rms;
+    let shows = found.urdf_share > SHOWS || would_stand || (is_friction && backwards);
     let agrees = meaning == Meaning::Multiple || turned || absent || is_known;
     let verdict = if shows && agrees { verdict } else { verdict.min(Verdict::Inconclusive) };
     // of a joint that swings freely, or of links with other lengths, friction is all that is left
-    if absent && verdict == Verdict::Wrong && found.residual_rms > FITS_NOTHING * found.sd {
+    if absent && verdict == Verdict::Wrong && found.residual_share > FITS_NOTHING {
         let message = format!(
             "does not contain the rigid-body effort (expected standard deviation {} {newton}), nor anything else that follows \
              from this joint's motion",

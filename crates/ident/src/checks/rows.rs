@@ -63,6 +63,14 @@ impl ChannelRows {
         self.terms + 1 + self.joints + shift
     }
 
+    /// Share of the standard deviation of the effort that the terms leave: as many terms as independent samples would leave
+    /// nothing of an effort that has nothing to do with them.
+    pub(super) fn residual_share(&self) -> f64 {
+        let freedom = (self.effective - self.terms as f64).max(1.0);
+        let variance = self.residual_rms.powi(2) * (self.effective / freedom).max(1.0);
+        (variance.sqrt() / self.effort_sd).min(1.0)
+    }
+
     /// How much of the effort is the URDF's, and how much is friction.
     fn measure_shares(&mut self, problem: &BatchProblem, joint: usize) {
         let values = problem.set().values(&problem.arm().constants());
