@@ -121,9 +121,13 @@ pub(super) struct Channels {
 const UNDECIDED: f64 = 0.6;
 
 impl Channels {
+    pub(super) fn is_reordered(&self) -> bool {
+        self.order.iter().enumerate().any(|(j, k)| j != *k)
+    }
+
     /// Columns are in another order only where that explains all joints together: in every recording, with half of the
-    /// error left at most.
-    pub(super) fn agree_with(&mut self, explained: &Explained) {
+    /// error left at most; `confirmed` where that of the columns themselves does.
+    pub(super) fn agree_with(&mut self, explained: &Explained, confirmed: bool) {
         let map = &explained.map;
         // columns by the joints that the recordings turned out to hold
         let found: Vec<usize> = (map.effort.iter())
@@ -133,7 +137,7 @@ impl Channels {
         if moved {
             self.order = found;
             self.order_probability = explained.as_labelled;
-        } else if self.order.iter().enumerate().any(|(j, k)| j != *k) {
+        } else if self.is_reordered() && !confirmed {
             self.order_probability = self.order_probability.max(UNDECIDED);
         }
     }

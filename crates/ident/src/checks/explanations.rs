@@ -68,6 +68,12 @@ struct State {
     map_prior: f64,
 }
 
+impl State {
+    fn as_labelled(map: JointMap) -> Self {
+        Self { gravity: Gravity::AsGiven, map, map_prior: 0.0 }
+    }
+}
+
 /// What explains all columns best.
 pub(super) struct Explained {
     /// Gravity in `E_0` \[m/s²\].
@@ -90,17 +96,8 @@ pub(super) fn explain(
     facts: &JointFacts,
 ) -> Result<Explained, NumericError> {
     let arm = reversed.arm();
-    let generic = generic_arm(arm);
-    let set = MinimalSet::of(&generic)?;
-    let mut problem = BatchProblem::new(&generic, &set);
-    problem.reversals.clone_from(&reversed.reversals);
-    let priors: Vec<ConstantPrior> = PRIORS
-        .iter()
-        .filter_map(|&(error, load)| {
-            let of = LinkErrors::of(&problem, error, load);
-            ConstantPrior::of(of.mean, &of.spread)
-        })
-        .collect();
+    let problem = generic_problem(reversed)?;
+    let priors = priors_of(&problem);
     let as_labelled = JointMap::as_labelled(arm.dof());
     let nothing = |meaning: Vec<Meaning>| Explained {
         gravity_e0: arm.gravity_e0,
@@ -115,7 +112,7 @@ pub(super) fn explain(
     }
     let columns = ArmColumns::of(&problem, motions);
     let search = Search { model, columns, priors, facts, given: arm.gravity_e0 };
-    let start = State { gravity: Gravity::AsGiven, map: as_labelled, map_prior: 0.0 };
+    let start = State::as_labelled(as_labelled);
     let labelled = search.judged(&start);
     // the residual of every joint is noise: nothing explains half of it
     if !search.leaves_more_than_noise(&labelled) {
@@ -149,6 +146,50 @@ pub(super) fn explain(
     let meaning = best.meaning();
     let (map, as_labelled) = (best.state.map, probability);
     Ok(Explained { gravity_e0, direction, gravity_is_taken_off, map, as_labelled, meaning })
+}
+
+/// Whether another order of the effort columns, which each joint's own evidence asks for, leaves half of the error of every
+/// column that it moves, and of none much more: with few independent samples the likelihood of the arm alone does not decide.
+pub(super) fn order_explains(
+    model: &ArmModel,
+    motions: &[Motion],
+    reversed: &BatchProblem,
+    facts: &JointFacts,
+    order: &[usize],
+) -> Result<bool, NumericError> {
+    let problem = generic_problem(reversed)?;
+    let priors = priors_of(&problem);
+    if priors.is_empty() {
+        return Ok(false);
+    }
+    let columns = ArmColumns::of(&problem, motions);
+    let given = reversed.arm().gravity_e0;
+    let search = Search { model, columns, priors, facts, given };
+    let as_labelled = JointMap::as_labelled(order.len());
+    let reordered = JointMap { effort: order.to_vec(), ..as_labelled.clone() };
+    let labelled = search.judged(&State::as_labelled(as_labelled));
+    let judged = search.judged(&State::as_labelled(reordered));
+    let ratios = search.ratios(&labelled, &judged);
+    let moved = order.iter().enumerate().filter(|(j, k)| j != *k).map(|(_, k)| *k);
+    let all_better = moved.into_iter().all(|k| ratios[k] <= MUST_LEAVE);
+    Ok(all_better && search.explains(&labelled, &judged))
+}
+
+/// The problem of an arm with gravity along no special direction.
+fn generic_problem(reversed: &BatchProblem) -> Result<BatchProblem, NumericError> {
+    let generic = generic_arm(reversed.arm());
+    let set = MinimalSet::of(&generic)?;
+    let mut problem = BatchProblem::new(&generic, &set);
+    problem.reversals.clone_from(&reversed.reversals);
+    Ok(problem)
+}
+
+fn priors_of(problem: &BatchProblem) -> Vec<ConstantPrior> {
+    let prior = |&(error, load): &(f64, f64)| {
+        let of = LinkErrors::of(problem, error, load);
+        ConstantPrior::of(of.mean, &of.spread)
+    };
+    PRIORS.iter().filter_map(prior).collect()
 }
 
 /// The arm with gravity along no special direction.
