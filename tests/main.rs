@@ -47,6 +47,8 @@ mod extend;
 mod extend_estimator;
 /// a log format of another crate
 mod extend_format;
+/// reproductions of users' reports
+mod field;
 /// MCAP compared with CSV
 mod formats;
 /// pages of results in a browser
