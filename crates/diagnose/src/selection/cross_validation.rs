@@ -266,10 +266,37 @@ pub(crate) fn predictor(metric: &Marginalised<'_>, named: &Estimate) -> Predicto
             best = Some((Predictor { estimate: found.0, scale }, found.1));
         }
     }
-    best.map_or_else(
-        || Predictor { estimate: named.clone(), scale: metric.scale },
-        |(predictor, _)| predictor,
-    )
+    let Some((mut predictor, mut errors_of_best)) = best else {
+        return Predictor { estimate: named.clone(), scale: metric.scale };
+    };
+    // of joints whose small terms do not help together some may help alone: one after the other, the most helpful first
+    let full = problem.marginalised(predictor.scale, &metric.inflated);
+    let metrics = metrics(&folds, predictor.scale, &metric.inflated);
+    let with = |set: &[usize], g: usize| {
+        let chosen = admissible_part(&full, [set, &[g]].concat(), &named.set)?;
+        let errors = chosen.set.contains(&g).then(|| errors(&chosen, &metrics))?;
+        Some((chosen, errors))
+    };
+    let gain = |before: &[Vec<f64>], after: &[Vec<f64>]| -> f64 {
+        gains(before, after, None).iter().sum()
+    };
+    let left = extended.iter().copied().filter(|g| !predictor.estimate.set.contains(g));
+    let mut tried: Vec<(f64, usize)> = left
+        .filter_map(|g| {
+            let (_, errors) = with(&predictor.estimate.set, g)?;
+            Some((gain(&errors_of_best, &errors), g))
+        })
+        .filter(|(gain, _)| *gain > 0.0)
+        .collect();
+    tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (_, g) in tried {
+        if let Some((more, errors)) = with(&predictor.estimate.set, g)
+            && gain(&errors_of_best, &errors) > 0.0
+        {
+            (predictor.estimate, errors_of_best) = (more, errors);
+        }
+    }
+    predictor
 }
 
 /// Cross-validated improvement of a candidate on its joints, in standard errors.
