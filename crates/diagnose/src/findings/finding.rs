@@ -119,10 +119,11 @@ pub(crate) fn reported_findings(
     let chance = surrogate_threshold_beside(&metric, &selection.estimate);
     let left = excess(&selection.problem, &metric.residual(&selection.estimate.fit));
     let seeks_change = selection.problem.observations.comparison.seeks_change();
+    let shown_before = design.share_within_reference();
     let confidence = |materiality: &Materiality, size: Option<f64>, behind: Vec<f64>| {
         let j = materiality.joint;
         let left = seeks_change.then(|| [excess_before(&selection.problem, j), left[j]]);
-        Evidence { materiality, size, left, behind }.confidence()
+        Evidence { materiality, size, left, behind, shown_before }.confidence()
     };
     let mut found: Vec<ReportedFinding> = selection
         .estimate
