@@ -1,5 +1,5 @@
 //! Smooth terms: linear B-splines of one or two variables, times functions of velocities, for structure that no
-//! law of the library explains. They predict; they do not explain.
+//! law of the library explains. They predict; they do not explain, and fade to nothing beyond what they were fitted to.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +37,17 @@ pub struct SpeedFactor {
     pub form: FactorForm,
     /// Speed at which a saturating form turns \[rad/s or m/s\].
     pub scale: f64,
+    /// Fastest speed that it was fitted to \[rad/s or m/s\]; not in the models of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fastest: Option<f64>,
+}
+
+/// Distance over which a term without a law fades to nothing beyond what it was fitted to, as a share of that range.
+const FADE: f64 = 0.5;
+
+/// Share of a term that is left so far beyond its range.
+fn faded(beyond: f64, range: f64) -> f64 {
+    (1.0 - beyond.max(0.0) / (FADE * range)).clamp(0.0, 1.0)
 }
 
 /// Forms of a [`SpeedFactor`].
@@ -69,6 +80,17 @@ impl SpeedFactor {
             FactorForm::Saturating => v / (1.0 + (v / self.scale).powi(2)),
             FactorForm::Size => v.abs(),
             FactorForm::Square => v * v,
+        }
+    }
+
+    /// The value, held at that of the fastest speed beyond it, and fading there.
+    fn bounded(&self, v: f64, direction: f64) -> f64 {
+        match self.fastest {
+            Some(fastest) if v.abs() > fastest => {
+                self.value(v.clamp(-fastest, fastest), direction)
+                    * faded(v.abs() - fastest, fastest)
+            }
+            _ => self.value(v, direction),
         }
     }
 }
@@ -152,7 +174,7 @@ impl SmoothBasis {
             let joint = index(&factor.joint);
             for (t, p) in product.iter_mut().enumerate() {
                 let of = |values: &[Vec<f64>]| joint.map_or(0.0, |j| values[j][t]);
-                *p *= factor.value(of(&at.signals.velocity), of(&at.signals.direction));
+                *p *= factor.bounded(of(&at.signals.velocity), of(&at.signals.direction));
             }
         }
         product
@@ -189,16 +211,38 @@ impl SmoothBasis {
                 let x = (values.map_or(0.0, |v| v[t]) - axis.range[0])
                     / (axis.range[1] - axis.range[0])
                     * span;
+                let beyond = (-x).max(x - span);
+                let within = faded(beyond, span);
                 let x = x.clamp(0.0, span);
                 let left = (x.floor() as usize).min(axis.knots - 2);
                 let share = x - left as f64;
                 for k in first..hats.len() {
                     let (cell, weight) = hats[k];
-                    hats[k] = (cell * axis.knots + left, weight * (1.0 - share));
-                    hats.push((cell * axis.knots + left + 1, weight * share));
+                    hats[k] = (cell * axis.knots + left, weight * within * (1.0 - share));
+                    hats.push((cell * axis.knots + left + 1, weight * within * share));
                 }
             }
         }
         hats
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_fade_beyond_their_fastest_speed() {
+        let cubic = SpeedFactor {
+            joint: "joint".to_owned(),
+            form: FactorForm::Cube,
+            scale: 1.0,
+            fastest: Some(2.0),
+        };
+        assert_eq!(cubic.bounded(-2.0, -1.0), -8.0);
+        assert_eq!(cubic.bounded(2.5, 1.0), 4.0);
+        assert_eq!(cubic.bounded(3.5, 1.0), 0.0);
+        let unbounded = SpeedFactor { fastest: None, ..cubic };
+        assert_eq!(unbounded.bounded(3.0, 1.0), 27.0);
     }
 }
