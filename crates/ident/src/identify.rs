@@ -246,6 +246,8 @@ impl<'a> Prepared<'a> {
         found.reversals = problem.reversals.clone();
         found.effort_noise = Some(effort_noise.clone());
         found.shown = dead_zones.iter().any(Option::is_some).then(|| dead_zones.clone());
+        let gains = self.converted.as_ref().and_then(|converted| converted.gains.known(&names));
+        found.drive_gains = gains.or_else(|| model.drive_gains.clone());
         let sources: Vec<&str> = train.iter().map(|r| r.source.as_str()).collect();
         found.provenance.push(format!("fitted to {}", sources.join(", ")));
         Ok(Identification {

@@ -176,6 +176,16 @@ fn drive_gain_intervals_have_nominal_coverage() {
             assert!((gain.value / truth - 1.0).abs() < 0.2, "{gain:?} for {truth}");
             inside += usize::from((low..=high).contains(&truth));
         }
+        // what a model keeps says the same
+        let names = ["a", "b", "c", "d", "e", "f"];
+        let known = found.known(&names).unwrap();
+        for (joint, gain) in names.iter().zip(&found.joints) {
+            let (value, error) = known.of(joint).unwrap();
+            let gain = gain.unwrap();
+            let relative = gain.standard_error.unwrap() / gain.value.abs();
+            assert_eq!(value, gain.value);
+            assert!((error / relative - 1.0).abs() < 0.05, "{error} {relative}");
+        }
     }
     // 57 expected; 50 or fewer of 60 in one of 10 000
     assert!(inside > 50, "{inside} of 60");
@@ -190,6 +200,7 @@ fn gain_ratios_are_identified_without_known_load() {
     let all: Vec<&Motion> = motions.iter().collect();
     let found = problem.drive_gains(&all, &[true; 6], &[]).unwrap();
     assert!(!found.absolute);
+    assert!(found.known(&["joint"; 6]).is_none());
     let reference = found.joints.iter().position(|g| g.unwrap().standard_error.is_none()).unwrap();
     assert_eq!(found.joints[reference].unwrap().value, 1.0);
     let mut known = 0;

@@ -54,6 +54,39 @@ pub struct ArmModel {
     /// Low-passes of its predictions where it was fitted in a band, as a diagnosis does; none where it was fitted
     /// below [`cutoff_hz`](Self::cutoff_hz).
     pub band: Option<BandPrediction>,
+    /// Gains of drives whose current is recorded in the place of an effort, where recordings with a known load gave them.
+    pub drive_gains: Option<DriveGainsKnown>,
+}
+
+/// Gains of drives, and how well they are known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DriveGainsKnown {
+    /// Joints whose drive has a gain here.
+    pub joints: Vec<String>,
+    /// Effort over current \[N m/A or N/A\], one a joint.
+    pub gain: Vec<f64>,
+    /// Covariance of the logarithms of the gains, `[joint][joint]`: masses that follow from several drives err together.
+    pub log_covariance: Vec<Vec<f64>>,
+}
+
+impl DriveGainsKnown {
+    /// Gain of a joint \[N m/A or N/A\] and the standard error of its logarithm.
+    pub fn of(&self, joint: &str) -> Option<(f64, f64)> {
+        let at = self.joints.iter().position(|name| name == joint)?;
+        Some((self.gain[at], self.log_covariance[at][at].sqrt()))
+    }
+
+    /// Whether there is a gain for every joint, and a variance that is none below zero.
+    pub(crate) fn is_sound(&self) -> bool {
+        let n = self.joints.len();
+        let row = |(at, row): (usize, &Vec<f64>)| {
+            row.len() == n && row.iter().all(|x| x.is_finite()) && row[at] >= 0.0
+        };
+        self.gain.len() == n
+            && self.gain.iter().all(|gain| gain.is_finite() && *gain != 0.0)
+            && self.log_covariance.len() == n
+            && self.log_covariance.iter().enumerate().all(row)
+    }
 }
 
 /// Low-passes of the prediction of a model that was fitted in a band.
@@ -99,6 +132,7 @@ impl ArmModel {
             effort_delay_s: 0.0,
             channel_gain: vec![1.0; joints],
             band: None,
+            drive_gains: None,
         }
     }
 
@@ -119,6 +153,7 @@ impl ArmModel {
             prior_links: self.prior_links.clone(),
             provenance: self.provenance.clone(),
             library: self.library.clone(),
+            drive_gains: self.drive_gains.clone(),
             ..Self::from_chain(self.chain.clone())
         }
     }

@@ -11,7 +11,7 @@ use armident_kinematics::{
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::arm_model::{ArmModel, BandPrediction};
+use crate::arm_model::{ArmModel, BandPrediction, DriveGainsKnown};
 use crate::dead_zone::DeadZone;
 use crate::smooth_term::SmoothTerm;
 use crate::transmission::TransmissionTerm;
@@ -134,6 +134,8 @@ struct ModelFile {
     channel_gain: Vec<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     band: Option<BandPrediction>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    drive_gains: Option<DriveGainsKnown>,
     /// what a diagnosis found, in files of schema 1
     #[serde(default, skip_serializing)]
     learned: Option<Learned>,
@@ -257,6 +259,7 @@ impl From<&ArmModel> for ModelFile {
             effort_delay_s: model.effort_delay_s,
             channel_gain: model.channel_gain.clone(),
             band: model.band.clone(),
+            drive_gains: model.drive_gains.clone(),
             learned: None,
             effort_noise: model.effort_noise.clone(),
             shown: model.shown.clone(),
@@ -398,6 +401,9 @@ impl ModelFile {
         let names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
         check_terms(&names, &self.effects, &self.transmissions, &self.smooth_terms)
             .map_err(ModelError::Inconsistent)?;
+        if self.drive_gains.as_ref().is_some_and(|gains| !gains.is_sound()) {
+            return bad("drive_gains must have one finite gain and variance per joint".to_owned());
+        }
         if let Some(band) = &self.band {
             check_band(band, count).map_err(ModelError::Inconsistent)?;
         }
@@ -436,6 +442,7 @@ impl ModelFile {
             effort_delay_s: numbers.effort_delay_s,
             channel_gain: numbers.channel_gain,
             band: self.band,
+            drive_gains: self.drive_gains,
         })
     }
 }

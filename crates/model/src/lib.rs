@@ -23,7 +23,7 @@ mod smooth_term;
 mod test_arms;
 mod transmission;
 
-pub use arm_model::{ArmModel, BandPrediction, is_sublinear};
+pub use arm_model::{ArmModel, BandPrediction, DriveGainsKnown, is_sublinear};
 pub use dead_zone::DeadZone;
 pub use effect_columns::{DEFAULT_SPEED_RESOLUTION, effect_columns, joint_motion, pair_columns};
 pub use file::{MODEL_SCHEMA, ModelError};

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::checks::usable::{Unusable, usable_signals, without_constant_efforts};
 
-/// Gain of a joint whose effort is known as a current or voltage only.
+/// Gain of a joint whose effort is recorded as a current or voltage only.
 #[derive(Debug, Clone, Serialize)]
 pub struct InferredDriveGain {
     /// Joint.
@@ -25,6 +25,8 @@ pub struct InferredDriveGain {
     /// Whether the recordings determine it at all: an interval of less than a factor of ten. Without it
     /// nothing is reported about the joint.
     pub determined: bool,
+    /// Whether the model knew it; else it follows from the believed arm's masses.
+    pub of_model: bool,
 }
 
 /// A probability that excludes chance.
@@ -127,13 +129,28 @@ impl InputChecks {
         };
         let gain = |(joint, channel): (&&str, &ChannelEvidence)| {
             let quantity = signals.get(*joint)?;
+            let quantity = if *quantity == Quantity::Current { "current" } else { "voltage" };
+            // known from a load: that the masses here ask for another gain is for the diagnosis to explain
+            let known = model.drive_gains.as_ref().and_then(|gains| gains.of(joint));
+            if let Some((gain, error)) = known.filter(|_| quantity == "current") {
+                let ends = [-1.96, 1.96].map(|deviations| gain * (deviations * error).exp());
+                return Some(InferredDriveGain {
+                    joint: (*joint).to_owned(),
+                    quantity,
+                    gain,
+                    interval_95: [ends[0].min(ends[1]), ends[0].max(ends[1])],
+                    determined: true,
+                    of_model: true,
+                });
+            }
             let [low, high] = channel.gain_95.map(|g| 1.0 / g);
             Some(InferredDriveGain {
                 joint: (*joint).to_owned(),
-                quantity: if *quantity == Quantity::Current { "current" } else { "voltage" },
+                quantity,
                 gain: 1.0 / channel.gain,
                 interval_95: [low.min(high), low.max(high)],
                 determined: (low / high).abs().ln().abs() < NOT_DETERMINED.ln(),
+                of_model: false,
             })
         };
         let of_arm = found.checks.iter().any(|c| {

@@ -142,9 +142,10 @@ impl<'a> Design<'a> {
         let limits: Vec<Option<f64>> =
             (0..self.joints()).map(|joint| self.usual_speed(joint, from)).collect();
         let is_within = |s: &BandMotion, t: usize| {
-            limits.iter().zip(&s.velocity).all(|(limit, v)| {
-                limit.is_none_or(|fastest| v[t].abs() <= FASTER * fastest)
-            })
+            limits
+                .iter()
+                .zip(&s.velocity)
+                .all(|(limit, v)| limit.is_none_or(|fastest| v[t].abs() <= FASTER * fastest))
         };
         let later = &self.signals[from..];
         let all: usize = later.iter().map(|s| s.len()).sum();

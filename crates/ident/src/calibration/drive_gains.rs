@@ -14,6 +14,7 @@
 //! References: M. Gautier, S. Briot, Global identification of joint drive gains and dynamic parameters of
 //! robots, ASME J. Dyn. Sys. Meas. Control 136 (2014).
 
+use armident_model::DriveGainsKnown;
 use armident_motion::Motion;
 use armident_numeric::{AccumulatedQr, NumericError};
 
@@ -63,6 +64,58 @@ pub struct DriveGains {
     /// Where only ratios are known: the factor that makes the constants found those of the robot
     /// description, as well as one number can.
     pub scale_of_description: f64,
+    /// Covariance of the logarithms of the gains, `[joint][joint]`, 0 where the effort is recorded; none where the recordings
+    /// are too short for one.
+    pub log_covariance: Option<Vec<Vec<f64>>>,
+}
+
+impl DriveGains {
+    /// What a model keeps: none where only ratios are known.
+    pub fn known(&self, joints: &[&str]) -> Option<DriveGainsKnown> {
+        let covariance = self.log_covariance.as_ref().filter(|_| self.absolute)?;
+        let drives: Vec<(usize, f64)> = (self.joints.iter().enumerate())
+            .filter_map(|(joint, gain)| Some((joint, gain.as_ref()?.value)))
+            .collect();
+        let row =
+            |joint: usize| drives.iter().map(|(other, _)| covariance[joint][*other]).collect();
+        Some(DriveGainsKnown {
+            joints: drives.iter().map(|(joint, _)| joints[*joint].to_owned()).collect(),
+            gain: drives.iter().map(|(_, gain)| *gain).collect(),
+            log_covariance: drives.iter().map(|(joint, _)| row(*joint)).collect(),
+        })
+    }
+
+    /// The gains that a model knows, of joints whose currents are recorded; none where it does not know all of them.
+    pub(crate) fn of_model(
+        known: &DriveGainsKnown,
+        joints: &[&str],
+        is_current: &[bool],
+    ) -> Option<Self> {
+        let place = |joint: &str| known.joints.iter().position(|name| name == joint);
+        let gain = |joint: &str| {
+            let (value, error) = known.of(joint)?;
+            let interval = [-1.96, 1.96].map(|deviations| value * (deviations * error).exp());
+            let ends = [interval[0].min(interval[1]), interval[0].max(interval[1])];
+            let standard_error = Some(value.abs() * error);
+            Some(DriveGain { value, standard_error, interval_95: Some(ends) })
+        };
+        let of_joint = |(joint, is_current): (&&str, &bool)| match is_current {
+            true => gain(joint).map(Some),
+            false => Some(None),
+        };
+        let gains = joints.iter().zip(is_current).map(of_joint).collect::<Option<_>>()?;
+        let covariance = |a: &&str, b: &&str| match (place(a), place(b)) {
+            (Some(a), Some(b)) => known.log_covariance[a][b],
+            _ => 0.0,
+        };
+        let row = |a: &&str| joints.iter().map(|b| covariance(a, b)).collect();
+        Some(Self {
+            joints: gains,
+            absolute: true,
+            scale_of_description: 1.0,
+            log_covariance: Some(joints.iter().map(row).collect()),
+        })
+    }
 }
 
 struct Solved {
@@ -191,7 +244,21 @@ impl BatchProblem {
             .collect();
         let scale_of_description =
             if absolute { 1.0 } else { self.scale(triangles, &noise, &solved) };
-        Ok(DriveGains { joints, absolute, scale_of_description })
+        let log_covariance = (!without.is_empty()).then(|| {
+            let mean = |joint: usize| without.iter().map(|g| g[joint]).sum::<f64>() / blocks as f64;
+            let covariance = |a: usize, b: usize| {
+                let off = |g: &Vec<f64>, joint: usize| g[joint] / mean(joint) - 1.0;
+                let products = without.iter().map(|g| off(g, a) * off(g, b)).sum::<f64>();
+                if is_current[a] && is_current[b] {
+                    products * (blocks as f64 - 1.0) / blocks as f64
+                } else {
+                    0.0
+                }
+            };
+            let joints = 0..is_current.len();
+            joints.clone().map(|a| joints.clone().map(|b| covariance(a, b)).collect()).collect()
+        });
+        Ok(DriveGains { joints, absolute, scale_of_description, log_covariance })
     }
 
     /// Sum of squares of the effort that the links take as they are described, per joint.

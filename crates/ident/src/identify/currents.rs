@@ -67,7 +67,12 @@ pub(super) fn efforts_of_currents(
         motions_with_effort(&train, joints, cutoff_hz)?.into_iter().map(Motion::thinned).collect();
     let motions: Vec<&Motion> = motions.iter().collect();
     problem.choose_reversal_speeds(&motions)?;
-    let gains = problem.drive_gains(&motions, &is_current, loads)?;
+    // a known load tells more than what an earlier fit has left
+    let kept = request.model.drive_gains.as_ref().filter(|_| loads.is_empty());
+    let gains = match kept.and_then(|known| DriveGains::of_model(known, joints, &is_current)) {
+        Some(gains) => gains,
+        None => problem.drive_gains(&motions, &is_current, loads)?,
+    };
     let undetermined: Vec<String> = (joints.iter().zip(&gains.joints))
         .filter(|(_, gain)| gain.is_some_and(|gain| !gain.is_determined()))
         .map(|(joint, _)| (*joint).to_owned())

@@ -20,6 +20,8 @@ pub struct DriveGainOfMasses {
     pub interval_95: [Option<f64>; 2],
     /// Whether the recordings identify it (an interval of less than a factor of ten); if not, the joint is excluded.
     pub determined: bool,
+    /// Whether it comes from the given model, identified with a known load; else from the URDF masses.
+    pub of_model: bool,
 }
 
 impl DriveGainOfMasses {
@@ -30,6 +32,7 @@ impl DriveGainOfMasses {
             gain: found.gain,
             interval_95: found.interval_95.map(Some),
             determined: found.determined,
+            of_model: found.of_model,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::layout::{Block, Table, significant};
 use crate::results::DiagnoseReport;
 use crate::section::{DiagnosisSection, Section};
 
-/// Drive gains inferred from the masses of the URDF.
+/// Drive gains inferred from the masses of the URDF, or known from an earlier fit.
 pub(crate) struct DriveGains;
 
 impl Section<DiagnoseReport> for DriveGains {
@@ -24,17 +24,21 @@ impl Section<DiagnoseReport> for DriveGains {
                 true => significant(row.gain, 3, 0.0),
                 false => "not identifiable, joint excluded".to_owned(),
             };
-            vec![row.joint.clone(), row.quantity.clone(), gain, format!("{low} to {high}")]
+            let source = if row.of_model { "model" } else { "URDF masses" };
+            let interval = format!("{low} to {high}");
+            vec![row.joint.clone(), row.quantity.clone(), source.to_owned(), gain, interval]
         });
-        let table = Table::new("Effort per unit", &["joint", "recorded"])
+        let of_masses = gains.iter().any(|row| !row.of_model);
+        let table = Table::new("Effort per unit", &["joint", "recorded", "source"])
             .numbers(&["gain", "95 % interval"]);
-        vec![
-            Block::heading_with_note(
+        let heading = match of_masses {
+            true => Block::heading_with_note(
                 "Drive gains inferred from the URDF masses",
                 "only their ratios are reliable",
             ),
-            Block::Table(table.with(rows)),
-        ]
+            false => Block::heading("Drive gains of the given model"),
+        };
+        vec![heading, Block::Table(table.with(rows))]
     }
 }
 
