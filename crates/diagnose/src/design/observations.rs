@@ -167,6 +167,14 @@ impl Observations {
         (weights, excluded)
     }
 
+    /// Of every row, whether it counts as these samples of its recording do.
+    pub(crate) fn rows_of(
+        signals: &[BandMotion],
+        samples: impl Fn(&BandMotion) -> Vec<bool>,
+    ) -> Vec<bool> {
+        signals.iter().flat_map(|s| touched(s, &samples(s)).collect::<Vec<bool>>()).collect()
+    }
+
     /// Number of rows of one joint.
     pub(crate) fn len(&self) -> usize {
         self.starts[self.starts.len() - 1]
@@ -320,9 +328,19 @@ impl Observations {
     /// Root mean square of weighted rows of one joint, over the rows that do not stick, back in the
     /// unit of the effort over the noise of one recorded sample.
     pub(crate) fn in_sample_noise(&self, joint: usize, rows: &[f64]) -> f64 {
+        self.in_sample_noise_of(joint, rows, |_| true)
+    }
+
+    /// The same of those rows that are wanted.
+    pub(crate) fn in_sample_noise_of(
+        &self,
+        joint: usize,
+        rows: &[f64],
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (k, x) in rows.iter().enumerate().skip(self.judged_from()) {
-            if !self.stuck[joint][k] && self.weights.by_row[joint][k] > 0.0 {
+            if !self.stuck[joint][k] && self.weights.by_row[joint][k] > 0.0 && is_wanted(k) {
                 sum += (x / self.weights.by_row[joint][k]).powi(2);
                 count += 1;
             }

@@ -136,22 +136,17 @@ impl<'a> Design<'a> {
         (design, exceeded)
     }
 
-    /// Share of the later samples in which no joint moves faster than in the reference; 1 without one.
-    pub(crate) fn share_within_reference(&self) -> f64 {
+    /// Of every row, whether a joint moves faster there than in the reference.
+    pub(crate) fn rows_beyond_reference(&self) -> Vec<bool> {
         let from = self.observations.comparison.first_judged();
         let limits: Vec<Option<f64>> =
             (0..self.joints()).map(|joint| self.usual_speed(joint, from)).collect();
-        let is_within = |s: &BandMotion, t: usize| {
-            limits
-                .iter()
-                .zip(&s.velocity)
-                .all(|(limit, v)| limit.is_none_or(|fastest| v[t].abs() <= FASTER * fastest))
+        let is_faster = |s: &BandMotion, t: usize| {
+            let mut speeds = limits.iter().zip(&s.velocity);
+            speeds.any(|(limit, v)| limit.is_some_and(|fastest| v[t].abs() > FASTER * fastest))
         };
-        let later = &self.signals[from..];
-        let all: usize = later.iter().map(|s| s.len()).sum();
-        let within: usize =
-            later.iter().map(|s| (0..s.len()).filter(|t| is_within(s, *t)).count()).sum();
-        if from == 0 || all == 0 { 1.0 } else { within as f64 / all as f64 }
+        let samples = |s: &BandMotion| (0..s.len()).map(|t| is_faster(s, t)).collect();
+        Observations::rows_of(&self.signals, samples)
     }
 
     /// Speed that a joint hardly exceeds in the first recordings; none where it has no effort in them.

@@ -1,16 +1,16 @@
 //! Confidence of a name.
 //!
 //! ```text
-//! c = L(3 (r - 1)) · 1 / (1 + Σ exp(-Δ / 2)) · w · h,   r = (m^-2 + s^-2)^(-1/2),   L(x) = 1 / (1 + exp(-x))
+//! c = L(3 (r - 1)) · 1 / (1 + Σ exp(-Δ / 2)) · h,   r = (m^-2 + s^-2)^(-1/2),   L(x) = 1 / (1 + exp(-x))
 //! ```
 //!
 //! `m` is the materiality over its threshold, which holds the error of the model, `s` the size over two honest standard errors:
 //! the two errors add as independent ones do. Where one is small a name has 0.50 at the threshold of the other and 0.95 at
 //! twice that. `Δ` is by how much worse each rival scores, twice a log odds: what two laws explain equally well has either with
-//! the same probability. `w` is the share of the new motion that is no faster than the reference, on every joint: beyond that
-//! the reference does not show what was there before. `h` is one half where the hold-out is predicted better without the finding. The threshold of `m` is the
+//! the same probability. `h` is one half where the hold-out is predicted better without the finding. The threshold of `m` is the
 //! residual of the model on the joint. Of a change it is a share of the residual of the model in the reference too, which
-//! repeats; what came since, on motion that the reference did not show, counts in full.
+//! repeats; what came since, on motion that the reference did not show, counts in full. Nor is a change more material than it is
+//! where no joint moves faster than in the reference: beyond that, what was there before is not known.
 //!
 //! References: own.
 
@@ -31,8 +31,6 @@ pub(crate) struct Evidence<'a> {
     pub(crate) left: Option<[f64; 2]>,
     /// by how much worse rivals score
     pub(crate) behind: Vec<f64>,
-    /// share of the motion that the reference shows too; 1 without a reference
-    pub(crate) shown_before: f64,
 }
 
 impl Evidence<'_> {
@@ -51,7 +49,7 @@ impl Evidence<'_> {
         let both = (materiality.powi(-2) + of_size).powf(-0.5);
         let alone = 1.0 / (1.0 + (-STEEPNESS * (both - 1.0)).exp());
         let rivals: f64 = self.behind.iter().map(|behind| (-0.5 * behind.max(0.0)).exp()).sum();
-        alone / (1.0 + rivals) * self.shown_before
+        alone / (1.0 + rivals)
     }
 }
 
@@ -62,8 +60,7 @@ mod tests {
     fn confidence(ratio: f64, size: f64, left: Option<[f64; 2]>, behind: &[f64]) -> f64 {
         let materiality = Materiality { value: ratio, least: 1.0, joint: 0 };
         let behind = behind.to_vec();
-        let size = Some(size);
-        Evidence { materiality: &materiality, size, left, behind, shown_before: 1.0 }.confidence()
+        Evidence { materiality: &materiality, size: Some(size), left, behind }.confidence()
     }
 
     #[test]

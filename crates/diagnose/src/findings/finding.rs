@@ -117,13 +117,28 @@ pub(crate) fn reported_findings(
     let metric = selection.metric();
     let solution = selection.solution(design, &metric);
     let chance = surrogate_threshold_beside(&metric, &selection.estimate);
-    let left = excess(&selection.problem, &metric.residual(&selection.estimate.fit));
     let seeks_change = selection.problem.observations.comparison.seeks_change();
-    let shown_before = design.share_within_reference();
+    let with = metric.residual(&selection.estimate.fit);
+    let left = excess(&selection.problem, &with);
+    let beyond = if seeks_change { design.rows_beyond_reference() } else { Vec::new() };
+    // how much less a candidate explains where the reference shows what was there before
+    let shown_before = |of: &Materiality, without: Option<&Estimate>| {
+        let Some(without) = without.filter(|_| beyond.contains(&true)) else { return *of };
+        let (j, rows) = (of.joint, &selection.problem.observations);
+        let rest = metric.residual(&without.fit);
+        let explained = |is_wanted: &dyn Fn(usize) -> bool| {
+            let [rest, with] =
+                [&rest, &with].map(|r| rows.in_sample_noise_of(j, &r[j], is_wanted).powi(2));
+            (rest - with).max(0.0).sqrt()
+        };
+        let (all, within) = (explained(&|_| true), explained(&|row| !beyond[row]));
+        let share = if all > 0.0 { (within / all).min(1.0) } else { 1.0 };
+        Materiality { value: share * of.value, ..*of }
+    };
     let confidence = |materiality: &Materiality, size: Option<f64>, behind: Vec<f64>| {
         let j = materiality.joint;
         let left = seeks_change.then(|| [excess_before(&selection.problem, j), left[j]]);
-        Evidence { materiality, size, left, behind, shown_before }.confidence()
+        Evidence { materiality, size, left, behind }.confidence()
     };
     let mut found: Vec<ReportedFinding> = selection
         .estimate
@@ -136,7 +151,8 @@ pub(crate) fn reported_findings(
             let rivals = rivals(&metric, &selection.estimate, g, &selection.point);
             let alternative_of = |r: &Rival| alternative(&solution, InPlace::Candidate(g), r);
             let behind = behind(selection, best, InPlace::Candidate(g), &rivals);
-            let confidence = confidence(&size, numbers.size, behind);
+            let shown = shown_before(&size, without.as_ref());
+            let confidence = confidence(&shown, numbers.size, behind);
             let mut finding = finding_of_candidate(&solution, g, &size, numbers, confidence);
             finding.alternatives = rivals.iter().map(alternative_of).collect();
             finding.alternatives.extend(load_unweighed(&solution, g));
