@@ -21,7 +21,7 @@ use crate::estimators::Estimator;
 use crate::minimal_set::MinimalSet;
 use crate::regression::{BatchEstimate, BatchProblem, JointFit, JointRows, Term, without_loads};
 use crate::structure::Structure;
-use currents::{Converted, efforts_of_currents};
+use currents::{Converted, efforts_of_currents, efforts_of_known_load};
 use fit::{Recorded, cross_validate, fit};
 use motions::motions_with_effort;
 
@@ -94,6 +94,9 @@ pub struct Identification {
     pub cutoff_hz: Option<f64>,
     /// Gains of the drives whose currents are recorded; none where all joints have efforts.
     pub drive_gains: Option<DriveGains>,
+    /// Efforts that the loads of known mass ask for over the recorded ones, and the relative standard error; none without
+    /// such a load, or where currents are recorded.
+    pub effort_of_load: Option<(f64, f64)>,
     /// Training and hold-out recordings with efforts in place of currents; none where all joints have efforts.
     pub converted: Option<[Vec<Recording>; 2]>,
     /// Training motions as fitted.
@@ -134,6 +137,7 @@ pub struct Prepared<'a> {
     dead_zone_shares: Vec<Option<f64>>,
     cutoff_hz: Option<f64>,
     converted: Option<Converted>,
+    effort_of_load: Option<(f64, f64)>,
     train_motions: Vec<Motion>,
     holdout_motions: Vec<Motion>,
 }
@@ -152,6 +156,10 @@ impl<'a> Prepared<'a> {
         let set = MinimalSet::of(&arm)?;
         let mut problem = BatchProblem::new(&arm, &set).with_loads(request.loads);
         let converted = efforts_of_currents(&mut problem, request, &joints, cutoff_hz)?;
+        let effort_of_load = match &converted {
+            Some(_) => None,
+            None => efforts_of_known_load(&problem, request, &joints, cutoff_hz)?,
+        };
         let [train, holdout] = with_efforts(request, converted.as_ref());
         let motions = |recordings: &[Recording]| -> Result<Vec<Motion>, IdentifyError> {
             let motions = motions_with_effort(recordings, &joints, cutoff_hz)?;
@@ -173,6 +181,7 @@ impl<'a> Prepared<'a> {
             dead_zone_shares,
             cutoff_hz,
             converted,
+            effort_of_load,
             train_motions,
             holdout_motions,
         })
@@ -263,6 +272,7 @@ impl<'a> Prepared<'a> {
             velocity_gain: fitted.velocity_gain,
             cutoff_hz: self.cutoff_hz,
             drive_gains: self.converted.as_ref().map(|converted| converted.gains.clone()),
+            effort_of_load: self.effort_of_load,
             converted: self.converted.as_ref().map(|c| [c.train.clone(), c.holdout.clone()]),
             estimate: fitted.estimate,
             train_motions: fitted.train,

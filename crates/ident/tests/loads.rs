@@ -191,6 +191,28 @@ fn drive_gain_intervals_have_nominal_coverage() {
     assert!(inside > 50, "{inside} of 60");
 }
 
+/// Efforts that are recorded 8 % too large: the known load asks for less, on all joints together.
+#[test]
+fn known_load_contradicts_scaled_efforts() {
+    let bench = Bench::new();
+    let problem = BatchProblem::new(&bench.arm, &bench.set);
+    let load = bench.load(Some(CENTRE_M), 0.0);
+    for scale in [1.0, 1.08] {
+        let motions = [EMPTY, HEAVY].map(|case| {
+            let mut motion = bench.motion(&case);
+            for efforts in [&mut motion.effort, &mut motion.effort_filtered] {
+                efforts.as_mut().unwrap().iter_mut().flatten().for_each(|e| *e *= scale);
+            }
+            motion
+        });
+        let all: Vec<&Motion> = motions.iter().collect();
+        let found = problem.drive_gains(&all, &[true; 6], std::slice::from_ref(&load)).unwrap();
+        let (gain, error) = found.common().unwrap();
+        assert!((gain * scale).ln().abs() < 4.0 * error, "{gain} +- {error} for {scale}");
+        assert!(error < 0.02, "{error}");
+    }
+}
+
 #[test]
 fn gain_ratios_are_identified_without_known_load() {
     let bench = Bench::new();

@@ -70,6 +70,28 @@ pub struct DriveGains {
 }
 
 impl DriveGains {
+    /// Weighted mean of the gains and its standard error, relative: how much larger than recorded the efforts of all joints
+    /// are. None where no gain has an interval.
+    pub fn common(&self) -> Option<(f64, f64)> {
+        let covariance = self.log_covariance.as_ref().filter(|_| self.absolute)?;
+        let known: Vec<(usize, f64)> = (self.joints.iter().enumerate())
+            .filter_map(|(joint, gain)| {
+                gain.filter(|g| g.interval_95.is_some()).map(|g| (joint, g))
+            })
+            .filter(|(_, gain)| gain.value > 0.0)
+            .map(|(joint, gain)| (joint, gain.value.ln()))
+            .collect();
+        let weights: Vec<f64> =
+            known.iter().map(|(joint, _)| 1.0 / covariance[*joint][*joint]).collect();
+        let all: f64 = weights.iter().sum();
+        let mean = known.iter().zip(&weights).map(|((_, gain), w)| w / all * gain).sum::<f64>();
+        let variance: f64 = (known.iter().zip(&weights))
+            .flat_map(|(a, wa)| known.iter().zip(&weights).map(move |(b, wb)| (a.0, wa, b.0, wb)))
+            .map(|(a, wa, b, wb)| wa / all * (wb / all) * covariance[a][b])
+            .sum();
+        (all.is_finite() && variance > 0.0).then(|| (mean.exp(), variance.sqrt()))
+    }
+
     /// What a model keeps: none where only ratios are known.
     pub fn known(&self, joints: &[&str]) -> Option<DriveGainsKnown> {
         let covariance = self.log_covariance.as_ref().filter(|_| self.absolute)?;

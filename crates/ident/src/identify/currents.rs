@@ -17,6 +17,25 @@ pub(super) struct Converted {
     pub(super) holdout: Vec<Recording>,
 }
 
+/// Efforts that a known load asks for over the recorded ones, and the relative standard error; none without a load, or
+/// where currents are recorded.
+pub(super) fn efforts_of_known_load(
+    problem: &BatchProblem,
+    request: &IdentifyRequest<'_>,
+    joints: &[&str],
+    cutoff_hz: Option<f64>,
+) -> Result<Option<(f64, f64)>, IdentifyError> {
+    if request.loads.iter().all(|load| load.mass_kg == 0.0) {
+        return Ok(None);
+    }
+    let motions = motions_with_effort(request.train, joints, cutoff_hz)?;
+    let motions: Vec<Motion> = motions.into_iter().map(Motion::thinned).collect();
+    let motions: Vec<&Motion> = motions.iter().collect();
+    let mut problem = problem.clone();
+    problem.choose_reversal_speeds(&motions)?;
+    Ok(problem.drive_gains(&motions, &vec![true; joints.len()], request.loads)?.common())
+}
+
 /// Where joints have currents only: the drive gains, and the recordings with efforts. None where all joints have efforts.
 ///
 /// The reversal speeds of `problem` are chosen on the way.

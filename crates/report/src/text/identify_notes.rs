@@ -70,6 +70,16 @@ pub(crate) fn warnings(found: &Identification) -> Vec<String> {
                 .to_owned(),
         );
     }
+    // beyond three standard errors, and a percent
+    if let Some((gain, error)) = found.effort_of_load
+        && gain.ln().abs() > f64::max(3.0 * error, 0.01)
+    {
+        let [low, high] = [-1.96, 1.96].map(|deviations| gain * (deviations * error).exp());
+        warnings.push(format!(
+            "the known payload asks for {gain:.3} times the recorded efforts (95 % interval {low:.3} to {high:.3}): the efforts \
+             have another scale, or its mass is wrong [payload-contradicts]"
+        ));
+    }
     let (problem, estimate) = (&found.problem, &found.estimate);
     if estimate.rank < problem.terms.len() {
         let open: Vec<String> = (0..problem.terms.len())
