@@ -15,8 +15,7 @@ use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::selection::change_significance::{Inconclusive, ReferenceUncertainty};
 use crate::selection::materiality::{
-    Materiality, excess, excess_before, held, link_materiality, materiality,
-    surrogate_threshold_beside,
+    Materiality, excess, excess_before, link_materiality, materiality, surrogate_threshold_beside,
 };
 use crate::selection::prior_scale::SCALES;
 use crate::selection::rivals::{InPlace, Rival, rivals, rivals_of_body, separated_by};
@@ -210,8 +209,7 @@ pub(crate) fn reported_findings(
     found
 }
 
-/// By how much worse the rivals of a finding score; none of those with another zero or clock, whose efforts are others, and of
-/// the same body by another name. Bodies are compared beside the small terms of the model: without these, links fit what the
+/// By how much worse the rivals of a finding score; none of the same body by another name. Bodies are compared beside the small terms of the model: without these, links fit what the
 /// small terms explain.
 fn behind(
     selection: &Selection,
@@ -227,11 +225,6 @@ fn behind(
         }
         InPlace::Candidate(_) => None,
     };
-    if let InPlace::Candidate(g) = of
-        && !held(&candidates[g], &selection.point).is_empty()
-    {
-        return Vec::new();
-    }
     let is_same = |rival: &&Rival| link(of).is_some() && link(of) == link(rival.by);
     let others = rivals.iter().filter(|rival| !is_same(rival));
     let score_beside_small_terms = |rival: &Rival| {
@@ -246,7 +239,7 @@ fn behind(
     };
     let of_rival = |rival: &Rival| {
         let beside = link(of).and_then(|_| score_beside_small_terms(rival));
-        beside.unwrap_or(rival.estimate.score - selection.estimate.score)
+        beside.unwrap_or(rival.behind)
     };
     others.map(of_rival).collect()
 }

@@ -49,6 +49,8 @@ pub(crate) struct Rival {
     pub(crate) inflated: Vec<InflatedLink>,
     /// root mean square residual that it adds, in noise levels, on the joint where that is most
     pub(crate) left: f64,
+    /// by how much worse it scores, in the operating point that both are compared in
+    pub(crate) behind: f64,
 }
 
 /// Rivals of a candidate of an estimate, the nearest first; one for every law and location. The candidate's part of the
@@ -214,11 +216,13 @@ fn of_candidate(metric: &Marginalised<'_>, of: &Estimate, candidate: usize) -> V
         .filter_map(|&(_, g)| {
             let estimate = fit_set(metric, [rest.as_slice(), &[g]].concat())?;
             let left = left_more(problem, &metric.residual(&estimate.fit), &with);
+            let behind = estimate.score - of.score;
             let rival = Rival {
                 by: InPlace::Candidate(g),
                 estimate,
                 inflated: metric.inflated.clone(),
                 left,
+                behind,
             };
             Some((g, rival))
         })
@@ -275,12 +279,13 @@ pub(crate) fn rivals_of_body(metric: &Marginalised<'_>, of: &Estimate, link: usi
     found.par_extend(laws.into_par_iter().filter_map(|g| {
         let estimate = fit_set(&others, [of.set.as_slice(), &[g]].concat())?;
         let left = left_more(problem, &others.residual(&estimate.fit), &with);
-        let near = estimate.score - of.score < ODDS;
-        near.then(|| Rival {
+        let behind = estimate.score - of.score;
+        (behind < ODDS).then(|| Rival {
             by: InPlace::Candidate(g),
             estimate,
             inflated: inflated.clone(),
             left,
+            behind,
         })
     }));
     nearest_first(&mut found);
@@ -314,7 +319,8 @@ fn bodies(
             let estimate = fit_set(&others, set.to_vec())?;
             let residual = others.residual(&estimate.fit);
             let left = left_more(problem, &residual, &with);
-            Some(Rival { by: InPlace::Body(link), estimate, inflated, left })
+            let behind = estimate.score - of.score;
+            Some(Rival { by: InPlace::Body(link), estimate, inflated, left, behind })
         })
         .collect()
 }
