@@ -94,7 +94,7 @@ pub struct Identification {
     pub cutoff_hz: Option<f64>,
     /// Gains of the drives whose currents are recorded; none where all joints have efforts.
     pub drive_gains: Option<DriveGains>,
-    /// Efforts that the loads of known mass ask for over the recorded ones, and the relative standard error; none without
+    /// Efforts that the loads of known mass require over the recorded ones, and the relative standard error; none without
     /// such a load, or where currents are recorded.
     pub effort_of_load: Option<(f64, f64)>,
     /// Training and hold-out recordings with efforts in place of currents; none where all joints have efforts.

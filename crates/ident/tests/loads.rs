@@ -191,7 +191,7 @@ fn drive_gain_intervals_have_nominal_coverage() {
     assert!(inside > 50, "{inside} of 60");
 }
 
-/// Efforts that are recorded 8 % too large: the known load asks for less, on all joints together.
+/// Efforts that are recorded 8 % too large: the known load requires less, on all joints together.
 #[test]
 fn known_load_contradicts_scaled_efforts() {
     let bench = Bench::new();

@@ -130,7 +130,7 @@ impl InputChecks {
         let gain = |(joint, channel): (&&str, &ChannelEvidence)| {
             let quantity = signals.get(*joint)?;
             let quantity = if *quantity == Quantity::Current { "current" } else { "voltage" };
-            // known from a load: that the masses here ask for another gain is for the diagnosis to explain
+            // known from a load: that the masses here indicate another gain is for the diagnosis to explain
             let known = model.drive_gains.as_ref().and_then(|gains| gains.of(joint));
             if let Some((gain, error)) = known.filter(|_| quantity == "current") {
                 let ends = [-1.96, 1.96].map(|deviations| gain * (deviations * error).exp());

@@ -148,7 +148,7 @@ pub(super) fn explain(
     Ok(Explained { gravity_e0, direction, gravity_is_taken_off, map, as_labelled, meaning })
 }
 
-/// Whether another order of the effort columns, which each joint's own evidence asks for, leaves half of the error of every
+/// Whether another order of the effort columns, which each joint's own evidence indicates, leaves half of the error of every
 /// column that it moves, and of none much more: with few independent samples the likelihood of the arm alone does not decide.
 pub(super) fn order_explains(
     model: &ArmModel,

@@ -545,7 +545,7 @@ pub(super) fn channel(
         return base(verdict, message, Some(advice));
     }
     // the column itself shows its sign and unit where its gain is known to a factor of two, and the URDF's effort at a gain of 1
-    // would stand above what is left
+    // would stand above the residual
     let is_known = low * high > 0.0 && f64::max(high / low, low / high) < 2.0;
     let would_stand = is_known && found.urdf_sd > found.residual_rms;
     let shows = found.urdf_share > SHOWS || would_stand || (is_friction && backwards);

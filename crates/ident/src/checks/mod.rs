@@ -195,8 +195,9 @@ pub fn check(
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();
     let alive: Vec<bool> = (0..names.len()).map(|j| !is_silent[j] && moves(j)).collect();
     let mut channels = channel::channels(&problem, &rows, &alive)?;
-    let is_asked = channels.is_reordered() && map.is_as_labelled() && explained.direction.is_none();
-    let confirmed = is_asked
+    let is_needed =
+        channels.is_reordered() && map.is_as_labelled() && explained.direction.is_none();
+    let confirmed = is_needed
         && explanations::order_explains(model, motions, &problem, &facts, &channels.order)?;
     channels.agree_with(&explained, confirmed);
     let is_constant: Vec<bool> =

@@ -17,7 +17,7 @@ pub(super) struct Converted {
     pub(super) holdout: Vec<Recording>,
 }
 
-/// Efforts that a known load asks for over the recorded ones, and the relative standard error; none without a load, or
+/// Efforts that a known load requires over the recorded ones, and the relative standard error; none without a load, or
 /// where currents are recorded.
 pub(super) fn efforts_of_known_load(
     problem: &BatchProblem,

@@ -76,7 +76,7 @@ pub(crate) fn warnings(found: &Identification) -> Vec<String> {
     {
         let [low, high] = [-1.96, 1.96].map(|deviations| gain * (deviations * error).exp());
         warnings.push(format!(
-            "the known payload asks for {gain:.3} times the recorded efforts (95 % interval {low:.3} to {high:.3}): the efforts \
+            "the known payload requires {gain:.3} times the recorded efforts (95 % interval {low:.3} to {high:.3}): the efforts \
              have another scale, or its mass is wrong [payload-contradicts]"
         ));
     }
