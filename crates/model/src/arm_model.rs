@@ -54,7 +54,7 @@ pub struct ArmModel {
     /// Low-passes of its predictions where it was fitted in a band, as a diagnosis does; none where it was fitted
     /// below [`cutoff_hz`](Self::cutoff_hz).
     pub band: Option<BandPrediction>,
-    /// Gains of drives whose current is recorded in the place of an effort, where recordings with a known load gave them.
+    /// Gains of drives whose current is recorded instead of an effort, where recordings with a known load gave them.
     pub drive_gains: Option<DriveGainsKnown>,
 }
 

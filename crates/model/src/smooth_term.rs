@@ -1,5 +1,5 @@
 //! Smooth terms: linear B-splines of one or two variables, times functions of velocities, for structure that no
-//! law of the library explains. They predict; they do not explain, and fade to nothing beyond what they were fitted to.
+//! law of the library explains. They predict; they do not explain, and decay to zero beyond what they were fitted to.
 
 use serde::{Deserialize, Serialize};
 
@@ -42,12 +42,12 @@ pub struct SpeedFactor {
     pub fastest: Option<f64>,
 }
 
-/// Distance over which a term without a law fades to nothing beyond what it was fitted to, as a share of that range.
-const FADE: f64 = 0.5;
+/// Distance over which a term without a law decays to zero beyond what it was fitted to, as a share of that range.
+const DECAY: f64 = 0.5;
 
 /// Share of a term that is left so far beyond its range.
-fn faded(beyond: f64, range: f64) -> f64 {
-    (1.0 - beyond.max(0.0) / (FADE * range)).clamp(0.0, 1.0)
+fn decayed(beyond: f64, range: f64) -> f64 {
+    (1.0 - beyond.max(0.0) / (DECAY * range)).clamp(0.0, 1.0)
 }
 
 /// Forms of a [`SpeedFactor`].
@@ -83,12 +83,12 @@ impl SpeedFactor {
         }
     }
 
-    /// The value, held at that of the fastest speed beyond it, and fading there.
+    /// The value, held at that of the fastest speed beyond it, and decaying there.
     fn bounded(&self, v: f64, direction: f64) -> f64 {
         match self.fastest {
             Some(fastest) if v.abs() > fastest => {
                 self.value(v.clamp(-fastest, fastest), direction)
-                    * faded(v.abs() - fastest, fastest)
+                    * decayed(v.abs() - fastest, fastest)
             }
             _ => self.value(v, direction),
         }
@@ -212,7 +212,7 @@ impl SmoothBasis {
                     / (axis.range[1] - axis.range[0])
                     * span;
                 let beyond = (-x).max(x - span);
-                let within = faded(beyond, span);
+                let within = decayed(beyond, span);
                 let x = x.clamp(0.0, span);
                 let left = (x.floor() as usize).min(axis.knots - 2);
                 let share = x - left as f64;
@@ -232,7 +232,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn factors_fade_beyond_their_fastest_speed() {
+    fn factors_decay_beyond_their_fastest_speed() {
         let cubic = SpeedFactor {
             joint: "joint".to_owned(),
             form: FactorForm::Cube,

@@ -25,7 +25,7 @@ pub struct InferredDriveGain {
     /// Whether the recordings determine it at all: an interval of less than a factor of ten. Without it
     /// nothing is reported about the joint.
     pub determined: bool,
-    /// Whether the model knew it; else it follows from the believed arm's masses.
+    /// Whether the model knew it; else it follows from the masses of the given arm.
     pub of_model: bool,
 }
 
