@@ -76,6 +76,13 @@ impl DriveGainsKnown {
         Some((self.gain[at], self.log_covariance[at][at].sqrt()))
     }
 
+    /// 95 % interval of the gain of a joint, lower end first.
+    pub fn interval_95(&self, joint: &str) -> Option<[f64; 2]> {
+        let (gain, error) = self.of(joint)?;
+        let [a, b] = [-1.96, 1.96].map(|deviations| gain * (deviations * error).exp());
+        Some([a.min(b), a.max(b)])
+    }
+
     /// Whether there is a gain for every joint, and a variance that is none below zero.
     pub(crate) fn is_sound(&self) -> bool {
         let n = self.joints.len();

@@ -131,14 +131,14 @@ impl InputChecks {
             let quantity = signals.get(*joint)?;
             let quantity = if *quantity == Quantity::Current { "current" } else { "voltage" };
             // known from a load: that the masses here indicate another gain is for the diagnosis to explain
-            let known = model.drive_gains.as_ref().and_then(|gains| gains.of(joint));
-            if let Some((gain, error)) = known.filter(|_| quantity == "current") {
-                let ends = [-1.96, 1.96].map(|deviations| gain * (deviations * error).exp());
+            let known = model.drive_gains.as_ref().filter(|_| quantity == "current");
+            let known = known.and_then(|gains| gains.of(joint).zip(gains.interval_95(joint)));
+            if let Some(((gain, _), interval_95)) = known {
                 return Some(InferredDriveGain {
                     joint: (*joint).to_owned(),
                     quantity,
                     gain,
-                    interval_95: [ends[0].min(ends[1]), ends[0].max(ends[1])],
+                    interval_95,
                     determined: true,
                     of_model: true,
                 });

@@ -183,15 +183,17 @@ fn candidates(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Smooth
         let margin = MARGIN * (high - low).max(f64::MIN_POSITIVE);
         SmoothAxis { joint: name(j), quantity, range: [low - margin, high + margin], knots }
     };
-    let fastest = |j: usize| {
-        let speeds = at.iter().flat_map(|at| at.signals.velocity[j].iter());
-        speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
-    };
+    let fastest: Vec<f64> = (0..design.joints())
+        .map(|j| {
+            let speeds = at.iter().flat_map(|at| at.signals.velocity[j].iter());
+            speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
+        })
+        .collect();
     let turning = |j: usize, form: FactorForm, turn: f64| SpeedFactor {
         joint: name(j),
         form,
         scale: turn * design.scale[j].speed_rms,
-        fastest: Some(fastest(j)),
+        fastest: Some(fastest[j]),
     };
     let factor = |j: usize, form: FactorForm| turning(j, form, 1.0);
     let moves = |j: usize| {

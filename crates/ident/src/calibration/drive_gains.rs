@@ -116,10 +116,8 @@ impl DriveGains {
         let place = |joint: &str| known.joints.iter().position(|name| name == joint);
         let gain = |joint: &str| {
             let (value, error) = known.of(joint)?;
-            let interval = [-1.96, 1.96].map(|deviations| value * (deviations * error).exp());
-            let ends = [interval[0].min(interval[1]), interval[0].max(interval[1])];
             let standard_error = Some(value.abs() * error);
-            Some(DriveGain { value, standard_error, interval_95: Some(ends) })
+            Some(DriveGain { value, standard_error, interval_95: known.interval_95(joint) })
         };
         let of_joint = |(joint, is_current): (&&str, &bool)| match is_current {
             true => gain(joint).map(Some),
