@@ -1,5 +1,7 @@
 //! Directions of motion, and how dry friction follows them.
 
+use crate::motion::MotionScale;
+
 /// The direction of motion, fading linearly to zero below the resolved speed.
 pub fn direction(velocity: f64, speed_resolution: f64) -> f64 {
     if velocity.abs() >= speed_resolution {
@@ -42,8 +44,20 @@ pub enum ReversalModel {
 }
 
 impl ReversalModel {
+    /// Speeds to try below which the sign is regularised, as shares of the root mean square speed; the last two are of drive
+    /// trains that wind up far.
+    pub const SPEED_SHARES: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.3];
+
     /// Travels to try, as shares of the standard deviation of the position.
     pub const TRAVEL_SHARES: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
+
+    /// A model in shares, as it is on a joint.
+    pub fn on(self, joint: &MotionScale) -> Self {
+        match self {
+            Self::RegularisedSign { below } => Self::regularised(below * joint.speed_rms),
+            Self::Presliding { travel } => Self::presliding(travel * joint.position_deviation),
+        }
+    }
 
     /// The sign of the velocity, linear below this speed \[rad/s or m/s\].
     pub const fn regularised(below: f64) -> Self {

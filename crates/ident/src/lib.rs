@@ -43,5 +43,7 @@ pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,
 };
-pub use structure::{CouplingFound, Structure, StructureSearch, SublinearFound};
+pub use structure::{
+    CouplingFound, ReversalCandidates, Structure, StructureSearch, SublinearFound,
+};
 pub use used_samples::used_samples;

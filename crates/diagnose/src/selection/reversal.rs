@@ -5,12 +5,12 @@
 //! chosen afterwards. It rarely decides a finding, and often the prediction error (by 30 % on a UR10).
 //!
 //! Method: of regularised signs and presliding travels, the one with the lowest cross-validated error, if its gain is
-//! significant.
+//! significant ([`ReversalCandidates`], as `identify` chooses it).
 //! References: P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18), 1968; own (the choice).
 
-use armident_effects::{LawRole, MotionScale, ReversalModel, Scope};
+use armident_effects::{LawRole, ReversalModel, Scope};
+use armident_ident::ReversalCandidates;
 use armident_inference::levels::{CLEAR_T, EXPECTED_T};
-use armident_inference::paired_t;
 use armident_model::{OperatingPoint, SHARP};
 
 use crate::design::candidate::Candidate;
@@ -24,14 +24,31 @@ use crate::regression::folds::fold_errors;
 use crate::selection::cross_validation::{confirm, with_baseline_terms_of};
 use crate::selection::materiality::prune;
 use crate::selection::solution::Selection;
-
-/// Speeds below which the sign is regularised that are tried, as shares of the root mean square speed; travels are
-/// [`ReversalModel::TRAVEL_SHARES`].
-const SPEED_SHARES: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.3];
+use crate::selection::sublinear::{beside, push_sublinear, sublinear_joints};
 
 /// The selection with other reversal models where these explain more; none where they do on no joint.
+///
+/// Linear viscous friction about a reversal that is sublinear looks like a drive train that winds up. So the reversals are
+/// chosen once more beside sublinear friction where the first choice leaves that significant.
 pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Option<Selection> {
-    let point = OperatingPoint { reversals: reversals_shown(design, of)?, ..of.point.clone() };
+    let first = reversals_shown(design, of, &[]).map(|reversals| reselected(design, of, reversals));
+    let beside = match &first {
+        Some(found) => joints_with_sublinear_friction(design, found.as_ref()?),
+        None => joints_with_sublinear_friction(design, of),
+    };
+    if beside.is_empty() {
+        return first.flatten();
+    }
+    reselected(design, of, reversals_shown(design, of, &beside)?)
+}
+
+/// The selection of these reversal models.
+fn reselected(
+    design: &Design<'_>,
+    of: &Selection,
+    reversals: Vec<ReversalModel>,
+) -> Option<Selection> {
+    let point = OperatingPoint { reversals, ..of.point.clone() };
     let at = design.at(&point);
     let contact = ContactColumns::new(design, &at);
     let mut problem = design.problem(&point);
@@ -54,57 +71,58 @@ pub(crate) fn with_reversal_models(design: &Design<'_>, of: &Selection) -> Optio
     })
 }
 
-/// Reversal model by joint; none where all are the sign of the velocity.
-fn reversals_shown(design: &Design<'_>, of: &Selection) -> Option<Vec<ReversalModel>> {
+/// Joints with significant sublinear friction beside the candidates of a selection and the baseline terms.
+fn joints_with_sublinear_friction(design: &Design<'_>, of: &Selection) -> Vec<usize> {
     let set = with_baseline_terms_of(&of.metric(), &of.estimate);
-    let (small, set) = of.problem.restricted(&set);
+    let (mut small, set) = of.problem.restricted(&set);
+    let Some(estimate) = fit_set(&small.marginalised(of.scale, &of.inflated), set) else {
+        return Vec::new();
+    };
+    let at = design.at(&of.point);
+    let joints = 0..design.joints();
+    let terms = push_sublinear(design, &at, &mut small, joints);
+    sublinear_joints(&small, &estimate, &terms, (of.scale, &of.inflated)).unwrap_or_default()
+}
+
+/// Reversal model by joint, with sublinear friction on these joints; none where all are the sign of the velocity.
+fn reversals_shown(
+    design: &Design<'_>,
+    of: &Selection,
+    sublinear: &[usize],
+) -> Option<Vec<ReversalModel>> {
+    let set = with_baseline_terms_of(&of.metric(), &of.estimate);
+    let (mut small, mut set) = of.problem.restricted(&set);
+    if !sublinear.is_empty() {
+        let at = design.at(&of.point);
+        let terms = push_sublinear(design, &at, &mut small, sublinear.iter().copied());
+        let metric = small.marginalised(of.scale, &of.inflated);
+        set = beside(&metric, &fit_set(&metric, set)?, &terms)?.set;
+    }
     let dry: Vec<usize> = set.iter().copied().filter(|g| is_dry(&small.candidates[*g])).collect();
     if dry.is_empty() {
         return None;
     }
-    let errors =
-        |problem: &LinearProblem, set: &[usize]| fold_errors(problem, set, of.scale, &of.inflated);
-    let sharp = errors(&small, &set);
-    let mut best = vec![(0.0, SHARP); design.joints()];
-    for share in SPEED_SHARES
-        .map(ReversalModel::regularised)
-        .into_iter()
-        .chain(ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding))
-    {
-        let on_joint = |scale: &MotionScale| match share {
-            ReversalModel::RegularisedSign { below } => {
-                ReversalModel::regularised(below * scale.speed_rms)
-            }
-            ReversalModel::Presliding { travel } => {
-                ReversalModel::presliding(travel * scale.position_deviation)
-            }
-        };
-        let reversals: Vec<ReversalModel> = design.scale.iter().map(on_joint).collect();
-        let at = design.at(&OperatingPoint { reversals: reversals.clone(), ..of.point.clone() });
-        let mut problem = small.clone();
-        let set: Vec<usize> = set
-            .iter()
-            .map(|&g| match dry.contains(&g) {
-                true => turned(design, &at, &mut problem, g),
-                false => Some(g),
-            })
-            .collect::<Option<_>>()?;
-        let turned = errors(&problem, &set);
-        for j in 0..design.joints() {
-            let gains: Vec<f64> =
-                sharp.iter().zip(&turned).map(|(s, t)| (s[j] / t[j]).ln()).collect();
-            if gains.iter().any(|gain| !gain.is_finite()) {
-                continue;
-            }
-            let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            if mean > best[j].0 && paired_t(&gains) > least_gain(design, j) {
-                best[j] = (mean, reversals[j]);
-            }
+    let candidates = ReversalCandidates::new(SHARP, design.scale.clone());
+    // an error is a column that cannot be formed
+    let errors = |which, reversals: &[ReversalModel]| -> Result<_, ()> {
+        if which == 0 {
+            return Ok(fold_errors(&small, &set, of.scale, &of.inflated));
         }
-    }
-    best.iter()
-        .any(|(gain, _)| *gain > 0.0)
-        .then(|| best.iter().map(|(_, reversal)| *reversal).collect())
+        let point = OperatingPoint { reversals: reversals.to_vec(), ..of.point.clone() };
+        let at = design.at(&point);
+        let mut problem = small.clone();
+        let set = set.iter().map(|&g| match dry.contains(&g) {
+            true => turned(design, &at, &mut problem, g),
+            false => Some(g),
+        });
+        let set: Vec<usize> = set.collect::<Option<_>>().ok_or(())?;
+        Ok(fold_errors(&problem, &set, of.scale, &of.inflated))
+    };
+    let which = candidates.choose(|joint, _| least_gain(design, joint), errors).ok()?;
+    which
+        .iter()
+        .any(|which| *which > 0)
+        .then(|| which.iter().enumerate().map(|(j, which)| candidates.on(j, *which)).collect())
 }
 
 /// Least cross-validated gain of a reversal model on a joint, in standard errors.

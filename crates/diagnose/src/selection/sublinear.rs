@@ -12,6 +12,7 @@ use armident_inference::student_t_975;
 use armident_inference::time_blocks;
 
 use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::compliant_link::Posed;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::Design;
 use crate::regression::elimination::InflatedLink;
@@ -32,30 +33,37 @@ pub(crate) fn with_sublinear_friction(
     let Predictor { estimate, scale } = best;
     let scale = *scale;
     let at = design.at(&selection.point);
-    let push = |problem: &mut LinearProblem, joint: usize| {
-        design.push_joint_law(problem, &at, &SublinearViscousFriction, joint, &[])
-    };
     let of = |problem: &LinearProblem, estimate: &Estimate, sublinear_terms: &[usize]| {
         beside(&problem.marginalised(scale, &selection.inflated), estimate, sublinear_terms)
     };
     let joints = {
         let (mut small, set) = selection.problem.restricted(&estimate.set);
         let estimate = fit_set(&small.marginalised(scale, &selection.inflated), set)?;
-        let recorded: Vec<usize> =
-            (0..design.joints()).filter(|&joint| !small.effort[joint].is_empty()).collect();
-        let sublinear_terms: Vec<usize> =
-            recorded.into_iter().filter_map(|joint| push(&mut small, joint)).collect();
+        let sublinear_terms = push_sublinear(design, &at, &mut small, 0..design.joints());
         sublinear_joints(&small, &estimate, &sublinear_terms, (scale, &selection.inflated))?
     };
     let mut problem = selection.problem.clone();
-    let sublinear_terms: Vec<usize> =
-        joints.iter().filter_map(|&joint| push(&mut problem, joint)).collect();
+    let sublinear_terms = push_sublinear(design, &at, &mut problem, joints);
     let estimate = of(&problem, estimate, &sublinear_terms)?;
     Some((problem, Predictor { estimate, scale }))
 }
 
+/// Candidates of sublinear friction on these joints, where their efforts were recorded.
+pub(crate) fn push_sublinear(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    problem: &mut LinearProblem,
+    joints: impl IntoIterator<Item = usize>,
+) -> Vec<usize> {
+    let push = |joint: usize| match problem.effort[joint].is_empty() {
+        true => None,
+        false => design.push_joint_law(problem, at, &SublinearViscousFriction, joint, &[]),
+    };
+    joints.into_iter().filter_map(push).collect()
+}
+
 /// Joints with significant sublinear friction beside an estimate.
-fn sublinear_joints(
+pub(crate) fn sublinear_joints(
     problem: &LinearProblem,
     estimate: &Estimate,
     sublinear_terms: &[usize],
@@ -87,7 +95,7 @@ fn sublinear_joints(
 
 /// The estimate with admissible sublinear terms, instead of viscous friction where that is inadmissible beside them; none
 /// where another candidate is.
-fn beside(
+pub(crate) fn beside(
     metric: &Marginalised<'_>,
     estimate: &Estimate,
     sublinear_terms: &[usize],

@@ -65,7 +65,7 @@ impl BatchProblem {
         let couplings = if search.couplings { self.coupling_candidates() } else { Vec::new() };
         let sublinear = if search.sublinear { self.sublinear_candidates() } else { Vec::new() };
         let all = self.with_couplings(&couplings).with_sublinear(&sublinear);
-        let candidates = ReversalCandidates::of(motions);
+        let candidates = ReversalCandidates::of(self, motions);
         self.reversals = candidates.usual();
         let rows = all.rows_with_directions(motions, &candidates);
         if !has_folds(&rows) {

@@ -8,4 +8,5 @@ mod sublinear;
 
 pub use choose::{Structure, StructureSearch};
 pub use coupling::CouplingFound;
+pub use reversal::ReversalCandidates;
 pub use sublinear::SublinearFound;

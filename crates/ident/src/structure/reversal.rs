@@ -10,20 +10,113 @@
 //! models, analysis tools and compensation methods for the control of machines with friction, Automatica 30 (1994); the
 //! choice is own.
 
-use armident_effects::{LawRole, ReversalModel};
+use armident_effects::{LawRole, MotionScale, ReversalModel};
 use armident_inference::levels::{CLEAR_T, EXPECTED_T};
+use armident_inference::significant_gain;
 use armident_model::DEFAULT_SPEED_RESOLUTION;
 use armident_motion::Motion;
 use armident_numeric::NumericError;
 
 use super::fold_errors::{fold_errors, has_folds};
 use crate::regression::{BatchProblem, BatchSettings, JointRows, LAWS, Term};
-use armident_inference::significant_gain;
 
-/// Speeds below which friction may be regularised, as shares of a joint's RMS speed, the usual one first,
-const SPEED_SHARES: [f64; 4] = [DEFAULT_SPEED_RESOLUTION, 0.005, 0.02, 0.1];
-/// and those of drive trains that wind up far.
-const FAR_SPEED_SHARES: [f64; 2] = [0.2, 0.3];
+/// Reversals to choose from, in shares of the motion of each joint.
+#[derive(Debug, Clone)]
+pub struct ReversalCandidates {
+    /// the usual one first; none where velocities are exact
+    tried: Vec<ReversalModel>,
+    joints: Vec<MotionScale>,
+}
+
+impl ReversalCandidates {
+    /// The usual reversal and all others, on joints that move like this.
+    pub fn new(usual: ReversalModel, joints: Vec<MotionScale>) -> Self {
+        let speeds = ReversalModel::SPEED_SHARES.map(ReversalModel::regularised);
+        let travels = ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding);
+        let others = speeds.into_iter().chain(travels).filter(|share| *share != usual);
+        Self { tried: [usual].into_iter().chain(others).collect(), joints }
+    }
+
+    /// The candidate with the lowest errors on left-out folds for each joint, among those that lower them by more than
+    /// `least` of their standard errors against the usual one.
+    ///
+    /// `fold_errors` gives the squared errors `[fold][joint]` with candidate `i` on every joint, which is the model by joint.
+    ///
+    /// # Errors
+    /// Those of `fold_errors`.
+    pub fn choose<E>(
+        &self,
+        least: impl Fn(usize, ReversalModel) -> f64,
+        mut fold_errors: impl FnMut(usize, &[ReversalModel]) -> Result<Vec<Vec<f64>>, E>,
+    ) -> Result<Vec<usize>, E> {
+        let mut best = vec![(0.0, 0_usize); self.joints.len()];
+        let mut before: Option<Vec<Vec<f64>>> = None;
+        for (which, share) in self.tried.iter().enumerate() {
+            let errors = fold_errors(which, &self.on_joints(which))?;
+            let Some(before) = &before else {
+                before = Some(errors);
+                continue;
+            };
+            for (joint, best) in best.iter_mut().enumerate() {
+                let gain = significant_gain(before, &errors, &[joint], least(joint, *share));
+                if let Some(gain) = gain.filter(|gain| *gain > best.0) {
+                    *best = (gain, which);
+                }
+            }
+        }
+        Ok(best.into_iter().map(|(_, which)| which).collect())
+    }
+
+    /// Candidate `which` as it is on each joint.
+    fn on_joints(&self, which: usize) -> Vec<ReversalModel> {
+        self.joints.iter().map(|joint| self.tried[which].on(joint)).collect()
+    }
+
+    /// Candidate `which` as it is on one joint.
+    pub fn on(&self, joint: usize, which: usize) -> ReversalModel {
+        self.tried[which].on(&self.joints[joint])
+    }
+
+    /// Those of the motions of `identify`; none where velocities are exact.
+    pub(super) fn of(problem: &BatchProblem, motions: &[&Motion]) -> Self {
+        if motions.iter().all(|m| m.filter.is_none()) {
+            return Self { tried: Vec::new(), joints: Vec::new() };
+        }
+        let root_mean_square = |of: &dyn Fn(&Motion) -> &Vec<f64>, about: f64| {
+            let squares: f64 =
+                motions.iter().flat_map(|m| of(m)).map(|x| (x - about).powi(2)).sum();
+            let count: usize = motions.iter().map(|m| m.len()).sum();
+            (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
+        };
+        let duration = |m: &&Motion| match &m.time_s[..] {
+            [first, .., last] => last - first,
+            _ => 0.0,
+        };
+        let duration_s = motions.iter().map(duration).fold(0.0, f64::max);
+        let scale = |joint: usize| {
+            let all = || motions.iter().flat_map(|m| &m.position[joint]);
+            let mean = all().sum::<f64>() / all().count() as f64;
+            MotionScale {
+                kind: problem.arm().joints[joint].kind,
+                speed_rms: root_mean_square(&|m| &m.velocity[joint], 0.0),
+                position_deviation: root_mean_square(&|m| &m.position[joint], mean),
+                duration_s,
+            }
+        };
+        let joints = motions.first().map_or(0, |m| m.velocity.len());
+        Self::new(
+            ReversalModel::regularised(DEFAULT_SPEED_RESOLUTION),
+            (0..joints).map(scale).collect(),
+        )
+    }
+
+    pub(super) fn usual(&self) -> Option<Vec<ReversalModel>> {
+        (!self.tried.is_empty()).then(|| self.on_joints(0))
+    }
+}
+
+/// Largest share of the speed below which a check regularises dry friction.
+const FASTEST_OF_A_CHECK: f64 = 0.1;
 
 impl BatchProblem {
     /// Chooses only the speed below which each joint's dry friction is regularised: a check looks for a lag of the efforts
@@ -35,13 +128,15 @@ impl BatchProblem {
     /// # Panics
     /// When a motion has no effort or other joints than the arm.
     pub fn choose_reversal_speeds(&mut self, motions: &[&Motion]) -> Result<(), NumericError> {
-        let mut candidates = ReversalCandidates::of(motions);
-        candidates.tried.retain(|turn| SPEED_SHARES.map(ReversalModel::regularised).contains(turn));
+        let mut candidates = ReversalCandidates::of(self, motions);
+        candidates.tried.retain(|share| {
+            matches!(share, ReversalModel::RegularisedSign { below } if *below <= FASTEST_OF_A_CHECK)
+        });
         self.reversals = candidates.usual();
         let rows = self.rows_with_directions(motions, &candidates);
         if has_folds(&rows) && candidates.tried.len() > 1 {
             let settings = BatchSettings::default();
-            let least = |_| EXPECTED_T;
+            let least = |_, _| EXPECTED_T;
             let chosen = self.choose_reversals(&rows, self, (&candidates, least), &settings)?;
             self.reversals = chosen.reversals;
         }
@@ -56,7 +151,7 @@ impl BatchProblem {
     ) -> JointRows {
         let mut usual = self.clone();
         usual.reversals = candidates.usual();
-        let others = candidates.tried.get(1..).unwrap_or_default();
+        let others = 1..candidates.tried.len().max(1);
         let moved = usual.arm_motions(motions);
         usual.accumulate_with(
             motions,
@@ -65,7 +160,7 @@ impl BatchProblem {
                 let mut columns =
                     usual.columns_beside(joint, motions[index], &moved[index], &jumping);
                 let others: Vec<ReversalModel> =
-                    others.iter().map(|of| candidates.on(joint, *of)).collect();
+                    others.clone().map(|which| candidates.on(joint, which)).collect();
                 columns.extend(usual.direction_columns(joint, motions[index], &others));
                 (columns, effort.to_vec())
             },
@@ -79,7 +174,7 @@ impl BatchProblem {
         &self,
         rows: &JointRows,
         wanted: &BatchProblem,
-        (candidates, least): (&ReversalCandidates, fn(ReversalModel) -> f64),
+        (candidates, least): (&ReversalCandidates, fn(usize, ReversalModel) -> f64),
         settings: &BatchSettings,
     ) -> Result<ChosenReversals, NumericError> {
         let n = self.by_joint.len();
@@ -101,35 +196,22 @@ impl BatchProblem {
                 .collect();
             rows.with_places(&places)
         };
-        let mut best = vec![(0.0, 0_usize); n];
-        let mut before: Option<Vec<Vec<f64>>> = None;
-        for which in 0..candidates.tried.len() {
-            let rows = with(&vec![which; n]).select(self, wanted);
-            let errors = fold_errors(wanted, &rows, settings)?;
-            let Some(before) = &before else {
-                before = Some(errors);
-                continue;
-            };
-            for (joint, best) in best.iter_mut().enumerate() {
-                let gain =
-                    significant_gain(before, &errors, &[joint], least(candidates.tried[which]));
-                if let Some(gain) = gain.filter(|gain| *gain > best.0) {
-                    *best = (gain, which);
-                }
-            }
+        if candidates.tried.is_empty() {
+            return Ok(ChosenReversals { reversals: None, rows: with(&vec![0; n]) });
         }
-        let which: Vec<usize> = best.into_iter().map(|(_, which)| which).collect();
-        let chosen =
-            |(joint, &which): (usize, &usize)| candidates.on(joint, candidates.tried[which]);
-        let found =
-            (!candidates.tried.is_empty()).then(|| which.iter().enumerate().map(chosen).collect());
-        Ok(ChosenReversals { reversals: found, rows: with(&which) })
+        let errors = |which, _: &[ReversalModel]| {
+            fold_errors(wanted, &with(&vec![which; n]).select(self, wanted), settings)
+        };
+        let which = candidates.choose(least, errors)?;
+        let chosen = |(joint, &which): (usize, &usize)| candidates.on(joint, which);
+        let reversals = Some(which.iter().enumerate().map(chosen).collect());
+        Ok(ChosenReversals { reversals, rows: with(&which) })
     }
 }
 
 /// Number of standard errors by which a reversal must lower the errors of left-out folds against the usual one.
-pub(super) fn least_gain(turn: ReversalModel) -> f64 {
-    match turn {
+pub(super) fn least_gain(_joint: usize, share: ReversalModel) -> f64 {
+    match share {
         ReversalModel::RegularisedSign { below } if below < DEFAULT_SPEED_RESOLUTION => EXPECTED_T,
         _ => CLEAR_T,
     }
@@ -139,57 +221,4 @@ pub(super) fn least_gain(turn: ReversalModel) -> f64 {
 pub(super) struct ChosenReversals {
     pub(super) reversals: Option<Vec<ReversalModel>>,
     pub(super) rows: JointRows,
-}
-
-/// Reversals that dry friction may have, the usual one first: regularised below a share of a joint's RMS speed, or
-/// presliding over a share of the standard deviation of its position.
-pub(super) struct ReversalCandidates {
-    /// shares; none where velocities are exact
-    tried: Vec<ReversalModel>,
-    rms_speed: Vec<f64>,
-    deviation: Vec<f64>,
-}
-
-impl ReversalCandidates {
-    pub(super) fn of(motions: &[&Motion]) -> Self {
-        let joints = motions.first().map_or(0, |m| m.velocity.len());
-        let root_mean_square = |of: &dyn Fn(&Motion) -> &Vec<f64>, about: f64| {
-            let squares: f64 =
-                motions.iter().flat_map(|m| of(m)).map(|x| (x - about).powi(2)).sum();
-            let count: usize = motions.iter().map(|m| m.len()).sum();
-            (squares / count as f64).sqrt().max(f64::MIN_POSITIVE)
-        };
-        let rms_speed = |joint: usize| root_mean_square(&|m| &m.velocity[joint], 0.0);
-        let deviation = |joint: usize| {
-            let all = || motions.iter().flat_map(|m| &m.position[joint]);
-            let mean = all().sum::<f64>() / all().count() as f64;
-            root_mean_square(&|m| &m.position[joint], mean)
-        };
-        let exact = motions.iter().all(|m| m.filter.is_none());
-        let speeds =
-            SPEED_SHARES.into_iter().chain(FAR_SPEED_SHARES).map(ReversalModel::regularised);
-        let all = speeds.chain(ReversalModel::TRAVEL_SHARES.map(ReversalModel::presliding));
-        Self {
-            tried: if exact { Vec::new() } else { all.collect() },
-            rms_speed: (0..joints).map(rms_speed).collect(),
-            deviation: (0..joints).map(deviation).collect(),
-        }
-    }
-
-    /// A share as it is on a joint.
-    fn on(&self, joint: usize, share: ReversalModel) -> ReversalModel {
-        match share {
-            ReversalModel::RegularisedSign { below } => {
-                ReversalModel::regularised(below * self.rms_speed[joint])
-            }
-            ReversalModel::Presliding { travel } => {
-                ReversalModel::presliding(travel * self.deviation[joint])
-            }
-        }
-    }
-
-    pub(super) fn usual(&self) -> Option<Vec<ReversalModel>> {
-        let usual = *self.tried.first()?;
-        Some((0..self.rms_speed.len()).map(|joint| self.on(joint, usual)).collect())
-    }
 }
