@@ -56,7 +56,9 @@ impl ArmModel {
         for (name, reversal) in names.iter().zip(self.reversals.iter().flatten()) {
             match reversal {
                 ReversalModel::RegularisedSign { below } if *below > 0.0 => {
-                    lost.push(format!("dry friction of {name} fading below {below:.3} /s"));
+                    lost.push(format!(
+                        "dry friction of {name} linear in speed below {below:.3} rad/s or m/s"
+                    ));
                 }
                 ReversalModel::Presliding { travel } => {
                     lost.push(format!(
