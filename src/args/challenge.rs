@@ -16,6 +16,8 @@ pub(crate) enum KindArg {
     Null,
     /// clean and field alternating
     Mixed,
+    /// field arms with up to four effects at once, slow recordings with more faults, rests
+    Hard,
     /// field arms recorded before and after a hidden change, some with friction changed by warm-up
     Change,
 }
@@ -31,6 +33,8 @@ pub(crate) enum StudyArg {
     Perturbed,
     /// clean and field cases alternating
     Mixed,
+    /// effects at once, poor recordings
+    Hard,
     /// changes between two sets of recordings of one arm
     Change,
 }

@@ -80,6 +80,7 @@ impl StudyArg {
             Self::Power => Study::Power,
             Self::Perturbed => Study::Perturbed,
             Self::Mixed => Study::Mixed,
+            Self::Hard => Study::Hard,
             Self::Change => Study::Change,
         }
     }
@@ -106,6 +107,7 @@ fn series(args: &ChallengeArgs) -> Result<CaseSeries, Failure> {
         Some(KindArg::Field) => SeriesKind::Field,
         Some(KindArg::Null) => SeriesKind::Null,
         Some(KindArg::Mixed) => SeriesKind::Mixed,
+        Some(KindArg::Hard) => SeriesKind::Hard,
         Some(KindArg::Change) => SeriesKind::Change,
         None if args.effect.is_empty() => SeriesKind::Mixed,
         None => SeriesKind::Clean,

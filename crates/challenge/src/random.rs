@@ -6,6 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 /// A stream of random numbers.
+#[derive(Clone)]
 pub(crate) struct RandomStream(Pcg64);
 
 impl RandomStream {

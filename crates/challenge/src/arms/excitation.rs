@@ -19,6 +19,8 @@ const MOST_TRAVEL_RAD: f64 = 1.0;
 const SHARE_OF_LIMITS: [f64; 3] = [0.42, 0.55, 0.6];
 /// Tracking error that a joint's unmodelled effort may cause \[rad or m\].
 const TRACKING_ERROR: f64 = 0.006;
+/// Travel of a joint that barely moves \[rad or m\].
+const STILL_TRAVEL: f64 = 0.03;
 /// Standstill before the motion, and its rise \[s\].
 const REST_S: f64 = 0.1;
 const RISE_S: f64 = 1.0;
@@ -48,6 +50,11 @@ impl Workspace {
             travel.push(size);
         }
         Self { centre, travel }
+    }
+
+    /// Leaves a joint almost where it is.
+    pub(crate) fn hold_still(&mut self, joint: usize) {
+        self.travel[joint] = self.travel[joint].min(STILL_TRAVEL);
     }
 }
 
@@ -144,6 +151,81 @@ pub(crate) fn exciting(
             return trajectory;
         }
         less *= 0.85;
+    }
+}
+
+/// Moves between random points with rests, at the pace of the slowest joint.
+pub(crate) fn point_to_point(
+    robot: &Robot,
+    workspace: &Workspace,
+    duration_s: f64,
+    random: &mut RandomStream,
+) -> Trajectory {
+    let samples = ((duration_s + AFTER_S) * CONTROL_HZ).round() as usize + 1;
+    let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / CONTROL_HZ).collect();
+    // start and length of each move, and where it goes
+    let mut moves: Vec<(f64, f64, Vec<f64>)> = Vec::new();
+    let mut at = workspace.centre.clone();
+    let mut t = REST_S;
+    while t < duration_s {
+        let to: Vec<f64> = (0..robot.dof())
+            .map(|j| workspace.centre[j] + workspace.travel[j] * random.between(-1.0, 1.0))
+            .collect();
+        // the fastest speed of the rise of fifth order is 15/8 of the mean
+        let needed = |j: usize| {
+            let speed = robot.chain.joints[j].limits.velocity.unwrap_or(MOST_TRAVEL_RAD);
+            1.875 * (to[j] - at[j]).abs() / (SHARE_OF_LIMITS[1] * speed)
+        };
+        let length = (0..robot.dof()).map(needed).fold(0.8, f64::max) * random.between(1.0, 1.6);
+        moves.push((t, length, to.clone()));
+        at = to;
+        t += length + random.between(0.3, 1.5);
+    }
+    loop {
+        let column = |j: usize| -> [Vec<f64>; 3] {
+            let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(samples));
+            let (mut from, mut next) = (workspace.centre[j], 0);
+            for &t in &time_s {
+                while next + 1 < moves.len() && t >= moves[next + 1].0 {
+                    from = moves[next].2[j];
+                    next += 1;
+                }
+                let (start, length, to) = &moves[next];
+                let span = to[j] - from;
+                let [r, dr, ddr] = rise((t - start) / length * RISE_S + REST_S);
+                columns[0].push(from + span * r);
+                columns[1].push(span * dr * RISE_S / length);
+                columns[2].push(span * ddr * (RISE_S / length).powi(2));
+            }
+            columns
+        };
+        let mut of: [Vec<Vec<f64>>; 3] = std::array::from_fn(|_| Vec::new());
+        for j in 0..robot.dof() {
+            for (of, column) in of.iter_mut().zip(column(j)) {
+                of.push(column);
+            }
+        }
+        let [position, velocity, acceleration] = of;
+        let trajectory = Trajectory {
+            joints: robot.names.clone(),
+            position,
+            velocity,
+            acceleration,
+            source: "point to point".to_owned(),
+            notes: Vec::new(),
+            time_s: time_s.clone(),
+        };
+        let slowest = moves.iter().map(|(_, length, _)| *length).fold(0.0, f64::max);
+        if slowest > duration_s || within_efforts(robot, &trajectory) {
+            return trajectory;
+        }
+        // later and slower
+        let mut late = 0.0;
+        for (start, length, _) in &mut moves {
+            *start += late;
+            late += 0.2 * *length;
+            *length *= 1.2;
+        }
     }
 }
 

@@ -37,6 +37,13 @@ impl<'a> Taken<'a> {
         Self { exact, recorded, judged, inside }
     }
 
+    /// RMS of the recorded effort minus that of an arm on the true motion, by joint.
+    pub(crate) fn rmse_of(&self, given: &RigidArm, names: &[String]) -> PerJoint {
+        let Exact { position, velocity, acceleration, .. } = self.exact;
+        let effort = inverse_dynamics_of_motion(given, position, velocity, acceleration);
+        names.iter().cloned().zip(self.rmse(names, &effort, &self.judged)).collect()
+    }
+
     /// RMS of the recorded effort minus another, by joint.
     fn rmse(&self, names: &[String], effort: &[Vec<f64>], samples: &[usize]) -> Vec<f64> {
         (0..names.len())
@@ -60,7 +67,6 @@ pub(crate) fn floors(
 ) -> Result<Floors, ChallengeError> {
     let Exact { position, velocity, acceleration, effort, .. } = taken.exact;
     let named = |values: Vec<f64>| -> PerJoint { names.iter().cloned().zip(values).collect() };
-    let given_exact = inverse_dynamics_of_motion(given, position, velocity, acceleration);
     let rigid_exact = inverse_dynamics_of_motion(arm.rigid(), position, velocity, acceleration);
     let endless = vec![f64::INFINITY; names.len()];
     let (mut practical, mut attainable) = (endless.clone(), endless.clone());
@@ -115,7 +121,7 @@ pub(crate) fn floors(
         oracle_rmse: named(taken.rmse(names, effort, &taken.judged)),
         practical_rmse: named(practical),
         attainable_rmse: named(attainable),
-        urdf_rmse: named(taken.rmse(names, &given_exact, &taken.judged)),
+        urdf_rmse: taken.rmse_of(given, names),
         urdf_rmse_practical: named(urdf_practical),
     })
 }

@@ -6,6 +6,7 @@ pub(crate) mod exact_motion;
 pub(crate) mod floors;
 pub(crate) mod generate;
 pub(crate) mod observer;
+pub(crate) mod recording_faults;
 pub(crate) mod request;
 pub(crate) mod scene;
 pub(crate) mod sensors;

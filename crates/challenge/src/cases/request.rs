@@ -18,7 +18,7 @@ pub struct CaseRequest {
     pub robot_urdf: String,
     /// Random seed.
     pub seed: u64,
-    /// Clean, field or change.
+    /// Clean, field, hard or change.
     pub kind: CaseKind,
     /// Slugs of the effects to hide, or `unlisted`; none for a null case.
     pub effects: Vec<String>,
@@ -39,7 +39,7 @@ fn all_hideable(kind: CaseKind, library: &Library) -> Vec<Hidden> {
     let can_be_hidden = |effect: &&dyn Effect| match kind {
         CaseKind::Clean => true,
         // every joint has it anyway
-        CaseKind::Field => !effect.law().is_baseline_friction(),
+        CaseKind::Field | CaseKind::Hard => !effect.law().is_baseline_friction(),
         // a law in the place of another one is a change of two
         CaseKind::Change => library.contained_friction(effect.law()).is_none(),
     };
@@ -47,7 +47,10 @@ fn all_hideable(kind: CaseKind, library: &Library) -> Vec<Hidden> {
     listed.chain([Hidden::Unlisted]).collect()
 }
 
-/// Effects of a case by its seed: mostly one, sometimes two, and in field and change cases sometimes
+/// Most effects of a hard case.
+const MOST_AT_ONCE: usize = 4;
+
+/// Effects of a case by its seed: mostly one, sometimes two, of hard cases up to four, and in all but clean cases sometimes
 /// none; slugs take turns.
 pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
     let mut random = RandomStream::new(seed ^ 0x5eed);
@@ -57,7 +60,14 @@ pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
     }
     let first = slugs[(seed % slugs.len() as u64) as usize];
     let mut chosen = vec![first.to_owned()];
-    if random.chance(0.2) {
+    if kind == CaseKind::Hard {
+        for _ in 0..random.index(MOST_AT_ONCE) {
+            let next = random.choose(&slugs).to_owned();
+            if !chosen.contains(&next) {
+                chosen.push(next);
+            }
+        }
+    } else if random.chance(0.2) {
         let second = random.choose(&slugs);
         if second != first {
             chosen.push(second.to_owned());

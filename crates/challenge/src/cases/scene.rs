@@ -5,10 +5,11 @@ use armident_effects::{BASELINE, Baseline, Draw, EffectOnJoint, Library};
 use armident_kinematics::DrivingAxisChain;
 use armident_simulation::{SimulatedArm, Trajectory, inverse};
 
-use crate::arms::excitation::{CONTROL_HZ, Workspace, exciting};
+use crate::arms::excitation::{CONTROL_HZ, Workspace, exciting, point_to_point};
 use crate::arms::link_errors::changed_links;
 use crate::arms::robot::Robot;
 use crate::cases::exact_motion::Exact;
+use crate::cases::recording_faults::{RATES_HZ, RecordingFaults};
 use crate::cases::request::CaseRequest;
 use crate::cases::sensors::{Sensing, encoder_count};
 use crate::contract::kind::CaseKind;
@@ -27,6 +28,9 @@ pub(crate) const AFTER: usize = 4;
 const WARMED: f64 = 0.5;
 const WARMTH: [f64; 2] = [0.6, 1.2];
 const UNEVEN_WARMTH: f64 = 0.05;
+/// Share of hard cases in which a joint barely moves, and of those with a training recording of moves between points.
+const STILL: f64 = 0.25;
+const POINT_TO_POINT: f64 = 0.4;
 
 /// What is drawn before the effects.
 pub(crate) struct Scene<'a> {
@@ -44,6 +48,8 @@ pub(crate) struct Scene<'a> {
     /// Samples per second of each of [`FILES`].
     pub(crate) rates_hz: [f64; FILES.len()],
     pub(crate) sensing: Sensing,
+    /// Of a hard case.
+    pub(crate) faults: RecordingFaults,
     pub(crate) noise_share: f64,
     pub(crate) level: Vec<f64>,
     pub(crate) viscous: Vec<f64>,
@@ -61,7 +67,11 @@ impl<'a> Scene<'a> {
         random: &mut RandomStream,
     ) -> Self {
         let field = request.kind.is_field();
-        let workspace = Workspace::draw(robot, random);
+        let hard = request.kind == CaseKind::Hard;
+        let mut workspace = Workspace::draw(robot, random);
+        if hard && random.chance(STILL) {
+            workspace.hold_still(random.index(robot.dof()));
+        }
         let (rate_hz, duration_s) = if field {
             (random.choose(&[100.0, 125.0, 200.0, 200.0, 250.0, 500.0]), random.between(12.0, 18.0))
         } else {
@@ -72,13 +82,24 @@ impl<'a> Scene<'a> {
         if field && random.chance(0.5) {
             rates_hz[random.index(AFTER)] = random.choose(&[100.0, 125.0, 200.0, 250.0, 400.0]);
         }
+        if hard {
+            rates_hz = [random.choose(&RATES_HZ); FILES.len()];
+        }
         let files = if request.kind == CaseKind::Change { FILES.len() } else { AFTER };
-        let plans: Vec<Trajectory> =
+        let mut plans: Vec<Trajectory> =
             (0..files).map(|_| exciting(robot, &workspace, duration_s, random)).collect();
+        if hard && random.chance(POINT_TO_POINT) {
+            plans[1] = point_to_point(robot, &workspace, duration_s, random);
+        }
         let given = robot.arm();
         let range: Vec<f64> = effort_range(&given, &plans[0]);
         let noise_share = random.log_between(0.003, if field { 0.012 } else { 0.02 });
-        let sensing = draw_sensing(robot, field, &range, noise_share, random);
+        let mut sensing = draw_sensing(robot, field, &range, noise_share, random);
+        let mut faults = RecordingFaults::default();
+        if hard {
+            faults = RecordingFaults::draw(&range, duration_s, random);
+            sensing.with_faults(&faults);
+        }
         let drawn = if field || random.chance(0.25) { random.between(0.02, 0.05) } else { 0.0 };
         let background = request.background.unwrap_or(drawn);
         let mut chain = robot.chain.clone();
@@ -111,6 +132,7 @@ impl<'a> Scene<'a> {
             duration_s,
             rates_hz,
             sensing,
+            faults,
             noise_share,
             level,
             viscous,

@@ -7,6 +7,7 @@ use armident_recording::{JointChannels, Recording};
 
 use crate::arms::excitation::CONTROL_HZ;
 use crate::cases::exact_motion::{Exact, rms};
+use crate::cases::recording_faults::RecordingFaults;
 use crate::contract::truth::VelocityTruth;
 use crate::random::RandomStream;
 
@@ -26,6 +27,19 @@ pub(crate) struct Sensing {
     pub(crate) jitter: f64,
     /// Share of samples that are lost.
     pub(crate) lost: f64,
+}
+
+impl Sensing {
+    /// Sensors behind a logger with these faults: coarse efforts are noise too, and stamps of reception are of even samples.
+    pub(crate) fn with_faults(&mut self, faults: &RecordingFaults) {
+        for (sigma, step) in self.sigma.iter_mut().zip(faults.effort_step.iter().flatten()) {
+            *sigma = sigma.hypot(step / 12_f64.sqrt());
+        }
+        if faults.received {
+            self.jitter = 0.0;
+        }
+        self.effort_lag_s = 0.0;
+    }
 }
 
 /// The instants of a recording.
@@ -64,7 +78,7 @@ pub(crate) fn record(
     moved: &Recording,
     exact: &Exact,
     sensing: &Sensing,
-    effort_lag_s: f64,
+    effort: &Efforts<'_>,
     name: &str,
     random: &mut RandomStream,
 ) -> Result<Recording, armident_recording::RecordingError> {
@@ -91,23 +105,49 @@ pub(crate) fn record(
             };
             values.iter().map(|v| round_to(*v, 1e-3)).collect()
         });
-        let lagged = lag(&exact.time_s, &exact.effort[j], effort_lag_s);
-        let noise = coloured(exact.time_s.len(), sensing.sigma[j], sensing.colour, random);
+        let lagged = lag(&exact.time_s, &effort.exact[j], effort.lag_s);
+        // what coarse efforts add comes by rounding them
+        let step = effort.faults.effort_step.as_ref().map_or(0.0, |steps| steps[j]);
+        let sigma = (sensing.sigma[j].powi(2) - step.powi(2) / 12.0).max(0.0).sqrt();
+        let noise = coloured(exact.time_s.len(), sigma, sensing.colour, random);
         let digit = 10_f64.powf((0.1 * sensing.sigma[j]).log10().floor());
-        let effort = lagged
+        let mut noisy: Vec<f64> = lagged
             .iter()
             .zip(noise)
             .map(|(effort, noise)| round_to(effort + noise, digit))
             .collect();
+        effort.faults.of_efforts((effort.file, j), sensing.sigma[j], &mut noisy, random);
         joints.push(JointChannels {
             position: Some(position),
             velocity,
-            effort: Some(effort),
+            effort: Some(noisy),
             ..JointChannels::new(&joint.name)
         });
     }
-    Recording::new(name, exact.time_s.clone(), joints)
+    let stamps = effort.faults.stamps(&exact.time_s, random);
+    let kept: Vec<usize> = (0..stamps.len())
+        .filter(|&k| !effort.faults.is_missing(effort.file, exact.time_s[k]))
+        .collect();
+    let of = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&k| values[k]).collect() };
+    for joint in &mut joints {
+        for channel in [&mut joint.position, &mut joint.velocity, &mut joint.effort] {
+            *channel = channel.as_deref().map(of);
+        }
+    }
+    Recording::new(name, of(&stamps), joints)
 }
+
+/// The efforts of a recording and what its channel does to them.
+pub(crate) struct Efforts<'a> {
+    /// At the instants at which they are sampled.
+    pub(crate) exact: &'a [Vec<f64>],
+    /// Time constant of a filter \[s\].
+    pub(crate) lag_s: f64,
+    pub(crate) faults: &'a RecordingFaults,
+    /// Place of the recording in `FILES`.
+    pub(crate) file: usize,
+}
+
 
 /// First-order lag of a channel.
 pub(crate) fn lag(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {

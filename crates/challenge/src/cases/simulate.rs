@@ -7,7 +7,7 @@ use crate::arms::excitation::gains;
 use crate::cases::exact_motion::{Exact, exact_at, rms};
 use crate::cases::floors::{Taken, floors};
 use crate::cases::scene::{AFTER, FILES, Scene};
-use crate::cases::sensors::{instants, lag, record};
+use crate::cases::sensors::{Efforts, instants, lag, record};
 use crate::contract::kind::CaseKind;
 use crate::contract::truth::Floors;
 use crate::error::ChallengeError;
@@ -66,13 +66,27 @@ pub(crate) fn simulate(
     let lag_s = scene.sensing.effort_lag_s * (MOST_LAG / over).min(1.0);
     let (lag_s, lag_over_noise) = (lag_s, lag_over_noise(lag_s));
     let mut recorded = Vec::new();
+    // floors are of even clocks without a drive filter: the same noise, and none of the faults that a model can undo
+    let mut plain = Vec::new();
     for (file, motion) in exact.iter().enumerate() {
-        recorded.push(record(&moved[file], motion, &scene.sensing, lag_s, FILES[file], random)?);
+        let faults = &scene.faults;
+        let mut twin = random.clone();
+        let efforts = Efforts { exact: &motion.effort, lag_s, faults: &faults.without_clocks(), file };
+        plain.push(record(&moved[file], motion, &scene.sensing, &efforts, FILES[file], &mut twin)?);
+        let fast = 1.0 + faults.effort_clock;
+        let at: Vec<f64> = motion.time_s.iter().map(|t| t * fast).collect();
+        let sampled = exact_at(&moved[file], &at);
+        let exact = if faults.effort_clock == 0.0 { &motion.effort } else { &sampled.effort };
+        let lag_s = lag_s.max(faults.low_pass_s());
+        let efforts = Efforts { exact, lag_s, faults, file };
+        recorded.push(record(&moved[file], motion, &scene.sensing, &efforts, FILES[file], random)?);
     }
     let names = &robot.names;
     let floor = |file: usize, whole: bool| -> Result<Floors, ChallengeError> {
-        let taken = Taken::new(&exact[file], &recorded[file], whole);
-        floors(&taken, &scene.arm(effects, file, None)?, &given, names)
+        let taken = Taken::new(&exact[file], &plain[file], whole);
+        let mut floors = floors(&taken, &scene.arm(effects, file, None)?, &given, names)?;
+        floors.urdf_rmse = Taken::new(&exact[file], &recorded[file], whole).rmse_of(&given, names);
+        Ok(floors)
     };
     let (mut holdout, exam) = (floor(2, true)?, floor(3, false)?);
     if scene.kind == CaseKind::Change {

@@ -115,6 +115,7 @@ pub(crate) fn truth_of(
         } else {
             SampleRate::All(scene.rates_hz[0])
         },
+        difficulties: scene.faults.names(),
         dirt: scene.kind.is_field().then(|| {
             json!({
                 "clock_jitter_of_step": scene.sensing.jitter,
@@ -122,6 +123,8 @@ pub(crate) fn truth_of(
                 "effort_lag_s": made.effort_lag_s,
                 "effort_lag_over_noise": made.lag_over_noise,
                 "velocity_recorded": scene.sensing.velocity.is_some(),
+                "effort_clock_drift": scene.faults.effort_clock,
+                "effort_low_pass_hz": scene.faults.low_pass_hz,
             })
         }),
         holdout: made.holdout.clone(),

@@ -17,7 +17,7 @@ pub(crate) type PerJoint = BTreeMap<String, f64>;
 pub struct Truth {
     /// `armident.challenge/1`.
     pub schema: String,
-    /// `field` or `change`, nothing for a clean case.
+    /// `field`, `hard` or `change`, nothing for a clean case.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// Name of the case.
@@ -44,6 +44,9 @@ pub struct Truth {
     pub noise: NoiseTruth,
     /// Samples per second.
     pub sample_rate: SampleRate,
+    /// Recording faults of a hard case.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub difficulties: Vec<String>,
     /// Recording dirt of a field case.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dirt: Option<serde_json::Value>,
@@ -66,6 +69,7 @@ impl Truth {
     pub fn kind(&self) -> CaseKind {
         match self.kind.as_deref() {
             Some("field") => CaseKind::Field,
+            Some("hard") => CaseKind::Hard,
             Some("change") => CaseKind::Change,
             _ => CaseKind::Clean,
         }
@@ -76,9 +80,17 @@ impl Truth {
         let here = |term: &BaselineFriction| term.effect == effect && term.joints == [joint];
         match self.kind() {
             CaseKind::Clean => false,
-            CaseKind::Field => true,
+            CaseKind::Field | CaseKind::Hard => true,
             CaseKind::Change => self.baseline.iter().any(here),
         }
+    }
+
+    /// Whether the efforts come through a filter, or by a clock of their own.
+    pub(crate) fn delays_efforts(&self) -> bool {
+        let size = |key: &str| self.dirt.as_ref().and_then(|dirt| dirt.get(key)?.as_f64());
+        ["effort_clock_drift", "effort_low_pass_hz"]
+            .into_iter()
+            .any(|key| size(key).is_some_and(|size| size != 0.0))
     }
 
     /// The joint that moves a link.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use armident_effects::{Effect, LinkInertiaError};
+use armident_effects::{Effect, LinkInertiaError, TimeDelay};
 
 use crate::contract::answer::AnswerFinding;
 use crate::contract::truth::{Named, TrueEffect, Truth};
@@ -79,7 +79,11 @@ pub(crate) fn judge<'a>(truth: &Truth, findings: &'a [AnswerFinding]) -> Judged<
     for blame in found.difference(&right) {
         let background =
             truth.background_inertial_error > 0.0 && blame.effect == LinkInertiaError.slug();
-        if background || beside.iter().any(|named| tolerated_by(blame, named)) {
+        // a drive filter and a clock that drifts delay the efforts
+        let delayed = truth.delays_efforts() && blame.effect == TimeDelay.slug();
+        if background
+            || delayed
+            || beside.iter().any(|named| tolerated_by(blame, named)) {
             if blame.is_body() {
                 if bodies_left == 0 {
                     continue;

@@ -161,7 +161,7 @@ fn score_verdict(
     };
     score.detected = Some(match truth.kind() {
         CaseKind::Clean => mismatch,
-        CaseKind::Field | CaseKind::Change => judged.found.iter().any(special),
+        CaseKind::Field | CaseKind::Hard | CaseKind::Change => judged.found.iter().any(special),
     });
     let counts = |(_, blames): &&(&AnswerFinding, BTreeSet<Blame>)| {
         matches!(judged.of_finding(blames), Judgement::Right | Judgement::False)

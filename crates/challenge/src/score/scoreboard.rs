@@ -207,7 +207,7 @@ pub struct GroupScore {
 impl Scoreboard {
     /// Sums up.
     pub fn new(cases: Vec<CaseScore>) -> Self {
-        let groups = [CaseKind::Clean, CaseKind::Field, CaseKind::Change]
+        let groups = [CaseKind::Clean, CaseKind::Field, CaseKind::Hard, CaseKind::Change]
             .map(CaseKind::name)
             .into_iter()
             .map(|kind| (kind, cases.iter().filter(|c| c.kind == kind).collect()))

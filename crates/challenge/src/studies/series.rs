@@ -27,6 +27,7 @@ const MOST_ARMS: usize = 5;
 const NULL_BACKGROUND: [f64; 2] = [0.02, 0.05];
 /// Keep the draws of field and change cases apart from those of clean ones.
 const FIELD_SEEDS: u64 = 500_000;
+const HARD_SEEDS: u64 = 600_000;
 const CHANGE_SEEDS: u64 = 700_000;
 /// Keeps the seeds of two series apart.
 const SERIES_SEEDS: u64 = 1_000_003;
@@ -42,6 +43,8 @@ pub enum SeriesKind {
     Null,
     /// Clean and field cases in turn.
     Mixed,
+    /// Field cases with more effects at once and poorer recordings.
+    Hard,
     /// Arms before and after a change.
     Change,
 }
@@ -78,13 +81,15 @@ impl CaseSeries {
             SeriesKind::Field => (CaseKind::Field, k),
             SeriesKind::Null => (of(k % 4 >= 2), k),
             SeriesKind::Mixed => (of(k % 2 == 1), k / 2),
+            SeriesKind::Hard => (CaseKind::Hard, k),
             SeriesKind::Change => (CaseKind::Change, k),
         };
-        let field = kind == CaseKind::Field;
+        let field = matches!(kind, CaseKind::Field | CaseKind::Hard);
         let seed = self.seed.wrapping_mul(SERIES_SEEDS).wrapping_add(turn);
         let seed = seed.wrapping_add(match kind {
             CaseKind::Clean => 0,
             CaseKind::Field => FIELD_SEEDS,
+            CaseKind::Hard => HARD_SEEDS,
             CaseKind::Change => CHANGE_SEEDS,
         });
         let mut random = RandomStream::new(seed ^ 0xa12b);
@@ -110,6 +115,7 @@ impl CaseSeries {
             (SeriesKind::Null, _) => 'n',
             (_, CaseKind::Field) => 'f',
             (_, CaseKind::Clean) => 'c',
+            (_, CaseKind::Hard) => 'h',
             (_, CaseKind::Change) => 'w',
         };
         Order {

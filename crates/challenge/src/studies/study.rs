@@ -26,6 +26,8 @@ pub enum Study {
     Perturbed,
     /// All in all, clean and field cases in turn.
     Mixed,
+    /// Hard cases: effects at once, poor recordings.
+    Hard,
     /// Changes between two sets of recordings of one arm.
     Change,
 }
@@ -38,7 +40,7 @@ impl Study {
             Self::Power => 2,
             Self::Perturbed => 24,
             Self::Mixed => 96,
-            Self::Change => 40,
+            Self::Hard | Self::Change => 40,
         }
     }
 
@@ -56,6 +58,7 @@ impl Study {
         match self {
             Self::Nulls => series(SeriesKind::Null, false).orders(),
             Self::Mixed => series(SeriesKind::Mixed, false).orders(),
+            Self::Hard => series(SeriesKind::Hard, false).orders(),
             Self::Change => series(SeriesKind::Change, false).orders(),
             Self::Perturbed => series(SeriesKind::Mixed, true).orders(),
             Self::Power => power_orders(cases, seed, kind),
@@ -75,6 +78,7 @@ impl Study {
             Self::Power => power(orders, &made),
             Self::Perturbed => perturbed(&made) + &in_full(&cases()),
             Self::Mixed => in_full(&cases()),
+            Self::Hard => HARD.to_owned() + &in_full(&cases()),
             Self::Change => CHANGE.to_owned() + &in_full(&cases()),
         }
     }
@@ -86,6 +90,13 @@ Field arms with inertial errors of every link, recorded before and after. Betwee
 or none; in half of the cases the friction of every joint changes as well (warm or cold: 0.6 to 1.2 times its
 viscous part, the square root of that its dry part), which may be reported where it does. Inertial errors are no change:
 a link that is reported without having changed is a false positive.
+";
+
+/// What the table of hard cases shows.
+const HARD: &str = "\
+Field arms with up to four effects at once, at 40 to 125 Hz, some with a joint that barely moves or with point-to-point
+motion and rests. Each has recording faults: stamps of reception, an effort clock that drifts, a low-pass in the drive,
+coarse efforts, a clipped stretch, spikes, a missing second.
 ";
 
 fn in_full(board: &Scoreboard) -> String {
@@ -103,6 +114,7 @@ fn power_orders(cases: u64, seed: u64, kind: CaseKind) -> Vec<Order> {
                 kind: match kind {
                     CaseKind::Clean => SeriesKind::Clean,
                     CaseKind::Field => SeriesKind::Field,
+                    CaseKind::Hard => SeriesKind::Hard,
                     CaseKind::Change => SeriesKind::Change,
                 },
                 effects: vec![effect.to_owned()],
