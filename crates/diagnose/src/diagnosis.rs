@@ -4,7 +4,8 @@ use crate::checks::effort_columns::InputChecks;
 use crate::design::known_effort::KnownModel;
 use std::collections::BTreeMap;
 
-use armident_inference::whiteness;
+use armident_inference::levels::EXPECTED_T;
+use armident_inference::{paired_t, whiteness};
 use armident_model::{ArmModel, PreparedRecording};
 use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
@@ -16,6 +17,9 @@ use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
 use crate::findings::placebo::Placebo;
 use crate::findings::residual_map::JointAtlas;
 use crate::uncertainty::minimal_constants::ConstantEstimates;
+
+/// Blocks of a hold-out recording over which errors are compared.
+const HOLDOUT_BLOCKS: usize = 8;
 
 /// Root mean square errors of the raw recorded effort, by joint.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -115,29 +119,56 @@ impl Diagnosis {
     }
 
     /// Marks every finding as confirmed or not by the hold-out: whether it is predicted better with the finding than
-    /// without it, all else fitted again, on the joint where it matters most. Changes neither names nor the model; what is
-    /// not confirmed is less sure.
+    /// without it, all else fitted again, on the joint where it matters most. Changes neither names nor the model. What the
+    /// hold-out contradicts is less sure: hypothesis, the finding does not raise the error; statistic, the paired t of the
+    /// errors with and without it over blocks of the hold-out. Where something else explains as much, neither is better.
     pub(crate) fn confirm(&mut self) -> Result<(), RecordingError> {
         let holdout = self.prepared(&self.holdout)?;
-        let with = self.error_of(&self.model, &holdout)?;
+        let with = self.block_squares(&self.model, &holdout)?;
         let judged = |(finding, without): (&Finding, &Option<ArmModel>)| {
             let joint = &finding.evidence.joint;
-            match without {
-                Some(model) if finding.window.is_none() && with.contains_key(joint) => {
-                    Ok(Some(with[joint] < self.error_of(model, &holdout)?[joint]))
-                }
-                _ => Ok(None),
-            }
+            let (Some(model), None, Some(with)) = (without, &finding.window, with.get(joint))
+            else {
+                return Ok(None);
+            };
+            let without = &self.block_squares(model, &holdout)?[joint];
+            let gains: Vec<f64> =
+                without.iter().zip(with).map(|(without, with)| (without / with).ln()).collect();
+            let is_better = with.iter().sum::<f64>() < without.iter().sum();
+            Ok(Some((is_better, paired_t(&gains) < -EXPECTED_T)))
         };
         let findings = self.findings.par_iter().zip(&self.without);
-        let confirmed = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
-        for (finding, confirmed) in self.findings.iter_mut().zip(confirmed) {
-            finding.confirmed = confirmed;
-            if confirmed == Some(false) {
+        let judged = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
+        for (finding, judged) in self.findings.iter_mut().zip(judged) {
+            finding.confirmed = judged.map(|(is_better, _)| is_better);
+            if judged.is_some_and(|(is_better, is_worse)| !is_better && is_worse) {
                 finding.confidence *= NOT_CONFIRMED;
             }
         }
         Ok(())
+    }
+
+    /// Squared errors of a model on blocks of recordings, by joint with an effort in any of them.
+    fn block_squares(
+        &self,
+        model: &ArmModel,
+        recordings: &[PreparedRecording<'_>],
+    ) -> Result<BTreeMap<String, Vec<f64>>, RecordingError> {
+        let mut squares: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for seen in recordings {
+            let predicted = model.predict_prepared(seen)?;
+            for (name, predicted) in self.joints.iter().zip(&predicted) {
+                if let Some(recorded) = seen.recording().joint(name).and_then(|j| j.effort.as_ref())
+                {
+                    let length = recorded.len().div_ceil(HOLDOUT_BLOCKS).max(1);
+                    let errors: Vec<f64> =
+                        predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).collect();
+                    let blocks = errors.chunks(length).map(|block| block.iter().sum::<f64>());
+                    squares.entry(name.clone()).or_default().extend(blocks);
+                }
+            }
+        }
+        Ok(squares)
     }
 
     /// Puts the uncertainty of inferred drive gains into the standard errors of masses and moments: they are the
@@ -213,20 +244,16 @@ impl Diagnosis {
         model: &ArmModel,
         recordings: &[PreparedRecording<'_>],
     ) -> Result<BTreeMap<String, f64>, RecordingError> {
-        let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
-        for seen in recordings {
-            let predicted = model.predict_prepared(seen)?;
-            for (name, predicted) in self.joints.iter().zip(&predicted) {
-                if let Some(recorded) = seen.recording().joint(name).and_then(|j| j.effort.as_ref())
-                {
-                    let (sum, samples) = squares.entry(name.clone()).or_default();
-                    *sum +=
-                        predicted.iter().zip(recorded).map(|(p, r)| (p - r).powi(2)).sum::<f64>();
-                    *samples += recorded.len();
-                }
-            }
-        }
-        let error = |(sum, samples): (f64, usize)| (sum / samples as f64).sqrt();
-        Ok(squares.into_iter().map(|(name, squares)| (name, error(squares))).collect())
+        let samples = |name: &str| -> usize {
+            let efforts = |seen: &PreparedRecording<'_>| {
+                seen.recording().joint(name).and_then(|j| j.effort.as_ref()).map_or(0, Vec::len)
+            };
+            recordings.iter().map(efforts).sum()
+        };
+        let error = |(name, squares): (String, Vec<f64>)| {
+            let mean = squares.iter().sum::<f64>() / samples(&name) as f64;
+            (name, mean.sqrt())
+        };
+        Ok(self.block_squares(model, recordings)?.into_iter().map(error).collect())
     }
 }

@@ -148,7 +148,6 @@ pub(crate) struct Efforts<'a> {
     pub(crate) file: usize,
 }
 
-
 /// First-order lag of a channel.
 pub(crate) fn lag(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {
     if constant_s <= 0.0 {

@@ -71,7 +71,8 @@ pub(crate) fn simulate(
     for (file, motion) in exact.iter().enumerate() {
         let faults = &scene.faults;
         let mut twin = random.clone();
-        let efforts = Efforts { exact: &motion.effort, lag_s, faults: &faults.without_clocks(), file };
+        let efforts =
+            Efforts { exact: &motion.effort, lag_s, faults: &faults.without_clocks(), file };
         plain.push(record(&moved[file], motion, &scene.sensing, &efforts, FILES[file], &mut twin)?);
         let fast = 1.0 + faults.effort_clock;
         let at: Vec<f64> = motion.time_s.iter().map(|t| t * fast).collect();

@@ -81,9 +81,7 @@ pub(crate) fn judge<'a>(truth: &Truth, findings: &'a [AnswerFinding]) -> Judged<
             truth.background_inertial_error > 0.0 && blame.effect == LinkInertiaError.slug();
         // a drive filter and a clock that drifts delay the efforts
         let delayed = truth.delays_efforts() && blame.effect == TimeDelay.slug();
-        if background
-            || delayed
-            || beside.iter().any(|named| tolerated_by(blame, named)) {
+        if background || delayed || beside.iter().any(|named| tolerated_by(blame, named)) {
             if blame.is_body() {
                 if bodies_left == 0 {
                     continue;

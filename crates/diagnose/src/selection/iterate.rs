@@ -20,7 +20,7 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::recreate;
 use crate::design::ripple::RippleColumns;
 use crate::design::training::Design;
-use crate::regression::fit_set::{Estimate, fit_set};
+use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use crate::regression::score::PRICE_OF_CHOICE;
 use crate::selection::cross_validation::{
     confirm, imperfection, with_baseline_terms, with_changes,
@@ -251,16 +251,20 @@ fn iterate<'a>(
     Some(IterationEnd { design: weighted, found, converged })
 }
 
-/// The estimate with the operating terms: at the right operating point their coefficients are zero.
+/// The estimate with the operating terms: at the right operating point their coefficients are zero. A candidate that is
+/// inadmissible beside them gives way, not they: without them the operating point would be lost.
 fn with_operating_terms(
     problem: &LinearProblem,
     best: &ScaleFit,
     point: &OperatingPoint,
 ) -> Estimate {
-    let held = (0..problem.candidates.len())
+    let held: Vec<usize> = (0..problem.candidates.len())
         .filter(|g| !held(&problem.candidates[*g], point).is_empty())
-        .filter(|g| !best.estimate.set.contains(g));
-    let set: Vec<usize> = best.estimate.set.iter().copied().chain(held).collect();
+        .filter(|g| !best.estimate.set.contains(g))
+        .collect();
+    let set = [&best.estimate.set[..], &held].concat();
     let metric = problem.marginalised(best.scale, &best.inflated);
-    fit_set(&metric, set).unwrap_or_else(|| best.estimate.clone())
+    fit_set(&metric, set.clone())
+        .or_else(|| admissible_part(&metric, set, &held))
+        .unwrap_or_else(|| best.estimate.clone())
 }
