@@ -20,6 +20,7 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::recreate;
 use crate::design::ripple::RippleColumns;
 use crate::design::training::Design;
+use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use crate::regression::score::PRICE_OF_CHOICE;
 use crate::selection::cross_validation::{
@@ -79,8 +80,37 @@ pub(crate) fn select<'a>(design: &Design<'a>) -> Option<(Design<'a>, Selection)>
         }
     }
     let IterationEnd { design, found, .. } = end;
+    let found = with_one_body_a_link(found);
     let found = with_reversal_models(&design, &found).unwrap_or(found);
     Some((design, found))
+}
+
+/// The selection without what is on a link twice: where a body on an inflated link was selected, the better of the two scores
+/// stays, all else fitted again.
+fn with_one_body_a_link(mut of: Selection) -> Selection {
+    loop {
+        let is_twice = |g: &usize| {
+            let body = &of.problem.candidates[*g];
+            let on = |link: &InflatedLink| body.location.joints.first() == Some(&link.link);
+            body.is_of_link() && of.inflated.iter().any(on)
+        };
+        let Some(body) = of.estimate.set.iter().copied().find(is_twice) else { return of };
+        let link = of.problem.candidates[body].location.joints[0];
+        let fitted = |inflated: &[InflatedLink], set: Vec<usize>| {
+            fit_set(&of.problem.marginalised(of.scale, inflated), set)
+        };
+        let without_body = of.estimate.set.iter().copied().filter(|g| *g != body).collect();
+        let others: Vec<InflatedLink> =
+            of.inflated.iter().copied().filter(|inflated| inflated.link != link).collect();
+        let as_link = fitted(&of.inflated, without_body);
+        let as_body = fitted(&others, of.estimate.set.clone());
+        (of.estimate, of.inflated) = match (as_link, as_body) {
+            (Some(link), Some(body)) if body.score > link.score => (link, of.inflated),
+            (_, Some(body)) => (body, others),
+            (Some(link), None) => (link, of.inflated),
+            (None, None) => return of,
+        };
+    }
 }
 
 /// Initial weights, from the residual of all columns. None where the reference cannot be fitted.
