@@ -16,7 +16,7 @@ pub(crate) enum KindArg {
     Null,
     /// clean and field alternating
     Mixed,
-    /// field arms with up to four effects at once, slow recordings with more faults, rests
+    /// field arms with up to four effects, slow recordings with more faults, standstills
     Hard,
     /// field arms recorded before and after a hidden change, some with friction changed by warm-up
     Change,
@@ -33,7 +33,7 @@ pub(crate) enum StudyArg {
     Perturbed,
     /// clean and field cases alternating
     Mixed,
-    /// effects at once, poor recordings
+    /// several effects, poor recordings
     Hard,
     /// changes between two sets of recordings of one arm
     Change,

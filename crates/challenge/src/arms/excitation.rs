@@ -154,7 +154,7 @@ pub(crate) fn exciting(
     }
 }
 
-/// Moves between random points with rests, at the pace of the slowest joint.
+/// Moves between random points with standstills, at the pace of the slowest joint.
 pub(crate) fn point_to_point(
     robot: &Robot,
     workspace: &Workspace,

@@ -5,14 +5,12 @@ use armident_effects::{DrawContext, JointSize};
 
 use crate::cases::exact_motion::Exact;
 use crate::cases::request::CaseRequest;
-use crate::cases::scene::Scene;
+use crate::cases::scene::{Scene, TRAINING};
 use crate::cases::sizes::{Sizing, size};
 use crate::error::ChallengeError;
 use crate::hidden::hidden_effect::{Hidden, HiddenEffect, Sized};
 use crate::random::RandomStream;
 
-/// Training recordings.
-pub(crate) const TRAINING: usize = 2;
 /// Draws of joints and sizes before an effect counts as invisible on this arm.
 const MOST_DRAWS: usize = 60;
 /// The same where each draw is several integrations.

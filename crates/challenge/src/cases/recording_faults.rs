@@ -1,13 +1,12 @@
 //! Faults of the recordings of hard cases: what loggers and drives do to samples.
 //!
 //! Magnitudes are those of recordings in public reports: rates of 40 to 125 Hz, stamps of reception up to 3 ms late, effort
-//! clocks off by 50 to 200 ppm, drive filters of 5 to 15 Hz.
+//! clocks that differ by 50 to 200 ppm, drive filters of 5 to 15 Hz.
 
 use std::f64::consts::TAU;
 
 use armident_effects::Draw;
 
-use crate::cases::draw_effects::TRAINING;
 use crate::random::RandomStream;
 
 /// Sample rates of hard cases \[Hz\].
@@ -41,14 +40,19 @@ pub(crate) struct RecordingFaults {
 
 impl RecordingFaults {
     /// At least one fault, mostly two or three.
-    pub(crate) fn draw(range: &[f64], duration_s: f64, random: &mut RandomStream) -> Self {
+    pub(crate) fn draw(
+        training: usize,
+        range: &[f64],
+        duration_s: f64,
+        random: &mut RandomStream,
+    ) -> Self {
         let mut faults = Self::default();
         let first = random.index(7);
         for which in 0..7 {
             if which != first && !random.chance(0.25) {
                 continue;
             }
-            let file = random.index(TRAINING);
+            let file = random.index(training);
             match which {
                 0 => faults.received = true,
                 1 => {

@@ -48,7 +48,7 @@ fn all_hideable(kind: CaseKind, library: &Library) -> Vec<Hidden> {
 }
 
 /// Most effects of a hard case.
-const MOST_AT_ONCE: usize = 4;
+const MOST_EFFECTS: usize = 4;
 
 /// Effects of a case by its seed: mostly one, sometimes two, of hard cases up to four, and in all but clean cases sometimes
 /// none; slugs take turns.
@@ -61,7 +61,7 @@ pub fn case_effects(kind: CaseKind, seed: u64) -> Vec<String> {
     let first = slugs[(seed % slugs.len() as u64) as usize];
     let mut chosen = vec![first.to_owned()];
     if kind == CaseKind::Hard {
-        for _ in 0..random.index(MOST_AT_ONCE) {
+        for _ in 0..random.index(MOST_EFFECTS) {
             let next = random.choose(&slugs).to_owned();
             if !chosen.contains(&next) {
                 chosen.push(next);

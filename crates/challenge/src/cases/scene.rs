@@ -21,6 +21,8 @@ use crate::random::RandomStream;
 /// The files of a case.
 pub(crate) const FILES: [&str; 6] =
     ["train_1", "train_2", "holdout", "exam", "before_1", "before_2"];
+/// Of these, those of training.
+pub(crate) const TRAINING: usize = 2;
 /// Of these, those of a case without a change.
 pub(crate) const AFTER: usize = 4;
 /// Share of change cases in which the friction of all joints is another one after, the factors of its viscous part,
@@ -97,7 +99,7 @@ impl<'a> Scene<'a> {
         let mut sensing = draw_sensing(robot, field, &range, noise_share, random);
         let mut faults = RecordingFaults::default();
         if hard {
-            faults = RecordingFaults::draw(&range, duration_s, random);
+            faults = RecordingFaults::draw(TRAINING, &range, duration_s, random);
             sensing.with_faults(&faults);
         }
         let drawn = if field || random.chance(0.25) { random.between(0.02, 0.05) } else { 0.0 };

@@ -7,7 +7,7 @@ pub enum CaseKind {
     Clean,
     /// Baseline friction on every joint, inertial errors of every link, recordings with faults.
     Field,
-    /// A field arm with up to four effects at once, slower recordings with more faults, rests, and joints that barely move.
+    /// A field arm with up to four effects, slower recordings with more faults, standstills, and joints that barely move.
     Hard,
     /// A field arm recorded before and after: the hidden effect came between, and the friction of an arm that has warmed
     /// up or cooled down.

@@ -43,7 +43,7 @@ pub enum SeriesKind {
     Null,
     /// Clean and field cases in turn.
     Mixed,
-    /// Field cases with more effects at once and poorer recordings.
+    /// Field cases with more effects and poorer recordings.
     Hard,
     /// Arms before and after a change.
     Change,

@@ -26,7 +26,7 @@ pub enum Study {
     Perturbed,
     /// All in all, clean and field cases in turn.
     Mixed,
-    /// Hard cases: effects at once, poor recordings.
+    /// Hard cases: several effects, poor recordings.
     Hard,
     /// Changes between two sets of recordings of one arm.
     Change,
@@ -94,8 +94,8 @@ a link that is reported without having changed is a false positive.
 
 /// What the table of hard cases shows.
 const HARD: &str = "\
-Field arms with up to four effects at once, at 40 to 125 Hz, some with a joint that barely moves or with point-to-point
-motion and rests. Each has recording faults: stamps of reception, an effort clock that drifts, a low-pass in the drive,
+Field arms with up to four effects, at 40 to 125 Hz, some with a joint that barely moves or with point-to-point motion
+and standstills. Each has recording faults: stamps of reception, an effort clock that drifts, a low-pass in the drive,
 coarse efforts, a clipped stretch, spikes, a missing second.
 ";
 

@@ -282,7 +282,7 @@ fn iterate<'a>(
 }
 
 /// The estimate with the operating terms: at the right operating point their coefficients are zero. A candidate that is
-/// inadmissible beside them gives way, not they: without them the operating point would be lost.
+/// inadmissible beside them is dropped, not they: without them the operating point would be lost.
 fn with_operating_terms(
     problem: &LinearProblem,
     best: &ScaleFit,
