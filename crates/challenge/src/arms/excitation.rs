@@ -97,6 +97,12 @@ fn rise(t: f64) -> [f64; 3] {
     [value, slope, curve]
 }
 
+/// The control cycles of a recording and of what is simulated beyond its end \[s\].
+fn control_times(duration_s: f64) -> Vec<f64> {
+    let samples = ((duration_s + AFTER_S) * CONTROL_HZ).round() as usize + 1;
+    (0..samples).map(|k| k as f64 / CONTROL_HZ).collect()
+}
+
 /// A random trajectory from rest, inside the limits of position, speed and given effort.
 pub(crate) fn exciting(
     robot: &Robot,
@@ -104,8 +110,7 @@ pub(crate) fn exciting(
     duration_s: f64,
     random: &mut RandomStream,
 ) -> Trajectory {
-    let samples = ((duration_s + AFTER_S) * CONTROL_HZ).round() as usize + 1;
-    let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / CONTROL_HZ).collect();
+    let time_s = control_times(duration_s);
     let mut unit: [Vec<Vec<f64>>; 3] = std::array::from_fn(|_| Vec::new());
     for _ in 0..robot.dof() {
         let sines = Sines::draw(random);
@@ -161,8 +166,7 @@ pub(crate) fn point_to_point(
     duration_s: f64,
     random: &mut RandomStream,
 ) -> Trajectory {
-    let samples = ((duration_s + AFTER_S) * CONTROL_HZ).round() as usize + 1;
-    let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / CONTROL_HZ).collect();
+    let time_s = control_times(duration_s);
     // start and length of each move, and where it goes
     let mut moves: Vec<(f64, f64, Vec<f64>)> = Vec::new();
     let mut at = workspace.centre.clone();
@@ -183,7 +187,8 @@ pub(crate) fn point_to_point(
     }
     loop {
         let column = |j: usize| -> [Vec<f64>; 3] {
-            let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(samples));
+            let mut columns: [Vec<f64>; 3] =
+                std::array::from_fn(|_| Vec::with_capacity(time_s.len()));
             let (mut from, mut next) = (workspace.centre[j], 0);
             for &t in &time_s {
                 while next + 1 < moves.len() && t >= moves[next + 1].0 {
