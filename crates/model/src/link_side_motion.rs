@@ -161,7 +161,7 @@ impl FittedTransmission {
                 let (slope, drag) = (slope.at(x), drag.at(x));
                 let bias = bias.at(x) + slope * (q - about.at(x)) + drag * (v - about_rate.at(x));
                 if self.gap > 0.0 {
-                    // flanks are known_effort at the end of the step, so that none is too stiff
+                    // flanks act at the end of the step, so that none is too stiff
                     let pressed = f64::from(u8::from(passed != 0.0));
                     let (stiffness, damping) = (pressed * self.stiffness, pressed * self.damping);
                     let implicit = m + h * damping + h * h * stiffness;

@@ -388,7 +388,7 @@ impl BandMotion {
             .collect()
     }
 
-    /// Efforts with what was known_effort out of the recorded ones.
+    /// Efforts with the known ones added again.
     pub fn with_known_effort(&self, mut effort: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         for (effort, known_effort) in effort.iter_mut().zip(&self.known_effort) {
             effort.iter_mut().zip(known_effort).for_each(|(e, known_effort)| *e += known_effort);
@@ -396,7 +396,7 @@ impl BandMotion {
         effort
     }
 
-    /// The same with a known part of the efforts known_effort out.
+    /// The same with a known part of the efforts subtracted.
     pub fn without(mut self, known: Vec<Vec<f64>>) -> Self {
         for ((effort, known_effort), known) in
             self.effort.iter_mut().zip(&mut self.known_effort).zip(known)

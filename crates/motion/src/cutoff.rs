@@ -1,11 +1,11 @@
 //! Choosing the low-pass cutoff from the motion itself.
 
-use std::f64::consts::{LN_2, PI};
+use std::f64::consts::LN_2;
 
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 
 use crate::grid::EvenGrid;
+use crate::periodogram::Periodogram;
 use crate::stuck::RESTING_RANGE;
 use armident_numeric::{extremes, order_statistic};
 use armident_recording::{MIN_SAMPLES, Quantity, Recording, RecordingError};
@@ -27,8 +27,6 @@ const POSSIBLE_SHARE: f64 = 0.4;
 /// Highest cutoff chosen, as a share of the sample rate.
 pub const HIGHEST_CUTOFF_SHARE: f64 = 0.2;
 
-/// Mean square of a Hann window.
-const HANN_POWER: f64 = 0.375;
 /// Bins to either side over which the spectrum is averaged before it is compared with the noise.
 const SMOOTHING_BINS: usize = 4;
 /// Multiple of the noise floor above which the averaged spectrum is motion.
@@ -118,10 +116,10 @@ impl Band {
         if position.len() < MIN_SAMPLES || largest - smallest < RESTING_RANGE {
             return None;
         }
-        let power = windowed_power(position)?;
+        let power = Periodogram::new(position.len()).of(position).to_vec();
         let measured = noise_power(&power);
         let rounding = f64::EPSILON * largest.abs().max(smallest.abs());
-        let floor = measured.max(position.len() as f64 * rounding.powi(2));
+        let floor = measured.max(rounding.powi(2));
 
         let averaged = |k: usize| {
             let from = k.saturating_sub(SMOOTHING_BINS).max(1);
@@ -177,36 +175,14 @@ pub(crate) fn noise_sigma(values: &[f64]) -> Option<f64> {
     if values.len() < MIN_SAMPLES {
         return None;
     }
-    let power = windowed_power(values)?;
-    // the mean square of a Hann window
-    let sigma = (noise_power(&power) / (HANN_POWER * values.len() as f64)).sqrt();
+    let sigma = noise_power(Periodogram::new(values.len()).of(values)).sqrt();
     sigma.is_finite().then_some(sigma)
-}
-
-/// Periodogram of the detrended signal under a Hann window, arbitrary scale.
-fn windowed_power(signal: &[f64]) -> Option<Vec<f64>> {
-    let n = signal.len();
-    let middle = 0.5 * (n - 1) as f64;
-    let mean = signal.iter().sum::<f64>() / n as f64;
-    let lever = |k: usize| k as f64 - middle;
-    let moment: f64 = signal.iter().enumerate().map(|(k, x)| lever(k) * (x - mean)).sum();
-    let slope = moment / (0..n).map(|k| lever(k).powi(2)).sum::<f64>();
-    let mut windowed: Vec<f64> = signal
-        .iter()
-        .enumerate()
-        .map(|(k, x)| {
-            let hann = (PI * (k as f64 + 0.5) / n as f64).sin().powi(2);
-            hann * (x - mean - slope * lever(k))
-        })
-        .collect();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let mut spectrum = transform.make_output_vec();
-    transform.process(&mut windowed, &mut spectrum).ok()?;
-    Some(spectrum.iter().map(realfft::num_complex::Complex::norm_sqr).collect())
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     const RATE_HZ: f64 = 250.0;

@@ -68,7 +68,7 @@ impl RepeatedFrames {
         Some(Self { frames, meaning })
     }
 
-    /// The clock of the motion, a time for every frame, and the frames that are used; none where the stamps are known_effort as
+    /// The clock of the motion, a time for every frame, and the frames that are used; none where the stamps are used as
     /// they are.
     pub(crate) fn clock(&self, time_s: &[f64]) -> Option<(Vec<f64>, Vec<usize>)> {
         if self.meaning == Meaning::Unknown {

@@ -4,7 +4,7 @@
 //! 2. [`Motion::from_recording`] brings the joints asked for onto an even grid ([`EvenGrid`]),
 //!    filters the position ([`ZeroPhaseLowPass`]) and differentiates it ([`differentiate()`]).
 //!    Recorded velocities are not used, because drives smooth them with delay; only where
-//!    accelerations are recorded too, as in exact simulations, are both known_effort as they are.
+//!    accelerations are recorded too, as in exact simulations, are both used as recorded.
 //! 3. [`BandMotion`] is the same for the diagnosis: kinematics below 25 Hz, compared in a band ([`Band`]),
 //!    with the noise of each channel and the standstills of each joint ([`Standstill`]).
 //!
@@ -60,6 +60,7 @@ mod low_pass;
 mod motion;
 mod noise_spectrum;
 mod observations;
+mod periodogram;
 mod quality;
 mod recorded_velocity;
 mod sampling_clock;
@@ -81,6 +82,7 @@ pub use low_pass::{
 };
 pub use motion::{DerivativeSource, Motion, MotionSettings};
 pub use observations::Observations;
+pub use periodogram::Periodogram;
 pub use quality::{
     ChannelQuality, QualityReport, differences, findings, quality, stuck_effort_shares,
 };

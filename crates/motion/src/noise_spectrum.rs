@@ -2,12 +2,13 @@
 
 use std::f64::consts::PI;
 
-use realfft::RealFftPlanner;
 use statrs::distribution::{ContinuousCDF, Gamma};
+
+use crate::periodogram::Periodogram;
 
 /// Length of a spectrum's window \[s\].
 const WINDOW_S: f64 = 0.64;
-/// Bands of frequency in which the level is known_effort.
+/// Bands of frequency in which the level is measured.
 const BANDS: usize = 8;
 /// Quantile over time: impacts, stick-slip and ringing are local in time and lie above it.
 const QUANTILE: f64 = 0.35;
@@ -33,12 +34,7 @@ pub(crate) fn noise_of(values: &[f64], rate_hz: f64) -> Noise {
     if values.len() < 2 * n {
         return none;
     }
-    let window: Vec<f64> =
-        (0..n).map(|k| 0.5 - 0.5 * (2.0 * PI * (k as f64 + 0.5) / n as f64).cos()).collect();
-    let power: f64 = window.iter().map(|w| w * w).sum();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let mut input = transform.make_input_vec();
-    let mut spectrum = transform.make_output_vec();
+    let mut periodogram = Periodogram::new(n);
 
     let lowest = (20.0_f64.max(0.16 * rate_hz)).min(0.25 * rate_hz) / rate_hz;
     let edge = |band: usize| {
@@ -47,18 +43,10 @@ pub(crate) fn noise_of(values: &[f64], rate_hz: f64) -> Noise {
     };
     let mut levels = vec![Vec::new(); BANDS];
     for start in (0..=values.len() - n).step_by(n / 2) {
-        let piece = &values[start..start + n];
-        let line = line_through(piece);
-        for (k, (x, w)) in input.iter_mut().zip(&window).enumerate() {
-            *x = w * (piece[k] - line.0 - line.1 * k as f64);
-        }
-        if transform.process(&mut input, &mut spectrum).is_err() {
-            return none;
-        }
+        let power = periodogram.of(&values[start..start + n]);
         for (band, levels) in levels.iter_mut().enumerate() {
-            let ordinates = &spectrum[edge(band)..edge(band + 1).max(edge(band) + 1)];
-            let sum: f64 = ordinates.iter().map(realfft::num_complex::Complex::norm_sqr).sum();
-            levels.push(sum / ordinates.len() as f64 / power);
+            let ordinates = &power[edge(band)..edge(band + 1).max(edge(band) + 1)];
+            levels.push(ordinates.iter().sum::<f64>() / ordinates.len() as f64);
         }
     }
     let by_band: Vec<(f64, f64)> = levels
@@ -94,16 +82,6 @@ pub(crate) fn noise_of(values: &[f64], rate_hz: f64) -> Noise {
     let (_, log_level, colour) = best;
     let kernel = 2.0 * colour * colour + (1.0 - 2.0 * colour).powi(2);
     Noise { deviation: (log_level.exp() * kernel).sqrt(), colour }
-}
-
-/// Least-squares line: value at index 0 and slope.
-fn line_through(piece: &[f64]) -> (f64, f64) {
-    let n = piece.len() as f64;
-    let middle = 0.5 * (n - 1.0);
-    let mean = piece.iter().sum::<f64>() / n;
-    let moment: f64 = piece.iter().enumerate().map(|(k, x)| (k as f64 - middle) * x).sum();
-    let slope = moment / (n * (n * n - 1.0) / 12.0);
-    (mean - slope * middle, slope)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use armident_kinematics::JointKind;
-use realfft::RealFftPlanner;
+use armident_motion::Periodogram;
 
 use crate::drawing::PlotSeries;
 use crate::reduce::{rounded, rounded_some};
@@ -34,11 +34,7 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> PlotSeries {
     if n < 16 {
         return PlotSeries::default();
     }
-    let window: Vec<f64> =
-        (0..n).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n as f64).cos()).collect();
-    let power: f64 = window.iter().map(|w| w * w).sum();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+    let mut periodogram = Periodogram::new(n);
     let mut densities = Vec::new();
     for model in 0..first.residual.len() {
         let mut sum = vec![0.0; n / 2 + 1];
@@ -48,16 +44,9 @@ pub(crate) fn spectrum(sheets: &[&Sheet], joint: usize) -> PlotSeries {
             let residual = sheet.of(&sheet.residual[model][joint]);
             for start in (0..=residual.len().saturating_sub(n)).step_by(n / 2) {
                 let Some(piece) = residual.get(start..start + n) else { continue };
-                let mean = piece.iter().sum::<f64>() / n as f64;
-                for ((x, r), w) in input.iter_mut().zip(piece).zip(&window) {
-                    *x = w * (r - mean);
-                }
-                if transform.process(&mut input, &mut output).is_err() {
-                    continue;
-                }
                 count += 1.0;
-                for (sum, x) in sum.iter_mut().zip(&output) {
-                    *sum += 2.0 * x.norm_sqr() / (power * rate_hz);
+                for (sum, power) in sum.iter_mut().zip(periodogram.of(piece)) {
+                    *sum += 2.0 * power / rate_hz;
                 }
             }
         }
