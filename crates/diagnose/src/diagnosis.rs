@@ -11,7 +11,7 @@ use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::findings::confidence::NOT_CONFIRMED;
+use crate::findings::confidence::{NOT_CONFIRMED, with_odds};
 use crate::findings::finding::{DoubtfulChange, Finding};
 use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
 use crate::findings::placebo::Placebo;
@@ -121,7 +121,8 @@ impl Diagnosis {
     /// Marks every finding as confirmed or not by the hold-out: whether it is predicted better with the finding than
     /// without it, all else fitted again, on the joint where it matters most. Changes neither names nor the model. What the
     /// hold-out contradicts is less sure: hypothesis, the finding does not raise the error; statistic, the paired t of the
-    /// errors with and without it over blocks of the hold-out. Where something else explains as much, neither is better.
+    /// errors with and without it over blocks of the hold-out. Where neither is better beyond their scatter, the odds fall
+    /// instead of the confidence: the others explain as much.
     pub(crate) fn confirm(&mut self) -> Result<(), RecordingError> {
         let holdout = self.prepared(&self.holdout)?;
         let with = self.block_squares(&self.model, &holdout)?;
@@ -141,8 +142,12 @@ impl Diagnosis {
         let judged = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
         for (finding, judged) in self.findings.iter_mut().zip(judged) {
             finding.confirmed = judged.map(|(is_better, _)| is_better);
-            if judged.is_some_and(|(is_better, is_worse)| !is_better && is_worse) {
-                finding.confidence *= NOT_CONFIRMED;
+            match judged {
+                Some((false, true)) => finding.confidence *= NOT_CONFIRMED,
+                Some((false, false)) => {
+                    finding.confidence = with_odds(finding.confidence, NOT_CONFIRMED);
+                }
+                _ => {}
             }
         }
         Ok(())

@@ -174,15 +174,8 @@ fn beside(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Vec<f64>> 
 
 fn candidates(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<SmoothBasis> {
     let name = |j: usize| design.names[j].clone();
-    let axis = |j: usize, quantity: AxisQuantity, knots: usize| {
-        let values = at.iter().flat_map(|at| match quantity {
-            AxisQuantity::Position => at.position[j].iter(),
-            AxisQuantity::Velocity => at.signals.velocity[j].iter(),
-        });
-        let (low, high) = values.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-        let margin = MARGIN * (high - low).max(f64::MIN_POSITIVE);
-        SmoothAxis { joint: name(j), quantity, range: [low - margin, high + margin], knots }
-    };
+    let axis =
+        |j: usize, quantity: AxisQuantity, knots: usize| axis(design, at, j, quantity, knots);
     let fastest: Vec<f64> = (0..design.joints())
         .map(|j| {
             let speeds = at.iter().flat_map(|at| at.signals.velocity[j].iter());
@@ -247,6 +240,35 @@ fn candidates(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Smooth
         }
     }
     bases
+}
+
+/// Weighted rows of hat functions of the position of a joint over its range.
+pub(crate) fn functions_of_position(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    joint: usize,
+    knots: usize,
+) -> Vec<Vec<f64>> {
+    let axis = axis(design, at, joint, AxisQuantity::Position, knots);
+    rows_of(design, at, joint, &SmoothBasis { factors: Vec::new(), axes: vec![axis] })
+}
+
+/// Knots over the range of a quantity, and a margin beyond it.
+fn axis(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    joint: usize,
+    quantity: AxisQuantity,
+    knots: usize,
+) -> SmoothAxis {
+    let values = at.iter().flat_map(|at| match quantity {
+        AxisQuantity::Position => at.position[joint].iter(),
+        AxisQuantity::Velocity => at.signals.velocity[joint].iter(),
+    });
+    let (low, high) = values.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let margin = MARGIN * (high - low).max(f64::MIN_POSITIVE);
+    let name = design.names[joint].clone();
+    SmoothAxis { joint: name, quantity, range: [low - margin, high + margin], knots }
 }
 
 /// Weighted rows of all functions of a basis.

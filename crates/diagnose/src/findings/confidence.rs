@@ -7,10 +7,11 @@
 //! `m` is the materiality over its threshold, which holds the error of the model, `s` the size over two honest standard errors:
 //! the two errors add as independent ones do. Where one is small a name has 0.50 at the threshold of the other and 0.95 at
 //! twice that. `Δ` is by how much worse each rival scores, twice a log odds: what two laws explain equally well has either with
-//! the same probability. `h` is one half where the hold-out is predicted better without the finding. The threshold of `m` is the
-//! residual of the model on the joint. Of a change it is a share of the residual of the model in the reference too, which
-//! repeats; what came since, on motion that the reference did not show, counts in full. Nor is a change more material than it is
-//! where no joint moves faster than in the reference: beyond that, what was there before is not known.
+//! the same probability. `h` is one half where the hold-out contradicts the finding; where it is predicted equally well
+//! without it, the odds of the name are halved instead. The threshold of `m` is the residual of the model on the joint. Of a
+//! change it is a share of the residual of the model in the reference too, which repeats; what came since, on motion that the
+//! reference did not show, counts in full. Nor is a change more material than it is where no joint moves faster than in the
+//! reference: beyond that, what was there before is not known.
 //!
 //! References: own.
 
@@ -20,6 +21,11 @@ use crate::selection::materiality::{LEAST_CHANGE, Materiality, SHARE_FOR_CHANGE,
 const STEEPNESS: f64 = 3.0;
 /// Factor of a finding without which the hold-out is predicted better.
 pub(crate) const NOT_CONFIRMED: f64 = 0.5;
+
+/// The confidence with its odds multiplied by a factor.
+pub(crate) fn with_odds(confidence: f64, factor: f64) -> f64 {
+    factor * confidence / (1.0 - confidence + factor * confidence)
+}
 
 /// What a confidence is formed of.
 pub(crate) struct Evidence<'a> {
@@ -69,6 +75,13 @@ mod tests {
         assert!((confidence(99.0, 1.0, None, &[]) - 0.5).abs() < 1e-3);
         assert!(confidence(1.0, 1.0, None, &[]) < 0.3);
         assert!(confidence(2.0, 20.0, None, &[]) > 0.94);
+    }
+
+    #[test]
+    fn halved_odds_matter_where_a_name_is_doubtful() {
+        assert!((with_odds(0.5, NOT_CONFIRMED) - 1.0 / 3.0).abs() < 1e-12);
+        assert!(with_odds(0.99, NOT_CONFIRMED) > 0.98);
+        assert_eq!([with_odds(0.0, NOT_CONFIRMED), with_odds(1.0, NOT_CONFIRMED)], [0.0, 1.0]);
     }
 
     #[test]

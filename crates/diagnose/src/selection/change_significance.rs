@@ -1,8 +1,11 @@
 //! Significance of changes against a reference that may not exclude them.
 //!
-//! Hypothesis: a change is zero; the same effect may have been present in the reference, with any size that this allows. F
+//! Hypothesis: a change is zero; the same effect may have been present in the reference, with any size that this allows, and
+//! what the model leaves over on a joint may be a function of its position, of the size that it has. F
 //! statistic of its coefficients with their block-jackknife covariance, one family-wise level over all candidates (Bonferroni).
 //! References: G. A. F. Seber, A. J. Lee, Linear regression analysis, 2003 (F test); own (the reference).
+
+use std::collections::BTreeSet;
 
 use armident_effects::BASELINE;
 use armident_inference::f_tail;
@@ -15,6 +18,7 @@ use crate::design::linear_problem::LinearProblem;
 use crate::design::link_error_prior::as_large_as;
 use crate::design::observations::JointColumns;
 use crate::design::rebuild::recreate_lasting;
+use crate::design::smooth::functions_of_position;
 use crate::design::training::Design;
 use crate::regression::fit_set::{Estimate, fit_any_sign, fit_set};
 use crate::regression::marginalised::Marginalised;
@@ -24,6 +28,8 @@ use armident_model::OperatingPoint;
 
 /// Largest p-value of an insignificant change that is listed as inconclusive.
 const LISTED: f64 = 0.05;
+/// Knots of the discrepancy over the range of a joint: what gravity, springs and cables leave over changes sign once or twice.
+const DISCREPANCY_KNOTS: usize = 6;
 
 /// A change that is not significant.
 #[derive(Debug, Clone)]
@@ -92,8 +98,10 @@ fn same(a: &Candidate, b: &Candidate) -> bool {
 /// Effects that the reference may have without determining them.
 #[derive(Default)]
 pub(crate) struct ReferenceUncertainty {
-    /// of laws
+    /// of laws, and of discrepancy
     columns: Vec<JointColumns>,
+    /// of each column's coefficient
+    deviations: Vec<f64>,
 }
 
 impl ReferenceUncertainty {
@@ -118,11 +126,50 @@ impl ReferenceUncertainty {
                 continue;
             }
             if let Some(id) = recreate_lasting(&throughout, at, &mut all, candidate) {
-                let columns = all.candidates[id].columns.iter();
-                open.columns.extend(columns.map(|c| all.columns[*c].clone()));
+                for column in all.candidates[id].columns.iter().map(|c| &all.columns[*c]) {
+                    open.deviations.push(as_large_as(&metric.problem.effort, column));
+                    open.columns.push(column.clone());
+                }
             }
         }
+        open.free_discrepancy(&throughout, at, metric, of);
         open
+    }
+
+    /// What the model leaves over on the joint of a law may depend on the position: at positions that the reference did not
+    /// visit, it would look like a change. It is free in all recordings with the deviation that it has there.
+    fn free_discrepancy(
+        &mut self,
+        throughout: &Design<'_>,
+        at: &[Posed<'_>],
+        metric: &Marginalised<'_>,
+        of: &Estimate,
+    ) {
+        let candidates = of.set.iter().map(|g| &metric.problem.candidates[*g]);
+        let of_one_joint = candidates.filter_map(|candidate| match candidate.location.joints[..] {
+            [joint] if candidate.transform.is_none() && !candidate.is_of_link() => Some(joint),
+            _ => None,
+        });
+        let joints: BTreeSet<usize> = of_one_joint.collect();
+        if joints.is_empty() {
+            return;
+        }
+        let residual = metric.residual(&of.fit);
+        let rows = &metric.problem.observations;
+        for joint in joints {
+            let in_noise = rows.in_band_noise(joint, &residual[joint]).max(1.0);
+            let size = rows.in_sample_noise(joint, &residual[joint]) * rows.sample_deviation[joint];
+            let deviation = size * (1.0 - in_noise.powi(-2)).sqrt();
+            if deviation == 0.0 {
+                continue;
+            }
+            for column in functions_of_position(throughout, at, joint, DISCREPANCY_KNOTS) {
+                let mut columns = vec![Vec::new(); rows.joints()];
+                columns[joint] = column;
+                self.columns.push(columns);
+                self.deviations.push(deviation);
+            }
+        }
     }
 
     /// p-values of the candidates of an estimate; a smooth term has none.
@@ -180,9 +227,7 @@ impl ReferenceUncertainty {
         let (small, _) = problem.restricted(&of.set);
         let rigid = problem.rigid;
         let mut link_error_prior = problem.link_error_prior.clone();
-        let deviations: Vec<f64> =
-            self.columns.iter().map(|c| as_large_as(&problem.effort, c)).collect();
-        link_error_prior.extend(&deviations);
+        link_error_prior.extend(&self.deviations);
         let (known, own) = small.columns.split_at(rigid);
         let columns = known.iter().chain(&self.columns).chain(own).cloned().collect();
         let mut opened = LinearProblem::new(
