@@ -242,7 +242,7 @@ fn candidates(design: &Design<'_>, at: &[Posed<'_>], joint: usize) -> Vec<Smooth
     bases
 }
 
-/// Weighted rows of hat functions of the position of a joint over its range.
+/// Weighted rows of linear B-splines of the position of a joint over its range.
 pub(crate) fn functions_of_position(
     design: &Design<'_>,
     at: &[Posed<'_>],
