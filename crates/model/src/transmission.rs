@@ -47,7 +47,8 @@ impl FittedTransmission {
 
     /// The gap that a fitted size of the difference to a rigid transmission stands for. A link goes from flank to flank
     /// faster than the band resolves, so that its efforts grow with the gap: a gap a tenth too large, at
-    /// nine tenths of its size, is nearly the same in them, and the residual has its minimum where the assumed flanks blur impacts as the recordings do.
+    /// nine tenths of its size, is nearly the same in them, and the residual has its minimum where the assumed flanks blur
+    /// impacts as the recordings do.
     pub fn fitted_gap(&self, share: f64) -> f64 {
         share * self.gap
     }

@@ -1,8 +1,8 @@
 //! Significance of changes against a reference that may not exclude them.
 //!
 //! Hypothesis: a change is zero; the same effect may have been present in the reference, with any size that this allows, and
-//! what the model leaves over on a joint may be a function of its position, of the size that it has. F
-//! statistic of its coefficients with their block-jackknife covariance, one family-wise level over all candidates (Bonferroni).
+//! what the model leaves over on a joint may be a function of its position, of the size that it has. F statistic of its
+//! coefficients with their block-jackknife covariance, one family-wise level over all candidates (Bonferroni).
 //! References: G. A. F. Seber, A. J. Lee, Linear regression analysis, 2003 (F test); own (the reference).
 
 use std::collections::BTreeSet;
