@@ -55,7 +55,7 @@ fn unknown_extension_requires_format() {
     assert_eq!(
         ran.stderr,
         "error: cannot infer the output format from `scara.sdf`\n   in: scara.sdf\n hint: use the \
-         extension .urdf, or .xml for MJCF, or pass --format\n"
+         extension .urdf, .xml for MJCF, or .c, or pass --format\n"
     );
     assert!(!folder.join("scara.sdf").exists());
 }
@@ -72,4 +72,25 @@ fn raw_estimate_skips_projection() {
     assert!(list(&found["constants"]).iter().all(|c| c["consistent"].is_null()));
     let ran = run(&["export", text(&model), "-o", text(&folder.join("raw.urdf"))]).fine();
     assert!(ran.stderr.contains("not physically consistent"), "{}", ran.stderr);
+}
+
+/// Source and header are written side by side; what they compute is tested in `armident-export`.
+#[test]
+fn c_source_has_its_header_beside_it() {
+    let folder = scratch("export_c");
+    let (urdf, source) = (project("urdf/panda.urdf"), folder.join("arm.c"));
+    let report = run(&["export", text(&urdf), "-o", text(&source), "--json", "-"]).fine().json();
+    assert_eq!((&report["format"], list(&report["lost"]).len()), (&"C".into(), 0));
+    let header = std::path::PathBuf::from(string(&report["header"]));
+    assert_eq!(header, folder.join("panda.h"));
+    let written = std::fs::read_to_string(&source).unwrap();
+    assert!(written.contains("#include \"panda.h\""));
+    assert!(std::fs::read_to_string(header).unwrap().contains("void panda_inverse_dynamics("));
+    let refused = run(&["export", text(&urdf), "-o", "-", "--format", "c"]);
+    assert_eq!(refused.code, 1);
+    assert_eq!(
+        refused.stderr,
+        "error: C source has a header beside it and cannot be written to stdout\n   in: \
+         --output-file\n hint: write it to a file, such as robot.c\n"
+    );
 }

@@ -170,22 +170,27 @@ pub(crate) enum FormatArg {
     Urdf,
     /// MuJoCo format: also armature, gravity and motors
     Mjcf,
+    /// C99 source and header for a controller
+    C,
 }
 
-/// Export a model to URDF or MJCF
+/// Export a model to URDF, MJCF or C
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident export model.json -o robot.urdf
   armident export model.json -o robot.xml           (MJCF, for MuJoCo)
+  armident export model.json -o robot.c             (C99, with its header beside it)
   armident export urdf/panda.urdf -o - --format mjcf
 
-Exports the chain with its links, limits and the joint effects that the format supports. Unsupported
-effects are listed. Shapes and meshes are omitted.")]
+URDF and MJCF hold the chain with its links, limits and the joint effects that the format supports;
+shapes and meshes are omitted. C holds inverse dynamics, gravity and friction feed-forward, the inertia
+matrix and a momentum observer, without allocation and without a library but libm. Unsupported effects
+are listed.")]
 pub(crate) struct ExportArgs {
     /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
-    /// Output file (.urdf, or .xml for MJCF); - for stdout
+    /// Output file (.urdf, .xml for MJCF, or .c); - for stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
     /// Output format [default: from the extension]

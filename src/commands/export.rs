@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use armident_export::{Exported, Held, Lost, mjcf, urdf};
+use armident_export::{Exported, Held, Lost, controller, mjcf, urdf};
 use armident_report::significant;
 use serde::Serialize;
 
@@ -19,6 +19,8 @@ struct ExportReport {
     model: String,
     format: &'static str,
     file: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    header: Option<String>,
     joints: Vec<String>,
     held: Vec<Held>,
     lost: Vec<Lost>,
@@ -40,11 +42,23 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         Some(format) => format,
         None => format_of(&args.output_file)?,
     };
-    let (model, without_place) = robot::load(&args.robot, &args.chain, None)?.simulated();
-    let (name, Exported { text, held, lost, mut notes }) = match format {
-        FormatArg::Urdf => ("URDF", urdf(&model)),
-        FormatArg::Mjcf => ("MJCF", mjcf(&model)),
+    if to_stdout && format == FormatArg::C {
+        return Err(Failure::new(
+            "C source has a header beside it and cannot be written to stdout",
+            "--output-file",
+            Some("write it to a file, such as robot.c"),
+        ));
+    }
+    let model = robot::load(&args.robot, &args.chain, None)?;
+    let (simulated, without_place) = model.simulated();
+    let (name, without_place, exported) = match format {
+        FormatArg::Urdf => ("URDF", without_place, urdf(&simulated)),
+        FormatArg::Mjcf => ("MJCF", without_place, mjcf(&simulated)),
+        FormatArg::C => ("C", Vec::new(), controller(&model)),
     };
+    let Exported { text, companion, held, lost, mut notes } = exported;
+    let beside = |name: &String| args.output_file.with_file_name(name);
+    let header = companion.as_ref().map(|header| beside(&header.file));
     notes.extend(lost_notes(name, &lost));
     notes.extend(without_place.iter().map(|what| format!("omitted: {what}")));
     let report = ExportReport {
@@ -53,6 +67,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         model: args.robot.display().to_string(),
         format: name,
         file: args.output_file.display().to_string(),
+        header: header.as_ref().map(|path| path.display().to_string()),
         joints: model.chain.joints.iter().map(|j| j.name.clone()).collect(),
         held,
         lost,
@@ -64,9 +79,13 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         String::new()
     } else {
         output::write_file(&args.output_file, text.as_bytes())?;
+        let mut files = report.file.clone();
+        if let (Some(path), Some(header)) = (&header, &companion) {
+            output::write_file(path, header.text.as_bytes())?;
+            files += &format!(" and {}", path.display());
+        }
         format!(
-            "wrote {} ({name}, {}; {} exported, {} omitted)\n",
-            report.file,
+            "wrote {files} ({name}, {}; {} exported, {} omitted)\n",
             counted(report.joints.len(), "joint"),
             counted(report.held.len(), "effect"),
             report.lost.len()
@@ -99,10 +118,11 @@ fn format_of(path: &Path) -> Result<FormatArg, Failure> {
     match end.as_str() {
         "urdf" => Ok(FormatArg::Urdf),
         "xml" | "mjcf" => Ok(FormatArg::Mjcf),
+        "c" => Ok(FormatArg::C),
         _ => Err(Failure::new(
             format!("cannot infer the output format from `{}`", path.display()),
             path.display(),
-            Some("use the extension .urdf, or .xml for MJCF, or pass --format"),
+            Some("use the extension .urdf, .xml for MJCF, or .c, or pass --format"),
         )),
     }
 }

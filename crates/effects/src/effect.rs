@@ -4,6 +4,7 @@ use std::fmt;
 
 use armident_dynamics::RigidArm;
 
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::law::{Law, LawRole, Onset, Scope};
 use crate::mechanism::{ArmFrames, Mechanism};
@@ -198,6 +199,12 @@ pub trait Effect: Sync {
     /// Simulator: inertia added to the diagonal of `H` \[kg m2 or kg\].
     fn added_inertia(&self, _parameters: &[f64]) -> f64 {
         0.0
+    }
+
+    /// Controller, [`Scope::Joint`]: `f` as a C99 expression of these variables, equal to [`effort`](Self::effort) at every
+    /// sample; none where `f` needs more than the state of the joint or is an [added inertia](Self::added_inertia).
+    fn c_expression(&self, _parameters: &[f64], _of: &ControllerVariables<'_>) -> Option<String> {
+        None
     }
 
     /// Cases: a random effect of this law up to its size; nothing if it cannot be hidden on what was drawn.

@@ -22,6 +22,7 @@
 
 mod catalogue;
 mod columns;
+mod controller;
 mod direction;
 mod draw;
 mod effect;
@@ -35,6 +36,7 @@ mod on_joint;
 mod transmission;
 
 pub use catalogue::{Against, Catalogue, Example};
+pub use controller::ControllerVariables;
 pub use direction::{LEAST_SPEED_SHARE, ReversalModel, direction, directions, directions_with};
 pub use draw::{Draw, DrawContext, DrawnEffect, JointSize};
 pub use effect::{Effect, ShapeStep};

@@ -1,6 +1,6 @@
-//! Writes a model as URDF or MJCF and lists what these formats cannot hold.
+//! Writes a model as URDF, MJCF or C source for a controller and lists what these formats cannot hold.
 //!
-//! Both files have the links and joints of the chain by their names, in the frames of the robot
+//! URDF and MJCF have the links and joints of the chain by their names, in the frames of the robot
 //! description: every link frame lies on the axis of the joint that moves it. What was lumped into a
 //! link (links behind fixed and locked joints, grippers) is part of its inertia.
 //!
@@ -32,11 +32,13 @@
 //! description.
 
 mod chain;
+mod controller;
 mod effects;
 mod mjcf;
 mod urdf;
 mod xml;
 
+pub use controller::controller;
 pub use effects::{Held, Lost};
 pub use mjcf::{mjcf, mjcf_in};
 pub use urdf::{urdf, urdf_in};
@@ -46,10 +48,21 @@ pub use urdf::{urdf, urdf_in};
 pub struct Exported {
     /// The file.
     pub text: String,
+    /// A second file beside it.
+    pub companion: Option<Companion>,
     /// Effects that the format holds.
     pub held: Vec<Held>,
     /// Effects that it cannot hold.
     pub lost: Vec<Lost>,
     /// Other omissions and assumed values, a sentence each.
     pub notes: Vec<String>,
+}
+
+/// A file that another one needs beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Companion {
+    /// Its name, by which the other one refers to it.
+    pub file: String,
+    /// What is in it.
+    pub text: String,
 }

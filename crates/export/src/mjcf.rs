@@ -55,7 +55,7 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
         .child(Element::new("option").vector("gravity", &model.chain.gravity_base))
         .child(world)
         .child(actuators);
-    Exported { text: root.document(&model.provenance), held, lost, notes: said }
+    Exported { text: root.document(&model.provenance), companion: None, held, lost, notes: said }
 }
 
 fn place(element: Element, pose: &Isometry3<f64>) -> Element {

@@ -48,7 +48,7 @@ pub fn urdf_in(library: &Library, model: &ArmModel) -> Exported {
         );
         robot.push(Element::new("link").with("name", name));
     }
-    Exported { text: robot.document(&model.provenance), held, lost, notes: said }
+    Exported { text: robot.document(&model.provenance), companion: None, held, lost, notes: said }
 }
 
 fn origin(pose: &Isometry3<f64>) -> Element {

@@ -1,6 +1,7 @@
 //! Coulomb friction of another level in each direction.
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Equivalent, Law, LawRole, LookAlike, Parameter, Scope, Where};
@@ -68,6 +69,11 @@ impl Effect for AsymmetricCoulombFriction {
 
     fn dry_friction(&self, parameters: &[f64], _state: &JointState) -> DryFriction {
         DryFriction { forward: parameters[0], backward: parameters[1] }
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let (_, coefficients) = self.shape_and_coefficients(parameters);
+        Some(format!("{:?} * {} + {:?}", coefficients[0], of.direction, coefficients[1]))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

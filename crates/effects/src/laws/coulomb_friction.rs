@@ -1,6 +1,7 @@
 //! Coulomb friction.
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Baseline, Export, Law, LawRole, LookAlike, Onset, Parameter, Scope};
@@ -63,6 +64,10 @@ impl Effect for CoulombFriction {
 
     fn dry_friction(&self, parameters: &[f64], _state: &JointState) -> DryFriction {
         DryFriction::both(parameters[0])
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        Some(format!("{:?} * {}", parameters[0], of.direction))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

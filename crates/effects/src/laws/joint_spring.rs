@@ -1,6 +1,7 @@
 //! A spring on the joint, a cable or a balancer.
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Export, Law, LawRole, LookAlike, Parameter, Scope};
@@ -68,6 +69,10 @@ impl Effect for JointSpring {
 
     fn smooth_effort(&self, parameters: &[f64], state: &JointState) -> f64 {
         parameters[0] * (state.position - parameters[1])
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        Some(format!("{:?} * ({} - {:?})", parameters[0], of.position, parameters[1]))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

@@ -2,6 +2,7 @@
 
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
@@ -60,6 +61,11 @@ impl Effect for LoadDependentFriction {
 
     fn dry_friction(&self, parameters: &[f64], state: &JointState) -> DryFriction {
         DryFriction::both(parameters[0] + parameters[1] * state.load.abs())
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let ControllerVariables { direction, load, .. } = of;
+        Some(format!("{direction} * ({:?} + {:?} * fabs({load}))", parameters[0], parameters[1]))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

@@ -1,6 +1,7 @@
 //! Friction that builds up over the travel since the last reversal (Dahl; LuGre with bristle damping).
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::direction::{deflected, deflections};
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
@@ -84,6 +85,10 @@ impl Effect for PreslidingHysteresis {
     fn deflection_effort(&self, parameters: &[f64], deflection: f64, velocity: f64) -> f64 {
         let [level, _, damping] = [parameters[0], parameters[1], parameters[2]];
         level * deflection + damping * (velocity - velocity.abs() * deflection)
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        Some(format!("{:?} * {}", parameters[0], of.direction))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

@@ -1,6 +1,7 @@
 //! Drag that grows with the square of the speed.
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
@@ -44,6 +45,11 @@ impl Effect for QuadraticDrag {
 
     fn smooth_effort(&self, parameters: &[f64], state: &JointState) -> f64 {
         parameters[0] * state.velocity * state.velocity.abs()
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let velocity = of.velocity;
+        Some(format!("{:?} * {velocity} * fabs({velocity})", parameters[0]))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

@@ -2,6 +2,7 @@
 
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Law, LawRole, LookAlike, Parameter, Scope};
@@ -86,6 +87,13 @@ impl Effect for StribeckFriction {
         let [resting, sliding, speed] = [parameters[0], parameters[1], parameters[2]];
         let share = (-(state.velocity / speed).powi(2)).exp();
         DryFriction::both(sliding + (resting - sliding) * share)
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let [resting, sliding, speed] = [parameters[0], parameters[1], parameters[2]];
+        let ControllerVariables { velocity, direction, .. } = of;
+        let fall = format!("exp(-({velocity} / {speed:?}) * ({velocity} / {speed:?}))");
+        Some(format!("{direction} * ({sliding:?} + {:?} * {fall})", resting - sliding))
     }
 
     /// Breakaway is up to 3.5 times sliding friction.

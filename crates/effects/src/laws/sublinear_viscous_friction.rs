@@ -1,5 +1,6 @@
 //! Viscous friction that grows more slowly than the speed.
 
+use crate::controller::ControllerVariables;
 use crate::effect::Effect;
 use crate::law::{Law, LawRole, LookAlike, Naming, Parameter, Scope};
 use crate::motion::{JointMotion, JointState};
@@ -44,5 +45,13 @@ impl Effect for SublinearViscousFriction {
 
     fn smooth_effort(&self, parameters: &[f64], state: &JointState) -> f64 {
         parameters[0] * at(state.velocity)
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let velocity = of.velocity;
+        Some(format!(
+            "{:?} * {velocity} / sqrt(fabs({velocity}) + {LINEAR_BELOW:?})",
+            parameters[0]
+        ))
     }
 }

@@ -1,6 +1,7 @@
 //! Constant offset of the effort channel.
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Baseline, Law, LawRole, LookAlike, Onset, Parameter, Scope};
@@ -56,6 +57,11 @@ impl Effect for TorqueOffset {
 
     fn smooth_effort(&self, parameters: &[f64], _state: &JointState) -> f64 {
         parameters[0]
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let _ = of;
+        Some(format!("{:?}", parameters[0]))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

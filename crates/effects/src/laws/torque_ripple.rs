@@ -2,6 +2,7 @@
 
 use crate::catalogue::{Against, Catalogue, Example};
 use crate::columns::column;
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::{Effect, ShapeStep};
 use crate::law::{Law, LawRole, LookAlike, Parameter, Scan, Scope};
@@ -97,6 +98,19 @@ impl Effect for TorqueRipple {
     /// The order can be refined; how many harmonics there are cannot.
     fn shape_step(&self, constant: usize) -> Option<ShapeStep> {
         (constant == 0).then_some(ShapeStep::absolute(0.25, 0.01))
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        let turn = if of.kind.is_rotational() { 1.0 } else { std::f64::consts::TAU };
+        let wave = |amplitude: f64, order: f64, phase: f64| {
+            format!(
+                "{amplitude:?} * sin({:?} * {} + {phase:?})",
+                order * turn * parameters[1],
+                of.position
+            )
+        };
+        let first = wave(parameters[0], 1.0, parameters[2]);
+        Some(format!("{first} + {}", wave(parameters[3], 2.0, parameters[4])))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {

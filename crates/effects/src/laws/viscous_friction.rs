@@ -1,6 +1,7 @@
 //! Viscous friction.
 
 use crate::catalogue::{Against, Catalogue, Example};
+use crate::controller::ControllerVariables;
 use crate::draw::{Draw, DrawContext, DrawnEffect};
 use crate::effect::Effect;
 use crate::law::{Baseline, Export, Law, LawRole, LookAlike, Onset, Parameter, Scope};
@@ -61,6 +62,10 @@ impl Effect for ViscousFriction {
 
     fn smooth_effort(&self, parameters: &[f64], state: &JointState) -> f64 {
         parameters[0] * state.velocity
+    }
+
+    fn c_expression(&self, parameters: &[f64], of: &ControllerVariables<'_>) -> Option<String> {
+        Some(format!("{:?} * {}", parameters[0], of.velocity))
     }
 
     fn draw(&self, random: &mut dyn Draw, context: &DrawContext<'_>) -> Option<DrawnEffect> {
