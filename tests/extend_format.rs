@@ -117,7 +117,10 @@ fn written(formats: &Formats<'_>, folder: &str, name: &str) -> PathBuf {
 #[test]
 fn foreign_format_round_trips() {
     let formats = Formats::standard().with(&Lines);
-    assert_eq!(formats.extensions(), ["lines", "csv", "mcap", "parquet"]);
+    assert_eq!(
+        formats.extensions(),
+        ["lines", "csv", "mcap", "npz", "mat", "parquet", "db3", "bag"]
+    );
     let path = written(&formats, "extend_format_round_trip", "run.lines");
     let found = formats.read(&path, &ReadSettings::default()).unwrap();
     assert_eq!((found.time_s, found.joints), (recording().time_s, recording().joints));

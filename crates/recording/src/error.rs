@@ -98,6 +98,9 @@ impl RecordingError {
     }
 }
 
+/// Advice on columns with other names than the standard ones.
+const GUESS: &str = "or map them: `armident info LOG --write-mapping mapping.toml`";
+
 /// Kinds of faults. Lists of names are in file order.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -403,6 +406,10 @@ impl Fault {
             Self::Broken { format: "MCAP", .. } => {
                 "copy the file again, or try `mcap recover`".to_owned()
             }
+            Self::Broken { format: "SQLite", .. } => {
+                "copy the file again, or try `sqlite3 log.db3 .recover | sqlite3 recovered.db3`"
+                    .to_owned()
+            }
             Self::Broken { .. } => "copy the file again".to_owned(),
             Self::NotBuilt { feature, .. } => {
                 format!("build armident with `--features {feature}`, or export CSV")
@@ -428,18 +435,19 @@ impl Fault {
                     .to_owned()
             }
             Self::NoTimeColumn { similar: Some(name), .. } => {
-                format!("rename column `{name}` to `t`; its unit must be seconds")
+                format!("rename column `{name}` to `t`; its unit must be seconds; {GUESS}")
             }
             Self::NoTimeColumn { similar: None, columns } => {
-                format!("add a column `t` in seconds; columns in the file: {}", listed(columns))
+                let columns = listed(columns);
+                format!("add a column `t` in seconds; columns in the file: {columns}; {GUESS}")
             }
             Self::DuplicateColumn { .. } => "delete or rename one of the two".to_owned(),
             Self::NoJointColumns { rename: Some((from, to)), .. } => {
-                format!("rename column `{from}` to `{to}`, and the others likewise")
+                format!("rename column `{from}` to `{to}`, and the others likewise; {GUESS}")
             }
             Self::NoJointColumns { rename: None, columns } => format!(
                 "name columns `<joint>/<quantity>`, for example `elbow/position`; columns in the \
-                 file: {}",
+                 file: {}; {GUESS}",
                 listed(columns)
             ),
             Self::RaggedRow { expected, found } if found >= &(2 * expected - 1) => {

@@ -618,7 +618,7 @@ fn runs_of_nan(values: &[f64]) -> Vec<(usize, usize)> {
 }
 
 /// Apparent unit of stamps with this median step, and the factor to seconds; none for seconds.
-fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
+pub(crate) fn not_seconds(median_step: f64) -> Option<(&'static str, f64)> {
     match median_step {
         step if step >= 5e5 => Some(("nanoseconds", 1e-9)),
         step if step >= 5e2 => Some(("microseconds", 1e-6)),

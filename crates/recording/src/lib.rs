@@ -21,10 +21,11 @@
 //! | `<joint>/motor_position` | encoder of the motor, divided by the gear ratio: rad or m |
 //! | `<joint>/temperature` | °C |
 //!
-//! MCAP, the recordings of ROS 2 (feature `mcap`): `sensor_msgs/JointState` of one topic. Parquet
-//! (feature `parquet`): the same columns as above. [`encode`] writes all three. Other formats (ROS
-//! 1 bags, SQLite bags, MATLAB, NumPy) are recognised, and the error names a converter. A
-//! [`Format`] of another crate joins the list with [`Formats::with`].
+//! NumPy and MATLAB: the same columns as arrays, or arrays of samples by joints. Parquet (feature `parquet`): the same columns.
+//! Bags of ROS: messages of joints of one topic, in MCAP (feature `mcap`), SQLite or ROS 1 (feature `all-formats`). [`encode`]
+//! writes CSV, NumPy, MCAP and Parquet. Other formats (HDF5, spreadsheets) are recognised, and the error names a converter. A
+//! [`Format`] of another crate joins the list with [`Formats::with`]. [`inspect`] shows what a file with other names holds, and
+//! a [`MappingGuess`].
 //!
 //! Joint names may contain slashes. Other columns are ignored, with a note. Without a column `t`
 //! the names of PlotJuggler are understood: `__time` or `time`, then
@@ -81,6 +82,7 @@ mod finding;
 mod foreign_rows;
 mod formats;
 mod import;
+mod inspect;
 mod interpolation;
 mod limits;
 mod mapping;
@@ -100,12 +102,13 @@ mod write;
 pub use error::{Fault, RecordingError};
 pub use finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
 pub use formats::{
-    ALL as STANDARD_FORMATS, ColumnRequest, Csv, Encoded, FileStart, Format, Formats, Input, Mcap,
-    Parquet, ReadSettings, Support, write_csv_to,
+    ALL as STANDARD_FORMATS, Bag, ColumnRequest, Csv, Db3, Echo, Encoded, FileStart, Format,
+    Formats, Input, Matlab, Mcap, Npz, Parquet, ReadSettings, Sage, Support, write_csv_to,
 };
+pub use inspect::{Inspection, inspect};
 pub use interpolation::{BRIDGED_STEPS, Interpolation};
 pub use limits::{MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
-pub use mapping::Mapping;
+pub use mapping::{GuessedChannel, GuessedTime, Mapping, MappingGuess};
 pub use quantity::Quantity;
 pub use raw::{RawColumn, RawColumns};
 pub use read::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from, read_recording};

@@ -3,10 +3,10 @@
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, RecordingError};
-use crate::mapping::{Header, Mapping};
+use crate::mapping::{Header, Mapping, MappingGuess};
 use crate::raw::RawColumns;
 use crate::recording::Recording;
 
@@ -42,6 +42,11 @@ pub trait Format: fmt::Debug + Sync {
 
     /// Support in this build.
     fn support(&self) -> Support;
+
+    /// Whether this build, or one with more features, writes it; formats whose feature is missing state it here.
+    fn is_written(&self) -> bool {
+        matches!(self.support(), Support::ReadWrite)
+    }
 
     /// Whether a file that starts like this has the format, usually by its magic bytes.
     fn is_it(&self, start: &FileStart<'_>) -> bool;
@@ -83,7 +88,7 @@ fn unsupported(format: &'static str, support: Support) -> Fault {
 pub struct ReadSettings<'a> {
     /// Meaning of the columns; by their names if absent.
     pub mapping: Option<&'a Mapping>,
-    /// Topic of the joint states in an MCAP file; by default the only one, or `/joint_states`.
+    /// Topic of the joints in a recording of ROS; by default the only one with joint states, or `/joint_states`.
     pub topic: Option<&'a str>,
 }
 
@@ -106,6 +111,7 @@ impl FileStart<'_> {
 /// An open file, of which the first bytes are known.
 #[derive(Debug)]
 pub struct Input {
+    path: PathBuf,
     start: Vec<u8>,
     rest: File,
 }
@@ -126,7 +132,12 @@ impl Input {
         })?;
         let start =
             start_of(&mut rest).map_err(|error| fault(Fault::Io { doing: "read", error }))?;
-        Ok(Self { start, rest })
+        Ok(Self { path: path.to_owned(), start, rest })
+    }
+
+    /// Its path, for readers that open files themselves.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The first bytes.
@@ -161,12 +172,19 @@ pub(crate) fn start_of(reader: &mut impl Read) -> io::Result<Vec<u8>> {
 pub struct ColumnRequest<'a> {
     source: &'a str,
     settings: ReadSettings<'a>,
+    /// joints of the arm; set where the meaning of the columns is guessed
+    guess: Option<&'a [String]>,
 }
 
 impl<'a> ColumnRequest<'a> {
     /// The columns of the file `source` that the settings need.
     pub(crate) fn new(source: &'a str, settings: &ReadSettings<'a>) -> Self {
-        Self { source, settings: *settings }
+        Self { source, settings: *settings, guess: None }
+    }
+
+    /// All columns that a guess uses; `joints` name numbered ones.
+    pub(crate) fn guessing(source: &'a str, topic: Option<&'a str>, joints: &'a [String]) -> Self {
+        Self { source, settings: ReadSettings { mapping: None, topic }, guess: Some(joints) }
     }
 
     /// Name of the file in messages.
@@ -183,7 +201,7 @@ impl<'a> ColumnRequest<'a> {
     /// `<topic>/<joint>/<quantity>` of formats with topics; without one, columns are `t` and
     /// `<joint>/<quantity>`.
     pub fn is_mapped(&self) -> bool {
-        self.settings.mapping.is_some()
+        self.settings.mapping.is_some() || self.guess.is_some()
     }
 
     /// Which of the columns of a file are needed, given all names and the line that they stand
@@ -192,6 +210,9 @@ impl<'a> ColumnRequest<'a> {
     /// # Errors
     /// The names lack time stamps or joints, or do not fit the mapping.
     pub fn wanted(&self, names: &[String], line: u64) -> Result<Vec<bool>, RecordingError> {
+        if let Some(joints) = self.guess {
+            return Ok(MappingGuess::of(names, joints).reads(names));
+        }
         match self.settings.mapping {
             Some(mapping) => mapping.reads(names, self.source),
             None => Ok(Header::new(names.to_vec(), self.source, line)?.is_read()),

@@ -1,28 +1,44 @@
 //! File formats of recordings. A new one is a file here, its `mod` and its line in [`ALL`].
 
+mod arrays;
+mod bag;
 mod csv;
+mod db3;
+mod echo;
 mod format;
+mod mat;
 mod mcap;
+mod npz;
 mod other;
 mod parquet;
+#[cfg(feature = "mcap")]
+mod ros;
+mod sage;
 mod separator;
 
 use std::path::Path;
 
+pub use bag::Bag;
 pub use csv::{Csv, write_csv_to};
+pub use db3::Db3;
+pub use echo::Echo;
 pub use format::{ColumnRequest, Encoded, FileStart, Format, Input, ReadSettings, Support};
+pub use mat::Matlab;
 pub use mcap::Mcap;
+pub use npz::Npz;
 pub use parquet::Parquet;
+pub use sage::Sage;
 
 pub(crate) use csv::read_columns as read_csv_columns;
 pub(crate) use format::{EXPORT_CSV, start_of};
 
 use crate::error::RecordingError;
+use crate::raw::RawColumns;
 use crate::recording::Recording;
 
 /// The formats that some build reads, the default one first. Formats that need a cargo feature are
 /// listed in every build.
-pub const ALL: &[&dyn Format] = &[&Csv, &Mcap, &Parquet];
+pub const ALL: &[&dyn Format] = &[&Csv, &Echo, &Sage, &Mcap, &Npz, &Matlab, &Parquet, &Db3, &Bag];
 
 /// A list of formats: the standard one, or that and formats of other crates.
 ///
@@ -31,7 +47,8 @@ pub const ALL: &[&dyn Format] = &[&Csv, &Mcap, &Parquet];
 /// use armident_recording::Formats;
 ///
 /// let formats = Formats::standard();
-/// assert_eq!(formats.extensions(), ["csv", "mcap", "parquet"]);
+/// assert_eq!(formats.written_extensions(), ["csv", "mcap", "npz", "parquet"]);
+/// assert_eq!(formats.extensions(), ["csv", "mcap", "npz", "mat", "parquet", "db3", "bag"]);
 /// assert_eq!(formats.by_extension("run.MCAP".as_ref()).name(), "MCAP");
 /// assert_eq!(formats.by_extension("run".as_ref()).name(), "CSV");
 /// ```
@@ -74,6 +91,12 @@ impl<'a> Formats<'a> {
         self.read_by_some_build().flat_map(|format| format.extensions()).copied().collect()
     }
 
+    /// Usual extensions of the formats that this build, or one with more features, writes, without the dot.
+    pub fn written_extensions(&self) -> Vec<&'static str> {
+        let written = self.formats.iter().filter(|format| format.is_written());
+        written.flat_map(|format| format.extensions()).copied().collect()
+    }
+
     /// The format of a file that starts like this; CSV, which has no magic bytes, if no other
     /// format recognises it.
     pub fn recognise(&self, start: &FileStart<'_>) -> &'a dyn Format {
@@ -91,8 +114,7 @@ impl<'a> Formats<'a> {
         let extension = extension_of(path);
         let start = FileStart { bytes: &[], extension: &extension };
         let fits = |format: &&'a dyn Format| {
-            let is_written = matches!(format.support(), Support::ReadWrite | Support::Feature(_));
-            is_written && start.has_extension(format.extensions())
+            format.is_written() && start.has_extension(format.extensions())
         };
         self.formats.iter().copied().find(fits).unwrap_or(&Csv)
     }
@@ -113,11 +135,21 @@ impl<'a> Formats<'a> {
     ) -> Result<Recording, RecordingError> {
         let path = path.as_ref();
         let source = path.display().to_string();
+        let request = ColumnRequest::new(&source, settings);
+        let (_, raw) = self.columns(path, &request)?;
+        request.recording(raw)
+    }
+
+    /// The format of a file and the columns that are wanted of it.
+    pub(crate) fn columns(
+        &self,
+        path: &Path,
+        request: &ColumnRequest<'_>,
+    ) -> Result<(&'a dyn Format, RawColumns), RecordingError> {
         let input = Input::open(path)?;
         let extension = extension_of(path);
         let format = self.recognise(&FileStart { bytes: input.start(), extension: &extension });
-        let request = ColumnRequest::new(&source, settings);
-        request.recording(format.read(input, &request)?)
+        Ok((format, format.read(input, request)?))
     }
 }
 

@@ -6,51 +6,20 @@ use super::format::{EXPORT_CSV, FileStart, Format, Support};
 pub(super) const ALL: &[&dyn Format] = &[
     &Known { name: "UTF-16 text", magic: b"\xff\xfe", ..KNOWN },
     &Known { name: "UTF-16 text", magic: b"\xfe\xff", ..KNOWN },
-    &Known {
-        name: "ROS 1 bag",
-        extensions: &["bag"],
-        magic: b"#ROSBAG",
-        converter: "convert it by `mcap convert in.bag out.mcap` (mcap.dev/guides/cli)",
-        ..KNOWN
-    },
-    &Known {
-        name: "SQLite database (ROS 2 bag)",
-        extensions: &["db3"],
-        magic: b"SQLite format 3",
-        converter: "convert it by `mcap convert in.db3 out.mcap` (mcap.dev/guides/cli), or by \
-                    `ros2 bag convert`",
-        ..KNOWN
-    },
     &Known { name: "gzip archive", extensions: &["gz"], magic: b"\x1f\x8b", ..KNOWN },
     &Known {
-        name: "MATLAB file",
+        name: "MATLAB file of version 7.3",
         extensions: &["mat"],
-        magic: b"MATLAB 5.0 MAT-file",
-        converter: MATLAB,
-        ..KNOWN
+        magic: b"MATLAB 7.3 MAT-file",
+        converter: "save it for version 7 in MATLAB: `save('log.mat', '-v7')`",
     },
     &Known {
         name: "HDF5 file",
-        extensions: &["mat", "h5"],
+        extensions: &["h5", "mat"],
         magic: b"\x89HDF",
-        converter: MATLAB,
-        ..KNOWN
+        converter: "write its arrays by `numpy.savez(\"log.npz\", **arrays)`; the Python package h5py reads them",
     },
-    &Known {
-        name: "NumPy file",
-        extensions: &["npy"],
-        magic: b"\x93NUMPY",
-        converter: NUMPY,
-        ..KNOWN
-    },
-    // a ZIP archive; only the extension distinguishes it
-    &Known {
-        name: "NumPy file",
-        extensions: &["npz"],
-        magic: ZIP,
-        needs_extension: true,
-        converter: NUMPY,
-    },
+    &Known { name: "NumPy file", extensions: &["npy"], magic: b"\x93NUMPY", converter: NUMPY },
     &Known {
         name: "ZIP archive or spreadsheet",
         extensions: &["zip", "xlsx"],
@@ -61,11 +30,7 @@ pub(super) const ALL: &[&dyn Format] = &[
 ];
 
 const ZIP: &[u8] = b"PK\x03\x04";
-const MATLAB: &str = "in MATLAB: `writematrix([t q dq tau], 'log.csv')`, with a first line `t, \
-                      <joint>/position, ...`; in Python scipy.io.loadmat (h5py for version 7.3) \
-                      reads it";
-const NUMPY: &str = "in Python: `numpy.savetxt(\"log.csv\", columns, delimiter=\",\", \
-                     header=\"t,<joint>/position,...\", comments=\"\")`";
+const NUMPY: &str = "put the time and the arrays of joints into one file: `numpy.savez(\"log.npz\", t=t, q=q, tau=tau)`";
 
 /// A format with magic bytes.
 #[derive(Debug)]
@@ -73,13 +38,10 @@ struct Known {
     name: &'static str,
     extensions: &'static [&'static str],
     magic: &'static [u8],
-    /// Whether the extension must fit too.
-    needs_extension: bool,
     converter: &'static str,
 }
 
-const KNOWN: Known =
-    Known { name: "", extensions: &[], magic: &[], needs_extension: false, converter: EXPORT_CSV };
+const KNOWN: Known = Known { name: "", extensions: &[], magic: &[], converter: EXPORT_CSV };
 
 impl Format for Known {
     fn name(&self) -> &'static str {
@@ -96,7 +58,6 @@ impl Format for Known {
 
     fn is_it(&self, start: &FileStart<'_>) -> bool {
         start.bytes.starts_with(self.magic)
-            && (!self.needs_extension || start.has_extension(self.extensions))
     }
 }
 

@@ -33,10 +33,13 @@ pub(crate) struct Channel {
 
 /// Usual names of quantities, lower case, without punctuation.
 const SYNONYMS: [(Quantity, &[&str]); 6] = [
-    (Quantity::Position, &["position", "positions", "pos", "angle", "angles", "q", "theta"]),
+    (
+        Quantity::Position,
+        &["position", "positions", "pos", "angle", "angles", "q", "qpos", "theta"],
+    ),
     (
         Quantity::Velocity,
-        &["velocity", "velocities", "vel", "speed", "qd", "dq", "qdot", "omega", "rate"],
+        &["velocity", "velocities", "vel", "qvel", "speed", "qd", "dq", "qdot", "omega", "rate"],
     ),
     (
         Quantity::Acceleration,
@@ -254,6 +257,19 @@ fn joint_channel(column: &str) -> Option<(&str, Quantity)> {
     Quantity::from_suffix(suffix).filter(|_| joint_is_clean).map(|quantity| (joint, quantity))
 }
 
+/// Joint and quantity of a column `<joint>/<quantity>` or `/<topic>/<joint>/<quantity>`.
+pub(super) fn of_topic_or_joint(column: &str) -> Option<(&str, Quantity)> {
+    let of_topic = topic_channel(column).map(|(_, joint, quantity)| (joint, quantity));
+    of_topic.or_else(|| joint_channel(column))
+}
+
+/// The quantity that a word in lower case names, and the place of the word among the usual ones.
+pub(crate) fn synonym(word: &str) -> Option<(Quantity, usize)> {
+    SYNONYMS.iter().find_map(|(quantity, names)| {
+        names.iter().position(|name| *name == word).map(|rank| (*quantity, rank))
+    })
+}
+
 /// The standard name of a column whose last part is a usual word for a quantity:
 /// `elbow/torque` -> `elbow/effort`, `elbow_pos` -> `elbow/position`.
 fn renamed(column: &str) -> Option<String> {
@@ -268,7 +284,8 @@ fn renamed(column: &str) -> Option<String> {
     Some(format!("{joint}/{quantity}"))
 }
 
-fn looks_like_time(column: &str) -> bool {
+/// Whether a column has a usual name of time stamps.
+pub(crate) fn looks_like_time(column: &str) -> bool {
     let name = plain(column);
     TIME_NAMES.contains(&name.as_str())
         || name.split(' ').next().is_some_and(|first| TIME_NAMES.contains(&first))

@@ -1,6 +1,7 @@
 //! Mapping files: the meaning of the columns of other loggers' files.
 
 mod coupling;
+mod guess;
 mod header;
 mod plan;
 mod reader;
@@ -16,7 +17,8 @@ use crate::raw::{RawColumn, RawColumns};
 use crate::recording::Recording;
 use crate::units::{Base, Unit, units_of};
 
-pub(crate) use header::Header;
+pub use guess::{GuessedChannel, GuessedTime, MappingGuess};
+pub(crate) use header::{Header, looks_like_time, synonym};
 use plan::{Claim, Plan};
 use reader::Reader;
 use rules::{PerJoint, Rules};

@@ -1,14 +1,16 @@
-"""Recordings by other people's writers: joint_states.mcap (mcap-ros2-support) and joint_states.parquet
-(pyarrow). Run: python formats.py
+"""Recordings by other people's writers: joint_states.mcap (mcap-ros2-support), joint_states.parquet and the
+folder lerobot (pyarrow). Run: python formats.py
 
 MCAP: topic /joint_states with two joints whose order changes and a gripper that publishes by itself,
 velocities only of the arm, a clock stamp; topic /tf_static of another message; zstd chunks.
 Parquet: the same samples, time as a timestamp column, effort with an empty value, a column of text.
+Folder: the layout of LeRobot 3, two episodes in one file, lists of fixed and of free length.
 
 The numbers are those of `sample` below, which the tests repeat.
 Made with Python 3.11, mcap 1.6.0, mcap-ros2-support 0.6.0, pyarrow 26.0.1.
 """
 
+import json
 import math
 from pathlib import Path
 
@@ -91,5 +93,32 @@ def write_parquet():
     pq.write_table(table, HERE / "joint_states.parquet", compression="zstd")
 
 
-write_mcap()
-write_parquet()
+def write_lerobot():
+    folder = HERE / "lerobot"
+    features = {
+        "observation.state": {"dtype": "float64", "shape": [2], "names": ["shoulder.pos", "elbow.pos"]},
+        "observation.effort": {"dtype": "float64", "shape": [2], "names": {"motors": ["shoulder", "elbow"]}},
+        "action": {"dtype": "float64", "shape": [2], "names": ["shoulder.pos", "elbow.pos"]},
+    }
+    info = {"codebase_version": "v3.0", "fps": 200, "features": features}
+    data = folder / "data" / "chunk-000"
+    data.mkdir(parents=True, exist_ok=True)
+    (folder / "meta").mkdir(exist_ok=True)
+    (folder / "meta" / "info.json").write_text(json.dumps(info, indent=2) + "\n")
+    rows = [sample(k) for k in range(SAMPLES)]
+    half = SAMPLES // 2
+    table = pa.table({
+        "observation.state": pa.array([row[0] for row in rows], pa.list_(pa.float64(), 2)),
+        "observation.effort": pa.array([row[2] for row in rows], pa.list_(pa.float64())),
+        "action": pa.array([[9.0, 9.0]] * SAMPLES, pa.list_(pa.float64(), 2)),
+        "timestamp": pa.array([k % half * STEP_NS / 1e9 for k in range(SAMPLES)], pa.float32()),
+        "frame_index": [k % half for k in range(SAMPLES)],
+        "episode_index": [k // half for k in range(SAMPLES)],
+    })
+    pq.write_table(table, data / "file-000.parquet")
+
+
+if __name__ == "__main__":
+    write_mcap()
+    write_parquet()
+    write_lerobot()

@@ -1,10 +1,7 @@
 //! MCAP, the recordings of ROS 2: joint states of one topic (cargo feature `mcap`).
 //!
-//! Only `sensor_msgs/JointState` is read (ROS 2, and ROS 1 as `mcap convert` leaves it); other
-//! topics are listed in a note.
+//! Messages of joints are read (ROS 2, and ROS 1 as `mcap convert` leaves it); other topics are listed in a note.
 
-#[cfg(feature = "mcap")]
-mod joint_state;
 #[cfg(feature = "mcap")]
 mod reader;
 #[cfg(feature = "mcap")]
@@ -34,6 +31,10 @@ impl Format for Mcap {
 
     fn support(&self) -> Support {
         if cfg!(feature = "mcap") { Support::ReadWrite } else { Support::Feature("mcap") }
+    }
+
+    fn is_written(&self) -> bool {
+        true
     }
 
     fn is_it(&self, start: &FileStart<'_>) -> bool {

@@ -5,9 +5,9 @@ use std::io::Cursor;
 
 use ::mcap::{McapError, WriteOptions};
 
-use super::joint_state::{HELD, JOINT_STATES, JointState, SCHEMA_NAMES};
 use crate::error::{Fault, RecordingError};
 use crate::formats::format::Encoded;
+use crate::formats::ros::{HELD, JOINT_STATES, JointState, SCHEMA_NAME};
 use crate::recording::Recording;
 
 /// Definition of the message, as ROS 2 writes it.
@@ -44,7 +44,7 @@ pub(super) fn write(recording: &Recording) -> Result<Encoded, RecordingError> {
     let shift = recording.time_s.first().map_or(0.0, |t| t.min(0.0).floor());
     let options = WriteOptions::new().profile("ros2").library("armident");
     let mut out = options.create(Cursor::new(Vec::new())).map_err(fault)?;
-    let schema = out.add_schema(SCHEMA_NAMES[0], "ros2msg", SCHEMA.as_bytes()).map_err(fault)?;
+    let schema = out.add_schema(SCHEMA_NAME, "ros2msg", SCHEMA.as_bytes()).map_err(fault)?;
     let channel = out.add_channel(schema, JOINT_STATES, "cdr", &BTreeMap::new()).map_err(fault)?;
     let names: Vec<String> = recording.joints.iter().map(|j| j.name.clone()).collect();
     let columns = |quantity| -> Vec<Option<&[f64]>> {

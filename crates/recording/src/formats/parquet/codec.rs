@@ -1,10 +1,12 @@
 //! Reads and writes flat columns of numbers.
 //!
-//! Columns are named as in CSV. Timestamps (pandas, Polars, DuckDB write them for clocks) become
+//! Columns are named as in CSV. A list of the same length in each row is a column per entry, as LeRobot writes joints: the
+//! entries have the names of `meta/info.json` above the file, or numbers. Timestamps (pandas, Polars, DuckDB write them for clocks) become
 //! seconds from the whole second of the first, to a quarter of a microsecond; null values become
 //! NaN; columns without numbers are ignored.
 
 use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 
 use ::parquet::basic::{LogicalType, Repetition, TimeUnit, Type as PhysicalType};
@@ -16,6 +18,7 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::{ColumnDescriptor, Type};
 
+use super::dataset;
 use crate::error::{Fault, RecordingError};
 use crate::formats::format::{ColumnRequest, Encoded};
 use crate::raw::{RawColumn, RawColumns};
@@ -24,6 +27,7 @@ use crate::recording::Recording;
 /// Reads the wanted columns.
 pub(super) fn read_columns(
     file: File,
+    path: &Path,
     request: &ColumnRequest<'_>,
 ) -> Result<RawColumns, RecordingError> {
     let source = request.source();
@@ -33,36 +37,87 @@ pub(super) fn read_columns(
     };
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let names: Vec<String> = schema.columns().iter().map(|c| c.path().string()).collect();
-    let wanted = request.wanted(&names, 0)?;
+    let rows = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
+    let read = |index: usize, values: &mut Vec<f64>| -> Result<(), ParquetError> {
+        for group in 0..reader.num_row_groups() {
+            let pages = reader.get_row_group(group)?.get_column_reader(index)?;
+            read_column(pages, &schema.column(index), values)?;
+        }
+        Ok(())
+    };
+    // lists are read before the request sees names, as only their values show how many entries they have
+    let mut lists: Vec<Option<Vec<Vec<f64>>>> = Vec::new();
+    let mut names: Vec<(usize, Option<usize>, String)> = Vec::new();
+    for (index, column) in schema.columns().iter().enumerate() {
+        let name = match column.max_rep_level() {
+            1 => column.path().parts().first().cloned().unwrap_or_default(),
+            _ => column.path().string(),
+        };
+        let mut list = None;
+        if column.max_rep_level() == 1 && is_number(column) {
+            let mut values = Vec::new();
+            read(index, &mut values).map_err(broken)?;
+            list = columns_of_list(&values, rows);
+        }
+        match &list {
+            Some(columns) => {
+                let entries = dataset::entries(path, &name, columns.len());
+                let named = |k: usize| match &entries {
+                    Some(entries) => format!("{name}.{}", entries[k]),
+                    None => format!("{name}_{}", k + 1),
+                };
+                names.extend((0..columns.len()).map(|k| (index, Some(k), named(k))));
+            }
+            None => names.push((index, None, name)),
+        }
+        lists.push(list);
+    }
+    let all: Vec<String> = names.iter().map(|(_, _, name)| name.clone()).collect();
+    let wanted = request.wanted(&all, 0)?;
     let mut raw = RawColumns::new(source);
-    for (index, (name, wanted)) in names.into_iter().zip(wanted).enumerate() {
+    for ((index, entry, name), wanted) in names.into_iter().zip(wanted) {
         let description = schema.column(index);
+        let list = entry.and_then(|k| Some(lists[index].as_ref()?[k].clone()));
         let mut values = None;
-        if wanted {
-            if !is_numbers(&description) {
+        if wanted && list.is_some() {
+            values = list;
+        } else if wanted {
+            if !is_number(&description) || description.max_rep_level() > 0 {
                 let text = format!("{} values", description.physical_type());
                 return Err(
                     RecordingError::new(Fault::NotANumber { text }, source).in_column(&name)
                 );
             }
             let mut column = Vec::new();
-            for group in 0..reader.num_row_groups() {
-                let group = reader.get_row_group(group).map_err(broken)?;
-                let pages = group.get_column_reader(index).map_err(broken)?;
-                read_column(pages, &description, &mut column).map_err(broken)?;
-            }
+            read(index, &mut column).map_err(broken)?;
             values = Some(in_seconds(column, &description, &name, &mut raw.notes));
         }
         raw.columns.push(RawColumn { name, values });
     }
+    let episodes = schema.columns().iter().position(|c| c.path().string() == dataset::EPISODE);
+    if let Some(index) = episodes {
+        let mut episode = Vec::new();
+        read(index, &mut episode).map_err(broken)?;
+        dataset::one_after_the_other(&mut raw, &episode);
+    }
     Ok(raw)
 }
 
-fn is_numbers(column: &ColumnDescriptor) -> bool {
+fn is_number(column: &ColumnDescriptor) -> bool {
     let numbers =
         [PhysicalType::INT32, PhysicalType::INT64, PhysicalType::FLOAT, PhysicalType::DOUBLE];
-    column.max_rep_level() == 0 && numbers.contains(&column.physical_type())
+    numbers.contains(&column.physical_type())
+}
+
+/// Entries of lists that have the same length in every row, a column each; none of other lists, and of lists too long for
+/// joints: images.
+fn columns_of_list(values: &[f64], rows: usize) -> Option<Vec<Vec<f64>>> {
+    const LONGEST: usize = 100;
+    let count = values.len().checked_div(rows)?;
+    let is_even = (1..=LONGEST).contains(&count) && values.len() == count * rows;
+    is_even.then(|| {
+        (0..count).map(|k| values.iter().skip(k).step_by(count).copied().collect()).collect()
+    })
 }
 
 /// Appends the values of one row group, NaN where there are none.
@@ -77,8 +132,14 @@ fn read_column(
             let mut reader = $reader;
             loop {
                 let (mut levels, mut values) = (Vec::new(), Vec::new());
-                let (rows, _, _) =
-                    reader.read_records(BATCH, Some(&mut levels), None, &mut values)?;
+                // of lists only: where each begins
+                let mut begins = Vec::new();
+                let (rows, _, _) = reader.read_records(
+                    BATCH,
+                    Some(&mut levels),
+                    Some(&mut begins),
+                    &mut values,
+                )?;
                 if rows == 0 {
                     return Ok(());
                 }

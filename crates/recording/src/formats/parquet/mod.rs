@@ -2,6 +2,8 @@
 
 #[cfg(feature = "parquet")]
 mod codec;
+#[cfg(feature = "parquet")]
+mod dataset;
 
 use super::format::{FileStart, Format, Support};
 #[cfg(feature = "parquet")]
@@ -12,7 +14,7 @@ use {
     crate::recording::Recording,
 };
 
-/// Parquet files with the columns of CSV.
+/// Parquet files with the columns of CSV, and those of LeRobot datasets.
 #[derive(Debug, Clone, Copy)]
 pub struct Parquet;
 
@@ -29,6 +31,10 @@ impl Format for Parquet {
         if cfg!(feature = "parquet") { Support::ReadWrite } else { Support::Feature("parquet") }
     }
 
+    fn is_written(&self) -> bool {
+        true
+    }
+
     fn is_it(&self, start: &FileStart<'_>) -> bool {
         start.bytes.starts_with(b"PAR1")
     }
@@ -39,10 +45,11 @@ impl Format for Parquet {
         input: Input,
         request: &ColumnRequest<'_>,
     ) -> Result<RawColumns, RecordingError> {
+        let path = input.path().to_owned();
         let file = input.into_file().map_err(|error| {
             RecordingError::new(Fault::Io { doing: "read", error }, request.source())
         })?;
-        codec::read_columns(file, request)
+        codec::read_columns(file, &path, request)
     }
 
     #[cfg(feature = "parquet")]
