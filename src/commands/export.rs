@@ -1,30 +1,11 @@
 //! `armident export`.
 
-use std::path::Path;
-
-use armident_export::{Exported, Held, Lost, mjcf, urdf};
-use armident_report::significant;
-use serde::Serialize;
+use armident_commands::{ExportFormat, Failure, export};
 
 use crate::args::{ExportArgs, FormatArg};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output::counted;
 use crate::{output, robot};
-
-/// What was written and what the format could not hold.
-#[derive(Serialize)]
-struct ExportReport {
-    schema: &'static str,
-    robot: String,
-    model: String,
-    format: &'static str,
-    file: String,
-    joints: Vec<String>,
-    held: Vec<Held>,
-    lost: Vec<Lost>,
-    notes: Vec<String>,
-    warnings: Vec<String>,
-}
 
 pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
     output::protect([args.robot.as_path()], [Some(&args.output_file), args.output.json.as_ref()])?;
@@ -37,36 +18,21 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         ));
     }
     let format = match args.format {
-        Some(format) => format,
-        None => format_of(&args.output_file)?,
+        Some(FormatArg::Urdf) => ExportFormat::Urdf,
+        Some(FormatArg::Mjcf) => ExportFormat::Mjcf,
+        None => ExportFormat::of_path(&args.output_file)?,
     };
-    let (model, without_place) = robot::load(&args.robot, &args.chain, None)?.simulated();
-    let (name, Exported { text, held, lost, mut notes }) = match format {
-        FormatArg::Urdf => ("URDF", urdf(&model)),
-        FormatArg::Mjcf => ("MJCF", mjcf(&model)),
-    };
-    notes.extend(lost_notes(name, &lost));
-    notes.extend(without_place.iter().map(|what| format!("omitted: {what}")));
-    let report = ExportReport {
-        schema: "armident.export/1",
-        robot: model.chain.robot.clone(),
-        model: args.robot.display().to_string(),
-        format: name,
-        file: args.output_file.display().to_string(),
-        joints: model.chain.joints.iter().map(|j| j.name.clone()).collect(),
-        held,
-        lost,
-        notes,
-        warnings: model.chain.warnings.iter().map(ToString::to_string).collect(),
-    };
+    let robot = robot::open(&args.robot, &args.chain)?;
+    let (text, report) = export(&robot, format, &args.output_file)?;
     let said = if to_stdout {
         output::write_stdout(text.as_bytes())?;
         String::new()
     } else {
         output::write_file(&args.output_file, text.as_bytes())?;
         format!(
-            "wrote {} ({name}, {}; {} exported, {} omitted)\n",
+            "wrote {} ({}, {}; {} exported, {} omitted)\n",
             report.file,
+            report.format,
             counted(report.joints.len(), "joint"),
             counted(report.held.len(), "effect"),
             report.lost.len()
@@ -74,35 +40,4 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
     };
     output::say_all(&args.output, "note", &report.notes);
     output::write_result(&args.output, &said, &report, &report.warnings)
-}
-
-/// One note per omitted effect and reason.
-fn lost_notes(format: &str, lost: &[Lost]) -> Vec<String> {
-    let mut kinds: Vec<(&str, &str, Vec<String>)> = Vec::new();
-    for one in lost {
-        let values: Vec<String> = one.parameters.iter().map(|p| significant(*p, 3, 0.0)).collect();
-        let entry = format!("{} {}", one.joint, values.join(" "));
-        match kinds.iter_mut().find(|k| k.0 == one.effect && k.1 == one.reason) {
-            Some((_, _, entries)) => entries.push(entry),
-            None => kinds.push((&one.effect, one.reason, vec![entry])),
-        }
-    }
-    let sentence = |(effect, reason, entries): &(&str, &str, Vec<String>)| {
-        format!("{effect} omitted from {format} ({reason}): {}", entries.join(", "))
-    };
-    kinds.iter().map(sentence).collect()
-}
-
-/// The format of a file extension.
-fn format_of(path: &Path) -> Result<FormatArg, Failure> {
-    let end = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match end.as_str() {
-        "urdf" => Ok(FormatArg::Urdf),
-        "xml" | "mjcf" => Ok(FormatArg::Mjcf),
-        _ => Err(Failure::new(
-            format!("cannot infer the output format from `{}`", path.display()),
-            path.display(),
-            Some("use the extension .urdf, or .xml for MJCF, or pass --format"),
-        )),
-    }
 }
