@@ -11,7 +11,7 @@
 //! let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../urdf/ur5.urdf");
 //! let robot = GivenRobot::open(&urdf, ChainOptions::default())?;
 //! let (report, _) = params(&robot)?;
-//! assert!(report.text().contains("Minimal set: 33 constants"));
+//! assert!(report.text().contains("Minimal set: 36 constants"));
 //! # Ok::<(), armident_commands::Failure>(())
 //! ```
 
