@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 17] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("numeric", &[]),
     ("inference", &["numeric"]),
     ("kinematics", &[]),
@@ -81,6 +81,10 @@ const ARROWS: [(&str, &[&str]); 17] = [
             "report",
             "simulation",
         ],
+    ),
+    (
+        "python",
+        &["commands", "effects", "ident", "model", "page", "recording", "report", "simulation"],
     ),
     (
         "",
