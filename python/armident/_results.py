@@ -6,9 +6,15 @@ import json
 import os
 import warnings
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._armident import Answer, Recording, Robot
+
+if TYPE_CHECKING:
+    from ._fields import CheckReport, DiagnoseReport, IdentifyReport, ValidateReport
+else:
+    # the fields come from the JSON
+    CheckReport = DiagnoseReport = IdentifyReport = ValidateReport = object
 
 
 class ArmidentWarning(UserWarning):
@@ -98,22 +104,22 @@ class MinimalSet(Result):
     """Driving-axis frames and minimal set of an arm."""
 
 
-class Check(Result):
+class Check(Result, CheckReport):
     """Checks of recordings: signs, units, order, delay, noise and excitation."""
 
 
-class Identification(ModelResult):
+class Identification(ModelResult, IdentifyReport):
     """Inertia and friction parameters with their standard errors, and the identified model."""
 
 
-class Diagnosis(ModelResult):
+class Diagnosis(ModelResult, DiagnoseReport):
     """Effects that a model lacks, and the model with them."""
 
     #: Motion that separates indistinguishable effects, where it was requested and exists.
     separating_motion: Recording | None = None
 
 
-class Validation(Result):
+class Validation(Result, ValidateReport):
     """Errors of a model on recordings that it was not fitted to."""
 
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 import armident
-from conftest import HOLDOUT, TRAIN, URDF
+from conftest import HOLDOUT, PROJECT, TRAIN, URDF
 
 
 def test_params(cli, robot):
@@ -93,3 +93,11 @@ def test_arrays_are_as_good_as_files(robot, train, identification):
         source=train.source,
     )
     assert armident.check(robot, arrays).to_dict() == armident.check(robot, train).to_dict()
+
+
+def test_planned_experiments(cli, tmp_path):
+    urdf = PROJECT / "urdf" / "planar_2r.urdf"
+    cli("plan", urdf, "-o", tmp_path / "plan")
+    cli("simulate", urdf, tmp_path / "plan", "-o", tmp_path / "runs")
+    found = armident.identify(urdf, tmp_path / "runs")
+    assert found.to_dict() == cli("identify", urdf, tmp_path / "runs")
