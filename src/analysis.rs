@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use armident_commands::{Excerpt, Failure};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, CommandFactory, Parser};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::args::{Cli, Command};
-use crate::excerpt::Excerpt;
-use crate::failure::Failure;
 
 /// Commands that cannot be a step of an analysis.
 const NO_STEPS: [&str; 5] = ["run", "completions", "man", "help", "demo"];

@@ -21,7 +21,7 @@ pub(crate) use challenge::{ChallengeArgs, ChallengeFailOn, KindArg, StudyArg};
 pub(crate) use recorded::{
     CheckArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, PriorArg, ValidateArgs, ViscousArg,
 };
-pub(crate) use value::Noise;
+pub(crate) use value::PayloadArg;
 use value::{parse_named_number, parse_positive, parse_vector};
 
 /// Identification and diagnosis of serial robot arms

@@ -1,17 +1,7 @@
-//! Failures as three lines: fault, place, hint.
+//! How failures are printed, and outcomes of commands.
 
-use std::fmt::Display;
-use std::path::Path;
-
-use armident_diagnose::{DiagnoseError, Unusable};
-use armident_ident::experiment::Algorithm2Error;
-use armident_kinematics::{ChainError, UrdfError};
-use armident_model::ModelError;
-use armident_recording::RecordingError;
-use armident_simulation::SimulationError;
+use armident_commands::Failure;
 use clap::builder::styling::{AnsiColor, Style};
-
-use crate::excerpt::Excerpt;
 
 /// Outcome of a command whose result was written.
 pub(crate) enum Outcome {
@@ -21,176 +11,22 @@ pub(crate) enum Outcome {
     FailedOnRequest,
 }
 
-/// Error shown to the user: fault, place and hint.
-#[derive(Debug)]
-pub(crate) struct Failure {
-    what: String,
-    place: String,
-    hint: Option<String>,
-    excerpt: Option<Box<Excerpt>>,
-}
-
 /// Warnings and notes; clap has its own.
 pub(crate) const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 pub(crate) const NOTE: Style = AnsiColor::Cyan.on_default().bold();
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const DIM: Style = Style::new().bold();
 
-impl Failure {
-    pub(crate) fn new(
-        what: impl Display,
-        place: impl Display,
-        hint: Option<impl Into<String>>,
-    ) -> Self {
-        Self {
-            what: what.to_string(),
-            place: place.to_string(),
-            hint: hint.map(Into::into),
-            excerpt: None,
-        }
+/// The three lines on stderr.
+pub(crate) fn print(failure: &Failure) {
+    anstream::eprintln!("{ERROR}error:{ERROR:#} {}", failure.what());
+    if !failure.place().is_empty() {
+        anstream::eprintln!("   {DIM}in:{DIM:#} {}", failure.place());
     }
-
-    /// Adds the faulty line of the file.
-    pub(crate) fn showing(mut self, excerpt: Option<Excerpt>) -> Self {
-        self.excerpt = excerpt.map(Box::new);
-        self
+    if let Some(excerpt) = failure.excerpt() {
+        anstream::eprintln!("{}", excerpt.styled());
     }
-
-    /// A file that cannot be written.
-    pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Self {
-        Self::new(
-            format!("cannot write: {error}"),
-            path.display(),
-            Some("choose another path, or create the folder"),
-        )
-    }
-
-    pub(crate) fn print(&self) {
-        anstream::eprintln!("{ERROR}error:{ERROR:#} {}", self.what);
-        if !self.place.is_empty() {
-            anstream::eprintln!("   {DIM}in:{DIM:#} {}", self.place);
-        }
-        if let Some(excerpt) = &self.excerpt {
-            anstream::eprintln!("{}", excerpt.styled());
-        }
-        if let Some(hint) = &self.hint {
-            anstream::eprintln!(" {DIM}hint:{DIM:#} {hint}");
-        }
-    }
-}
-
-impl From<UrdfError> for Failure {
-    fn from(error: UrdfError) -> Self {
-        Self::new(&error, error.place(), error.hint()).showing(Excerpt::of_urdf(error.urdf_place()))
-    }
-}
-
-impl From<ChainError> for Failure {
-    fn from(error: ChainError) -> Self {
-        Self::new(&error, error.place(), error.hint())
-    }
-}
-
-impl From<RecordingError> for Failure {
-    fn from(error: RecordingError) -> Self {
-        Self::new(&error, error.place(), error.hint()).showing(Excerpt::of_recording(&error))
-    }
-}
-
-impl From<SimulationError> for Failure {
-    fn from(error: SimulationError) -> Self {
-        Self::new(&error, error.place(), error.hint())
-    }
-}
-
-impl From<armident_challenge::ChallengeError> for Failure {
-    fn from(error: armident_challenge::ChallengeError) -> Self {
-        Self::new(&error, error.place(), error.hint())
-    }
-}
-
-impl From<DiagnoseError> for Failure {
-    fn from(error: DiagnoseError) -> Self {
-        match error {
-            DiagnoseError::Unusable(Unusable::Recording(error)) => error.into(),
-            other => Self::new(
-                other,
-                "the recordings",
-                Some("provide recordings of several seconds in which the joints move under effort"),
-            ),
-        }
-    }
-}
-
-impl From<armident_numeric::NumericError> for Failure {
-    fn from(error: armident_numeric::NumericError) -> Self {
-        Self::new(error, "", Some("check the URDF and recordings for extreme values"))
-    }
-}
-
-impl From<armident_ident::ConsistencyError> for Failure {
-    fn from(error: armident_ident::ConsistencyError) -> Self {
-        Self::new(
-            error,
-            "the links of the model",
-            Some("check the URDF, or pass --raw-estimate to skip the projection"),
-        )
-    }
-}
-
-impl From<armident_ident::estimators::EstimatorError> for Failure {
-    fn from(error: armident_ident::estimators::EstimatorError) -> Self {
-        use armident_ident::estimators::EstimatorError;
-        match error {
-            EstimatorError::Numeric(error) => error.into(),
-            EstimatorError::Unsuitable { estimator, ref hint, .. } => {
-                let hint = hint.clone();
-                Self::new(error, format!("--method {estimator}"), Some(hint))
-            }
-            other => Self::new(other, "--method", None::<String>),
-        }
-    }
-}
-
-impl From<armident_model::PredictError> for Failure {
-    fn from(error: armident_model::PredictError) -> Self {
-        match error {
-            armident_model::PredictError::Recording(error) => error.into(),
-            armident_model::PredictError::Effect(error) => error.into(),
-            other => Self::new(other, "the motion", None::<String>),
-        }
-    }
-}
-
-impl From<armident_effects::UnknownEffect> for Failure {
-    fn from(error: armident_effects::UnknownEffect) -> Self {
-        Self::new(error, "the model", None::<String>)
-    }
-}
-
-impl From<Algorithm2Error> for Failure {
-    fn from(error: Algorithm2Error) -> Self {
-        Self::new(
-            error,
-            "plan.json",
-            Some("use the same robot and chain options for plan, simulate and identify"),
-        )
-    }
-}
-
-impl Failure {
-    /// A model file that cannot be used.
-    pub(crate) fn model(path: &Path, error: &ModelError) -> Self {
-        let place = match error {
-            ModelError::Invalid { line, .. } => format!("{}, line {line}", path.display()),
-            _ => path.display().to_string(),
-        };
-        let hint = match error {
-            ModelError::Schema { .. } | ModelError::Invalid { .. } => {
-                "pass a URDF, or a model written by `armident identify --save-model`"
-            }
-            _ => "write the model again with `armident identify --save-model`",
-        };
-        Self::new(error, place, Some(hint))
+    if let Some(hint) = failure.hint() {
+        anstream::eprintln!(" {DIM}hint:{DIM:#} {hint}");
     }
 }

@@ -3,7 +3,6 @@
 mod analysis;
 mod args;
 mod commands;
-mod excerpt;
 mod failure;
 mod output;
 mod page;
@@ -27,7 +26,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::FailedOnRequest) => ExitCode::from(3),
         Err(failure) => {
-            failure.print();
+            failure::print(&failure);
             ExitCode::FAILURE
         }
     }

@@ -3,12 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use armident_commands::Failure;
 use armident_recording::write_whole;
 use armident_report::Bars;
 use serde::Serialize;
 
 use crate::args::{FailOn, OutputArgs};
-use crate::failure::{Failure, NOTE, Outcome, WARNING};
+use crate::failure::{NOTE, Outcome, WARNING};
 
 /// Writes a result: text on stdout unless JSON goes there, JSON if requested, warnings on stderr.
 pub(crate) fn write_result(

@@ -2,29 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use armident_diagnose::{Diagnosis, Finding};
-use armident_kinematics::DrivingAxisChain;
-use armident_model::{ArmModel, PreparedRecording};
-use armident_page::{
-    Canvas, Compared, Correlation, Drawing, FindingPlace, PageError, Provenance, RecordingRole,
-};
-use armident_recording::Recording;
+use armident_commands::{Drawn, Failure};
+use armident_page::{Drawing, PageError, Provenance};
 use serde::Serialize;
 
 use crate::args::{OutputArgs, PageArgs};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output;
-
-/// Periods of the cut-off at both ends in which residuals are not counted, as in `identify`.
-const EDGE_PERIODS: f64 = 1.5;
-
-/// A result with what is drawn beside it.
-#[derive(Serialize)]
-struct Drawn<'a, T> {
-    #[serde(flatten)]
-    result: &'a T,
-    drawing: &'a Drawing,
-}
 
 impl PageArgs {
     /// Whether anything is to be drawn.
@@ -84,6 +68,18 @@ pub(crate) fn failure(path: &Path, error: &PageError) -> Failure {
     Failure::new(error, place, Some("pass a file written by --json of any command"))
 }
 
+/// What is drawn of a result, with its origin; nothing where nothing is wanted.
+pub(crate) fn drawn<'a>(
+    pages: &PageArgs,
+    files: impl IntoIterator<Item = &'a PathBuf>,
+    draw: impl FnOnce() -> Result<Drawing, Failure>,
+) -> Result<Option<Drawing>, Failure> {
+    if !pages.wanted() {
+        return Ok(None);
+    }
+    Ok(Some(Drawing { provenance: provenance(pages, files), ..draw()? }))
+}
+
 /// The command line, and the files that were read for it.
 pub(crate) fn provenance<'a>(
     pages: &PageArgs,
@@ -92,117 +88,4 @@ pub(crate) fn provenance<'a>(
     let own = || std::iter::once("armident".to_owned()).chain(std::env::args().skip(1)).collect();
     let command = pages.command.clone().unwrap_or_else(own);
     Provenance::of(command, files.into_iter().map(PathBuf::as_path))
-}
-
-/// Sentences on the low-pass of a command.
-fn filters(cutoff_hz: Option<f64>) -> Vec<String> {
-    vec![match cutoff_hz {
-        Some(hz) => format!(
-            "Positions and efforts are low-passed at {hz:.2} Hz (zero-phase Butterworth, 4th order)."
-        ),
-        None => "No filter: recorded velocities and accelerations are used.".to_owned(),
-    }]
-}
-
-/// Recordings with the predictions of some models; `edge_s` at both ends is no error of a model.
-fn compared<'a>(
-    models: &[&ArmModel],
-    recordings: &'a [Recording],
-    role: RecordingRole,
-    cutoff_hz: Option<f64>,
-    edge_s: f64,
-) -> Result<Vec<Compared<'a>>, Failure> {
-    recordings
-        .iter()
-        .map(|recording| {
-            let predicted = models
-                .iter()
-                .map(|model| Ok(model.predict(recording, cutoff_hz)?.efforts))
-                .collect::<Result<_, Failure>>()?;
-            Ok(Compared { recording, role, predicted, edge_s })
-        })
-        .collect()
-}
-
-/// What is drawn of recordings beside the efforts of some models of one arm, each with its name; nothing
-/// where nothing is wanted.
-pub(crate) fn of_models<'a>(
-    pages: &PageArgs,
-    chain: &DrivingAxisChain,
-    models: &[(&str, &ArmModel)],
-    recorded: &[(&[Recording], RecordingRole)],
-    cutoff_hz: Option<f64>,
-    files: impl IntoIterator<Item = &'a PathBuf>,
-) -> Result<Option<Drawing>, Failure> {
-    if !pages.wanted() {
-        return Ok(None);
-    }
-    let (names, models): (Vec<&str>, Vec<&ArmModel>) = models.iter().copied().unzip();
-    // as many periods as a fit leaves out at the ends
-    let edge_s = cutoff_hz.map_or(0.0, |hz| EDGE_PERIODS / hz);
-    let mut all = Vec::new();
-    for &(recordings, role) in recorded {
-        all.extend(compared(&models, recordings, role, cutoff_hz, edge_s)?);
-    }
-    let canvas = Canvas::new(chain, &names, &all)?;
-    let (provenance, filters) = (provenance(pages, files), filters(cutoff_hz));
-    Ok(Some(Drawing { provenance, filters, ..canvas.drawing() }))
-}
-
-/// What is drawn of a diagnosis.
-pub(crate) fn of_diagnosis(
-    diagnosis: &Diagnosis,
-    train: &[PreparedRecording<'_>],
-    holdout: &[PreparedRecording<'_>],
-) -> Result<Drawing, Failure> {
-    let before = &diagnosis.believed;
-    let models = [before, &diagnosis.rigid, &diagnosis.model];
-    let mut all = Vec::new();
-    let kept_out = holdout.iter().map(|seen| (seen, RecordingRole::Holdout));
-    for (seen, role) in train.iter().map(|seen| (seen, RecordingRole::Training)).chain(kept_out) {
-        let predicted =
-            models.iter().map(|m| m.predict_prepared(seen)).collect::<Result<_, _>>()?;
-        all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });
-    }
-    let chain = &before.chain;
-    let canvas = Canvas::new(chain, &["given", "links only", "diagnosed"], &all)?;
-    let mut drawing = canvas.drawing();
-    for finding in &diagnosis.findings {
-        let model = finding.ablated_from(&diagnosis.model, before);
-        // a finding is looked at on what it was found in
-        let mut without =
-            train.iter().map(|seen| model.predict_prepared(seen)).collect::<Result<Vec<_>, _>>()?;
-        without.resize(all.len(), Vec::new());
-        drawing.findings.push(canvas.finding(&place(finding, before), &without));
-    }
-    drawing.correlation = diagnosis.constants.as_ref().map(|found| Correlation {
-        labels: found.constants.iter().map(|c| format!("{} {}", c.label, c.joint)).collect(),
-        rows: found.correlation.clone(),
-    });
-    drawing.filters = vec![format!(
-        "Positions are low-passed at 25 Hz before differentiation, the rigid-body part of the predictions at {} Hz \
-         (selected on the training recordings). Effort errors are unfiltered.",
-        diagnosis.model.band.as_ref().map_or(0.0, |band| band.rigid_cutoff_hz)
-    )];
-    Ok(drawing)
-}
-
-fn place(finding: &Finding, before: &ArmModel) -> FindingPlace {
-    let joints = &before.chain.joints;
-    let three = |names: [&str; 3]| -> Option<[f64; 3]> {
-        let of = |name: &str| finding.parameters.get(name).map(|v| v.value);
-        Some([of(names[0])?, of(names[1])?, of(names[2])?])
-    };
-    FindingPlace {
-        effect: finding.effect.clone(),
-        joint: joints.iter().position(|j| j.name == finding.evidence.joint).unwrap_or(0),
-        link: finding
-            .link
-            .as_ref()
-            .and_then(|link| joints.iter().position(|j| j.child_link == *link)),
-        window_s: finding.window,
-        recording: finding.recording.clone(),
-        force_n: three(["force_x", "force_y", "force_z"]),
-        centre_m: three(["com_x", "com_y", "com_z"]),
-    }
 }

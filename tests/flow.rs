@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("numeric", &[]),
     ("inference", &["numeric"]),
     ("kinematics", &[]),
@@ -66,11 +66,9 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ),
     ("export", &["effects", "kinematics", "model"]),
     (
-        "",
+        "commands",
         &[
-            "challenge",
             "diagnose",
-            "dynamics",
             "effects",
             "export",
             "ident",
@@ -78,6 +76,25 @@ const ARROWS: [(&str, &[&str]); 16] = [
             "model",
             "motion",
             "numeric",
+            "page",
+            "recording",
+            "report",
+            "simulation",
+        ],
+    ),
+    (
+        "python",
+        &["commands", "effects", "ident", "model", "page", "recording", "report", "simulation"],
+    ),
+    (
+        "",
+        &[
+            "challenge",
+            "commands",
+            "effects",
+            "ident",
+            "kinematics",
+            "motion",
             "page",
             "recording",
             "report",

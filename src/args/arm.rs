@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use armident_commands::NoiseLevel;
 use armident_recording::Formats;
 use clap::{Args, ValueEnum};
 
 use super::value::{
-    Noise, parse_amplitude, parse_effect, parse_named_number, parse_noise, parse_pair,
-    parse_positive, parse_rate, parse_sigma,
+    parse_amplitude, parse_effect, parse_named_number, parse_pair, parse_positive, parse_rate,
+    parse_sigma,
 };
 use super::{ChainArgs, OutputArgs, ReadingArgs};
 
@@ -116,8 +117,8 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum, default_value_t = Direction::Inverse)]
     pub(crate) direction: Direction,
     /// Standard deviation of white effort noise [N m or N], or with % relative to each joint's effort
-    #[arg(long, value_name = "SIGMA", value_parser = parse_noise, allow_negative_numbers = true)]
-    pub(crate) torque_noise: Option<Noise>,
+    #[arg(long, value_name = "SIGMA", allow_negative_numbers = true)]
+    pub(crate) torque_noise: Option<NoiseLevel>,
     /// Quantise positions to this many bits per turn (or metre)
     #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=40))]
     pub(crate) encoder_bits: Option<u32>,

@@ -5,15 +5,6 @@ use std::path::PathBuf;
 use armident_ident::estimators::{self, Estimator};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Level of effort noise.
-#[derive(Clone, Copy)]
-pub(crate) enum Noise {
-    /// N m or N.
-    Absolute(f64),
-    /// Share of each joint's effort variation.
-    Relative(f64),
-}
-
 /// The estimators of the library, by their names.
 pub(super) fn estimators() -> impl TypedValueParser<Value = &'static dyn Estimator> {
     let values = estimators::ALL
@@ -129,18 +120,6 @@ pub(super) fn parse_payload(text: &str) -> Result<PayloadArg, String> {
     }
     let (Some(file), Some(mass_kg)) = (file, mass_kg) else { return Err(form.to_owned()) };
     Ok(PayloadArg { file, mass_kg, com_m, com_error_m })
-}
-
-pub(super) fn parse_noise(text: &str) -> Result<Noise, String> {
-    let (number, relative) = match text.strip_suffix('%') {
-        Some(number) => (number, true),
-        None => (text, false),
-    };
-    let level = parse_number(number)?;
-    if level < 0.0 {
-        return Err(format!("must not be negative, found {level}"));
-    }
-    Ok(if relative { Noise::Relative(level / 100.0) } else { Noise::Absolute(level) })
 }
 
 pub(super) fn parse_effect(text: &str) -> Result<armident_effects::EffectOnJoint, String> {

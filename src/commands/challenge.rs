@@ -4,15 +4,16 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use armident_challenge::{
-    Arm, CaseKind, CaseSeries, Order, Outcome as Sat, Scoreboard, SeriesKind, Spread, Study,
-    run as serve, score_cases,
+    Arm, CaseKind, CaseSeries, ChallengeError, Order, Outcome as Sat, Scoreboard, SeriesKind,
+    Spread, Study, run as serve, score_cases,
 };
 use armident_page::{Drawing, Provenance};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::args::{ChallengeArgs, ChallengeFailOn, KindArg, OutputArgs, PageArgs, StudyArg};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::{output, page};
+use armident_commands::Failure;
 
 /// Default number of cases.
 const CASES: u64 = 24;
@@ -21,7 +22,7 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
     pages(args).check()?;
     let to = OutputArgs { json: args.json.clone(), quiet: args.quiet, fail_on: None };
     if let [cases, results] = &args.score[..] {
-        let board = score_cases(cases, results)?;
+        let board = score_cases(cases, results).map_err(|error| failure(&error))?;
         write(args, &to, &board.text(), &board)?;
         return Ok(judged(args, &board));
     }
@@ -51,6 +52,10 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
     output::say_all(&to, "note", &notes(&orders, &sat));
     write(args, &to, &text, &board)?;
     Ok(judged(args, &board))
+}
+
+fn failure(error: &ChallengeError) -> Failure {
+    Failure::new(error, error.place(), error.hint())
 }
 
 /// Writes the scoreboard, and its page if requested.
@@ -172,7 +177,7 @@ fn with_progress(args: &ChallengeArgs, orders: &[Order]) -> Result<Vec<Sat>, Fai
     bar.tick();
     let sat = serve(orders, args.keep.as_deref(), &|| bar.inc(1));
     bar.finish_and_clear();
-    Ok(sat?)
+    sat.map_err(|error| failure(&error))
 }
 
 /// Notes on cases that could not be generated and on run times.

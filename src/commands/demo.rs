@@ -11,8 +11,9 @@ use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, invers
 use clap::Parser;
 
 use crate::args::{Cli, Command, DemoArgs};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output;
+use armident_commands::Failure;
 
 const URDF: &str = include_str!("../../urdf/ur5.urdf");
 /// Motions to repeat; only the positions of the bundled recordings are used.

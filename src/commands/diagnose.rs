@@ -2,19 +2,11 @@
 
 use std::path::PathBuf;
 
-use armident_diagnose::{
-    DiagnoseError, DiagnoseRequest, Diagnosis, NextMotion, WrongColumns, diagnose,
-};
-use armident_ident::validation::{REPLAY_WINDOW_S, replay};
-use armident_model::{ArmModel, PreparedRecording};
-use armident_motion::common_cutoff_hz;
-use armident_page::RecordingRole;
-use armident_recording::Recording;
-use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
+use armident_commands::{DiagnoseOptions, DiagnoseRecordings, Failure, diagnose, expand};
 
 use super::recordings;
 use crate::args::DiagnoseArgs;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::progress::Progress;
 use crate::{output, page, robot};
 
@@ -30,9 +22,9 @@ impl Files {
     /// Expands folders, and checks that nothing is overwritten that is read.
     fn of(args: &DiagnoseArgs) -> Result<Self, Failure> {
         let files = Self {
-            training: recordings::expand(&args.recordings)?,
-            holdout: recordings::expand(&args.holdout)?,
-            reference: recordings::expand(&args.reference)?,
+            training: expand(&args.recordings)?,
+            holdout: expand(&args.holdout)?,
+            reference: expand(&args.reference)?,
             next_motion: args.next_motion.as_ref().map(|folder| folder.join("next_motion.csv")),
         };
         let recorded = files.training.iter().chain(&files.holdout).chain(&files.reference);
@@ -61,100 +53,33 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let read = |files: &[PathBuf]| recordings::read_all(files, &args.reading, &args.output);
     let training = read(&files.training)?;
     let (holdout, reference) = (read(&files.holdout)?, read(&files.reference)?);
-    let names = recordings::joints_with_position(&training);
-    let model = robot::load(&args.robot, &args.chain, Some(&names))?;
-    let request = DiagnoseRequest {
-        model: &model,
-        recordings: &training,
-        reference: &reference,
-        holdout: &holdout,
+    let recordings =
+        DiagnoseRecordings { training: &training, holdout: &holdout, reference: &reference };
+    let options = DiagnoseOptions {
         trust_columns: args.trust_columns,
-        placebo_terms: args.placebo,
+        placebo: args.placebo,
+        no_replay: args.no_replay,
+        next_motion: files.next_motion.as_deref(),
     };
-    let sources = |recordings: &[Recording]| recordings.iter().map(|r| r.source.clone()).collect();
-    let inputs = DiagnoseInputs {
-        recordings: sources(&training),
-        holdout_recordings: sources(&holdout),
-        reference_recordings: sources(&reference),
-        beyond_a_model: request.is_beyond_a_model(),
-        warnings: model.chain.warnings.iter().map(ToString::to_string).collect(),
-    };
+    let robot = robot::open(&args.robot, &args.chain)?;
     let progress = Progress::of(&args.output, "diagnosing");
-    let found = diagnose(&request);
+    let found = diagnose(&robot, recordings, &options)?;
     drop(progress);
-    match found {
-        Ok(diagnosis) => write_diagnosis(args, &files, inputs, &diagnosis),
-        Err(DiagnoseError::WrongColumns(wrong)) => {
-            write_failed_checks(args, &files, inputs, &model, &wrong)
+    if let (Some(path), Some(model)) = (&args.save_model, found.model()) {
+        model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
+    }
+    if let (Some(path), Some(_)) = (&files.next_motion, found.model()) {
+        if let Some(folder) = path.parent() {
+            output::create_folder(folder)?;
         }
-        Err(error) => Err(error.into()),
+        if let Some(motion) = &found.next_motion {
+            output::write_file(path, &recordings::encoded(motion, path, &args.output)?)?;
+        }
     }
-}
-
-fn write_diagnosis(
-    args: &DiagnoseArgs,
-    files: &Files,
-    inputs: DiagnoseInputs,
-    diagnosis: &Diagnosis,
-) -> Result<Outcome, Failure> {
-    if let Some(path) = &args.save_model {
-        diagnosis.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
-    }
-    let training = diagnosis.prepared(&diagnosis.recordings)?;
-    let holdout = diagnosis.prepared(&diagnosis.holdout)?;
-    let errors =
-        |of: &[PreparedRecording<'_>]| (!of.is_empty()).then(|| diagnosis.errors(of)).transpose();
-    let fits = Fits::of(errors(&training)?, errors(&holdout)?);
-    let warnings = inputs.warnings.clone();
-    let report = DiagnoseReport::new(&diagnosis.model.chain, diagnosis, inputs, fits)
-        .with_holdout_tests(diagnosis.whiteness(&holdout)?, replayed(args, diagnosis))
-        .with_next_motion(args.next_motion.is_some(), next_motion(args, files, diagnosis)?);
-    let drawing = if args.page.wanted() {
-        let mut drawing = page::of_diagnosis(diagnosis, &training, &holdout)?;
-        drawing.provenance = page::provenance(&args.page, files.used(args));
-        Some(drawing)
-    } else {
-        None
-    };
-    let text = report.text(output::bars());
-    page::write_result(&args.page, &args.output, &text, &report, &warnings, drawing.as_ref())
-}
-
-/// Without a diagnosis: efforts beside those of the given model show what the columns are.
-fn write_failed_checks(
-    args: &DiagnoseArgs,
-    files: &Files,
-    inputs: DiagnoseInputs,
-    model: &ArmModel,
-    wrong: &WrongColumns,
-) -> Result<Outcome, Failure> {
-    let warnings = inputs.warnings.clone();
-    let report = DiagnoseReport::of_failed_checks(&model.chain, &wrong.input_checks, inputs);
-    let joints = model.chain.joint_names();
-    let cutoff_hz = common_cutoff_hz(&wrong.recordings, &joints, None)?;
-    let models: [(&str, &ArmModel); 1] = [("given", model)];
-    let recorded = [(wrong.recordings.as_slice(), RecordingRole::Training)];
-    let used = files.training.iter().chain([&args.robot]).chain(&args.reading.mapping);
-    let drawing = page::of_models(&args.page, &model.chain, &models, &recorded, cutoff_hz, used)?;
-    let text = report.text(output::bars());
-    page::write_result(&args.page, &args.output, &text, &report, &warnings, drawing.as_ref())
-}
-
-/// The file and the motion that separates findings from their alternatives, where it is asked for and exists.
-fn next_motion(
-    args: &DiagnoseArgs,
-    files: &Files,
-    diagnosis: &Diagnosis,
-) -> Result<Option<(String, NextMotion)>, Failure> {
-    let Some(path) = &files.next_motion else { return Ok(None) };
-    if let Some(folder) = path.parent() {
-        output::create_folder(folder)?;
-    }
-    let next = diagnosis.next_motion()?;
-    if let Some(next) = &next {
-        output::write_file(path, &recordings::encoded(&next.motion, path, &args.output)?)?;
-    }
-    Ok(next.map(|next| (path.display().to_string(), next)))
+    let drawing = page::drawn(&args.page, files.used(args), || found.drawing())?;
+    let report = &found.report;
+    let (text, warnings) = (report.text(output::bars()), &report.warnings);
+    page::write_result(&args.page, &args.output, &text, report, warnings, drawing.as_ref())
 }
 
 /// A recording cannot be fitted and held out.
@@ -167,22 +92,4 @@ fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
         )),
         None => Ok(()),
     }
-}
-
-/// Forward replay of the hold-out with the given model and the diagnosed one; none where one of the two cannot be
-/// simulated.
-fn replayed(args: &DiagnoseArgs, diagnosis: &Diagnosis) -> Option<ReplayPair> {
-    if diagnosis.holdout.is_empty() || args.no_replay {
-        return None;
-    }
-    let joints = diagnosis.model.chain.joint_names();
-    let cutoff_hz = common_cutoff_hz(&diagnosis.holdout, &joints, None).ok()?;
-    let motions = recordings::motions_with_effort(&diagnosis.holdout, &joints, cutoff_hz).ok()?;
-    let of = |model: &ArmModel| -> Option<ByJoint> {
-        let moved = replay(&model.simulated().0, &motions).ok().filter(|m| m.windows > 0)?;
-        let errors = moved.joints.iter().map(|j| j.position_rms);
-        Some(joints.iter().map(ToString::to_string).zip(errors).collect())
-    };
-    let (before, after) = (of(&diagnosis.believed)?, of(&diagnosis.model)?);
-    Some(ReplayPair { window_s: REPLAY_WINDOW_S, before, after })
 }

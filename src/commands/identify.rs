@@ -1,35 +1,33 @@
 //! `armident identify`.
 
-mod batch;
-mod payloads;
-mod planned;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
-use std::path::PathBuf;
-
-use armident_model::ArmModel;
-use armident_page::{Correlation, Drawing, RecordingRole};
-use armident_recording::Recording;
-use armident_report::IdentifyReport;
+use armident_commands::{
+    Failure, Identified, IdentifyOptions, PayloadOn, PlannedRecordings, expand, identify,
+    identify_planned, plan_in,
+};
+use armident_ident::{Stage, StructureSearch};
 
 use super::recordings;
-use crate::args::IdentifyArgs;
-use crate::failure::{Failure, Outcome};
-use crate::{output, page};
+use crate::args::{CouplingArg, IdentifyArgs, PayloadArg, PriorArg, ViscousArg};
+use crate::failure::Outcome;
+use crate::progress::Progress;
+use crate::{output, page, robot};
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     // a folder without recordings is refused below, where it is known whether it holds a plan
-    let files = recordings::expand(&args.recordings).unwrap_or_default();
+    let files = expand(&args.recordings).unwrap_or_default();
     let inputs = files.iter().chain(&args.holdout).chain([&args.robot]).map(PathBuf::as_path);
     output::protect(
         inputs,
         [args.output.json.as_ref(), args.save_model.as_ref(), args.page.report.as_ref()],
     )?;
     args.page.check()?;
-    let with_plan: Vec<PathBuf> =
-        args.recordings.iter().filter_map(|p| recordings::plan_in(p)).collect();
-    let Identified { report, model, read, correlation } = match &with_plan[..] {
-        [] => batch::batch(args)?,
-        [plan] if args.recordings.len() == 1 => planned::by_algorithm2(args, plan)?,
+    let with_plan: Vec<PathBuf> = args.recordings.iter().filter_map(|p| plan_in(p)).collect();
+    let found = match &with_plan[..] {
+        [] => batch(args)?,
+        [plan] if args.recordings.len() == 1 => by_algorithm2(args, plan)?,
         _ => {
             return Err(Failure::new(
                 "a folder with a plan cannot be combined with other recordings",
@@ -41,29 +39,68 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
         }
     };
     if let Some(path) = &args.save_model {
-        model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
+        found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
-    output::say_all(&args.output, "note", &report.notes);
-    let [train, holdout] = &read;
-    let recorded =
-        [(train.as_slice(), RecordingRole::Training), (holdout.as_slice(), RecordingRole::Holdout)];
-    let before = model.before();
-    let models: [(&str, &ArmModel); 2] = [("URDF only", &before), ("model", &model)];
+    output::say_all(&args.output, "note", &found.report.notes);
     let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
-    let drawing =
-        page::of_models(&args.page, &model.chain, &models, &recorded, report.cutoff_hz, used)?
-            .map(|drawing| Drawing { correlation, ..drawing });
-    let text = report.text(output::bars());
-    let warnings = &report.warnings;
-    page::write_result(&args.page, &args.output, &text, &report, warnings, drawing.as_ref())
+    let drawing = page::drawn(&args.page, used, || found.drawing())?;
+    let report = &found.report;
+    let (text, warnings) = (report.text(output::bars()), &report.warnings);
+    page::write_result(&args.page, &args.output, &text, report, warnings, drawing.as_ref())
 }
 
-/// The result of an identification: the report, the model, and what a page draws.
-struct Identified {
-    report: IdentifyReport,
-    model: ArmModel,
-    /// training and hold-out recordings
-    read: [Vec<Recording>; 2],
-    correlation: Option<Correlation>,
+fn options(args: &IdentifyArgs) -> IdentifyOptions {
+    let payload = |given: &PayloadArg| PayloadOn {
+        file: given.file.clone(),
+        mass_kg: given.mass_kg,
+        com_m: given.com_m,
+        com_error_m: given.com_error_m,
+    };
+    IdentifyOptions {
+        cutoff_hz: args.cutoff_hz,
+        estimator: args.method,
+        cross_validate: args.cross_validate,
+        prior: args.prior == PriorArg::Urdf,
+        payloads: args.payload.iter().map(payload).collect(),
+        search: StructureSearch {
+            couplings: args.coupling == CouplingArg::Auto,
+            sublinear: args.viscous == ViscousArg::Auto,
+        },
+        raw_estimate: args.raw_estimate,
+    }
+}
+
+/// Ordinary motion, by the batch fit.
+fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
+    let read =
+        |paths: &[PathBuf]| recordings::read_all(&expand(paths)?, &args.reading, &args.output);
+    let (train, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
+    let stage = Mutex::new(None);
+    let progress = |next: Stage| {
+        if let Ok(mut current) = stage.lock() {
+            // the line of the stage before goes away first
+            drop(current.take());
+            *current = Some(Progress::of(&args.output, in_words(next)));
+        }
+    };
+    let robot = robot::open(&args.robot, &args.chain)?;
+    identify(&robot, train, holdout, &options(args), &progress)
+}
+
+/// Planned experiments, by Algorithm 2.
+fn by_algorithm2(args: &IdentifyArgs, plan: &Path) -> Result<Identified, Failure> {
+    let planned = PlannedRecordings::of(plan)?;
+    let robot = robot::open(&args.robot, &args.chain)?;
+    let read = recordings::read_all(&planned.files, &args.reading, &args.output)?;
+    identify_planned(&robot, &planned, read, &options(args))
+}
+
+fn in_words(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Motions => "filtering recordings",
+        Stage::Structure => "selecting model structure",
+        Stage::Fit => "fitting",
+        Stage::Projection => "projecting to consistent links",
+    }
 }

@@ -17,7 +17,8 @@ pub(crate) mod simulate;
 pub(crate) mod validate;
 
 use crate::args::Command;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
+use armident_commands::Failure;
 
 /// Runs a command.
 pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {

@@ -8,16 +8,14 @@ use armident_recording::{JointChannels, Recording, write_csv_to};
 use armident_report::plan_text;
 
 use crate::args::PlanArgs;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::progress::Progress;
 use crate::{output, robot};
-
-/// Name of the plan in the folders of trajectories and of recordings.
-pub(crate) const PLAN_FILE: &str = "plan.json";
+use armident_commands::{Failure, PLAN_FILE, chain_notes};
 
 pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
     output::protect([args.robot.as_path()], [args.output.json.as_ref()])?;
-    let model = robot::load(&args.robot, &args.chain, None)?;
+    let model = robot::open(&args.robot, &args.chain)?.arm(None)?;
     let set = MinimalSet::of(&model.rigid_arm())?;
     for (joint, _) in &args.coulomb {
         if !model.chain.joint_names().contains(&joint.as_str()) {
@@ -55,7 +53,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<Outcome, Failure> {
     }
     let warnings: Vec<String> =
         model.chain.warnings.iter().map(ToString::to_string).chain(plan.notes.clone()).collect();
-    output::say_all(&args.output, "note", &robot::notes(&model));
+    output::say_all(&args.output, "note", &chain_notes(&model));
     output::write_result(&args.output, &plan_text(&plan), &plan, &warnings)
 }
 

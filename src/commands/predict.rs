@@ -1,30 +1,13 @@
 //! `armident predict`.
 
-use armident_recording::{JointChannels, Recording};
-use serde::Serialize;
+use armident_commands::{Failure, Predicted, predict};
 
 use super::recordings;
-use armident_model::Prediction;
-
 use crate::args::PredictArgs;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output::counted;
 use crate::progress::Progress;
 use crate::{output, robot};
-
-/// What was predicted, in short; the numbers are in the CSV.
-#[derive(Serialize)]
-struct PredictReport {
-    schema: &'static str,
-    robot: String,
-    motion: String,
-    samples: usize,
-    joints: Vec<String>,
-    cutoff_hz: Option<f64>,
-    effects: Vec<armident_effects::EffectOnJoint>,
-    notes: Vec<String>,
-    warnings: Vec<String>,
-}
 
 pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     output::protect(
@@ -41,37 +24,12 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     }
     let mut motions =
         recordings::read_all(std::slice::from_ref(&args.motion), &args.reading, &args.output)?;
-    let recording = motions.remove(0);
-    let recorded = recordings::joints_with_position(std::slice::from_ref(&recording));
-    let model = robot::load(&args.robot, &args.chain, Some(&recorded))?;
-    let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let motion = motions.remove(0);
+    let robot = robot::open(&args.robot, &args.chain)?;
     let progress = Progress::of(&args.output, "predicting");
-    // a diagnosed model has its own low-pass
-    let cutoff_hz = match model.band {
-        Some(_) => None,
-        None => armident_motion::common_cutoff_hz(
-            std::slice::from_ref(&recording),
-            &model.chain.joint_names(),
-            args.cutoff_hz.or(model.cutoff_hz),
-        )?,
-    };
-    let Prediction { efforts, notes } = model.predict(&recording, cutoff_hz)?;
-    let result = as_recording(&names, &recording, efforts)?;
+    let Predicted { report, efforts } = predict(&robot, &motion, args.cutoff_hz)?;
     drop(progress);
-    let bytes = recordings::encoded(&result, &args.output_file, &args.output)?;
-
-    let warnings: Vec<String> = model.chain.warnings.iter().map(ToString::to_string).collect();
-    let report = PredictReport {
-        schema: "armident.predict/1",
-        robot: model.chain.robot.clone(),
-        motion: recording.source.clone(),
-        samples: result.len(),
-        joints: names,
-        cutoff_hz,
-        effects: model.effects.clone(),
-        notes,
-        warnings: warnings.clone(),
-    };
+    let bytes = recordings::encoded(&efforts, &args.output_file, &args.output)?;
     let to_stdout = output::is_stdout(&args.output_file);
     let text = if to_stdout {
         output::write_stdout(&bytes)?;
@@ -86,19 +44,5 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
         )
     };
     output::say_all(&args.output, "note", &report.notes);
-    output::write_result(&args.output, &text, &report, &warnings)
-}
-
-/// `t` and the effort of every joint at every stamp of a motion.
-pub(crate) fn as_recording(
-    joints: &[String],
-    motion: &Recording,
-    efforts: Vec<Vec<f64>>,
-) -> Result<Recording, Failure> {
-    let of_joint = |(name, effort): (&String, Vec<f64>)| JointChannels {
-        effort: Some(effort),
-        ..JointChannels::new(name)
-    };
-    let channels = joints.iter().zip(efforts).map(of_joint).collect();
-    Ok(Recording::new("prediction", motion.time_s.clone(), channels)?)
+    output::write_result(&args.output, &text, &report, &report.warnings)
 }

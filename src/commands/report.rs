@@ -1,8 +1,9 @@
 //! `armident report`.
 
 use crate::args::ReportArgs;
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::{output, page};
+use armident_commands::Failure;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<Outcome, Failure> {
     output::protect([args.result.as_path()], [Some(&args.output_file)])?;

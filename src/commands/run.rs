@@ -2,8 +2,9 @@
 
 use crate::analysis::{Analysis, Step, meant};
 use crate::args::{Command, RunArgs};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output;
+use armident_commands::Failure;
 
 pub(crate) fn run(args: &RunArgs) -> Result<Outcome, Failure> {
     let mut steps = Analysis::read(&args.file)?.steps()?;

@@ -3,8 +3,9 @@
 use clap::CommandFactory;
 
 use crate::args::{Cli, CompletionsArgs, ManArgs};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output;
+use armident_commands::Failure;
 
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<Outcome, Failure> {
     let mut script = Vec::new();

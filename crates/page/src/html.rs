@@ -27,6 +27,30 @@ pub fn html_of_sections(
     result: &str,
     sections: &[&dyn DiagnosisSection],
 ) -> Result<String, PageError> {
+    let (view, document, drawing) = read(result, sections)?;
+    page(view, &document, &drawing)
+}
+
+/// Verdict, findings and tables of a result as a part of another page, without charts, scripts and styles: what a
+/// notebook shows.
+///
+/// # Errors
+/// [`PageError`].
+pub fn html_excerpt(result: &str) -> Result<String, PageError> {
+    let (view, ..) = read(result, standard_sections::DIAGNOSIS)?;
+    let View { kind, robot, headline, sentences, next, warnings, cards, joints, sections, .. } =
+        view;
+    let tone = view.tone.class();
+    let excerpt =
+        Excerpt { kind, robot, tone, headline, sentences, next, warnings, cards, joints, sections };
+    Ok(excerpt.render()?)
+}
+
+/// The content of a page, its JSON without the section `drawing`, and that section.
+fn read(
+    result: &str,
+    sections: &[&dyn DiagnosisSection],
+) -> Result<(View, Value, Drawing), PageError> {
     let mut document: Value = serde_json::from_str(result)
         .map_err(|e| PageError::NotJson { line: e.line(), message: e.to_string() })?;
     let schema = document.get("schema").and_then(Value::as_str).unwrap_or("none").to_owned();
@@ -38,7 +62,22 @@ pub fn html_of_sections(
         None => Drawing::default(),
     };
     let view = kinds::view(&schema, &document, &drawing, sections)?;
-    page(view, &document, &drawing)
+    Ok((view, document, drawing))
+}
+
+#[derive(Template)]
+#[template(path = "excerpt.html")]
+struct Excerpt {
+    kind: &'static str,
+    robot: String,
+    tone: &'static str,
+    headline: String,
+    sentences: Vec<String>,
+    next: Vec<Step>,
+    warnings: Vec<String>,
+    cards: Vec<Card>,
+    joints: Vec<JointCard>,
+    sections: Vec<Section>,
 }
 
 #[derive(Template)]
@@ -64,6 +103,17 @@ struct Page {
     library: String,
 }
 
+impl Tone {
+    /// Name of its style.
+    fn class(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Bad => "bad",
+            Self::Open => "open",
+        }
+    }
+}
+
 /// All charts of a page.
 fn charts(view: &View) -> impl Iterator<Item = &Figure> {
     (view.overview.iter())
@@ -81,11 +131,7 @@ fn page(mut view: View, document: &Value, drawing: &Drawing) -> Result<String, P
         version: env!("CARGO_PKG_VERSION"),
         title: format!("{}: {}", view.robot, view.headline),
         kind: view.kind,
-        tone: match view.tone {
-            Tone::Good => "good",
-            Tone::Bad => "bad",
-            Tone::Open => "open",
-        },
+        tone: view.tone.class(),
         provenance: provenance(document, drawing),
         result: in_script(&document.to_string()),
         figures: packed(&Value::Object(contents).to_string())?,

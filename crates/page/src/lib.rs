@@ -39,5 +39,5 @@ pub use drawing::{
 };
 pub use error::PageError;
 pub use finding::FindingPlace;
-pub use html::{html, html_of_sections};
+pub use html::{html, html_excerpt, html_of_sections};
 pub use sheet::Compared;

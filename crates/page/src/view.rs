@@ -120,6 +120,17 @@ impl Section {
         Self { id: id.into(), title: title.into(), pieces }
     }
 
+    /// Tables of the section.
+    pub(crate) fn tables(&self) -> Vec<&Grid> {
+        self.pieces
+            .iter()
+            .filter_map(|piece| match piece {
+                Piece::Table(table) => Some(table),
+                _ => None,
+            })
+            .collect()
+    }
+
     /// Charts of the section.
     pub(crate) fn charts(&self) -> impl Iterator<Item = &Figure> {
         self.pieces.iter().filter_map(|piece| match piece {

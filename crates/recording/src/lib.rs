@@ -111,7 +111,10 @@ pub use limits::{MIN_SAMPLES, MISSING_RUN, MISSING_SHARE, REPEATED_SHARE};
 pub use mapping::{GuessedChannel, GuessedTime, Mapping, MappingGuess};
 pub use quantity::Quantity;
 pub use raw::{RawColumn, RawColumns};
-pub use read::{read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from, read_recording};
+pub use read::{
+    read_csv, read_csv_from, read_csv_mapped, read_csv_mapped_from, read_recording,
+    recording_of_columns,
+};
 pub use recording::{JointChannels, Recording};
 pub use timing::{GAP_STEPS, Gap, Timing};
 pub use velocity_check::findings as velocity_findings;

@@ -9,6 +9,7 @@ use crate::formats::{
     start_of,
 };
 use crate::mapping::Mapping;
+use crate::raw::RawColumns;
 use crate::recording::Recording;
 
 /// Reads a recording of any standard format, see [`Formats::read`].
@@ -20,6 +21,19 @@ pub fn read_recording(
     settings: &ReadSettings<'_>,
 ) -> Result<Recording, RecordingError> {
     Formats::standard().read(path, settings)
+}
+
+/// The recording in columns that are in memory already, with the checks and repairs of a file. Names and units are those
+/// of a file: `t` in seconds and `<joint>/<quantity>`, or what the mapping of the settings expects.
+///
+/// # Errors
+/// Columns that make no recording, see [`read_csv_from`].
+pub fn recording_of_columns(
+    columns: RawColumns,
+    settings: &ReadSettings<'_>,
+) -> Result<Recording, RecordingError> {
+    let source = columns.source.clone();
+    ColumnRequest::new(&source, settings).recording(columns)
 }
 
 /// Reads a CSV file. `source` of the recording is the path.

@@ -3,32 +3,71 @@
 use std::path::{Path, PathBuf};
 
 use armident_ident::experiment::{PLAN_SCHEMA, Plan};
-use armident_ident::{PlannedIdentification, PlannedRequest, identify_planned};
+use armident_ident::{PlannedIdentification, PlannedRequest, identify_planned as identified};
 use armident_recording::Recording;
-
 use armident_report::IdentifyReport;
 
-use super::Identified;
 use super::batch::failure;
-use crate::args::IdentifyArgs;
-use crate::commands::recordings;
+use super::{Identified, IdentifyOptions};
 use crate::failure::Failure;
-use crate::robot;
+use crate::recordings::notes;
+use crate::robot::{ChainOptions, GivenRobot, chain_warnings};
 
-pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Identified, Failure> {
-    let plan = read_plan(plan_path)?;
+/// Name of the plan in the folders of trajectories and of recordings.
+pub const PLAN_FILE: &str = "plan.json";
+
+/// The plan file of a folder, if it has one.
+pub fn plan_in(path: &Path) -> Option<PathBuf> {
+    let plan = path.join(PLAN_FILE);
+    (path.is_dir() && plan.is_file()).then_some(plan)
+}
+
+/// A plan, and the files that its recordings are in.
+#[derive(Debug, Clone)]
+pub struct PlannedRecordings {
+    plan: Plan,
+    path: PathBuf,
+    /// One file an experiment.
+    pub files: Vec<PathBuf>,
+}
+
+impl PlannedRecordings {
+    /// Reads the plan of a folder of recordings.
+    ///
+    /// # Errors
+    /// A file that is no plan.
+    pub fn of(plan_path: &Path) -> Result<Self, Failure> {
+        let plan = read_plan(plan_path)?;
+        let folder = plan_path.parent().unwrap_or(Path::new("."));
+        let files = plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
+        Ok(Self { plan, path: plan_path.to_owned(), files })
+    }
+}
+
+/// Identifies an arm from recordings of a plan, one an experiment, by Algorithm 2.
+///
+/// # Errors
+/// A plan of another arm; recordings that cannot be used.
+pub fn identify_planned(
+    robot: &GivenRobot,
+    planned: &PlannedRecordings,
+    recordings: Vec<Recording>,
+    options: &IdentifyOptions,
+) -> Result<Identified, Failure> {
+    let PlannedRecordings { plan, path: plan_path, .. } = planned;
     let folder = plan_path.parent().unwrap_or(Path::new("."));
-    let mut model = robot::load(&args.robot, &args.chain, Some(&plan.joints))?;
+    let mut model = robot.arm(Some(&plan.joints))?;
     // the plan knows how the arm was mounted and cut out of its robot
-    if args.chain.gravity.is_none() && args.chain.tip.is_none() && !is_model(&args.robot) {
-        let chain = crate::args::ChainArgs {
+    let chosen = robot.chain_options();
+    if chosen.gravity.is_none() && chosen.tip.is_none() && !robot.is_model() {
+        let chain = ChainOptions {
             base: Some(plan.base_link.clone()),
             tip: Some(plan.tip_link.clone()),
             lock: plan.locked.clone().into_iter().collect(),
             gravity: Some(plan.gravity),
-            snap_rpy: args.chain.snap_rpy,
+            snap_rpy_rad: chosen.snap_rpy_rad,
         };
-        model = robot::load(&args.robot, &chain, None)?;
+        model = robot.with_chain(chain).arm(None)?;
     }
     let names: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     if names != plan.joints {
@@ -42,26 +81,28 @@ pub(super) fn by_algorithm2(args: &IdentifyArgs, plan_path: &Path) -> Result<Ide
             Some("use the robot and chain options of the plan"),
         ));
     }
-    let files: Vec<PathBuf> =
-        plan.experiments.iter().map(|e| folder.join(format!("{}.csv", e.id))).collect();
-    let recordings: Vec<Recording> = recordings::read_all(&files, &args.reading, &args.output)?;
     let request = PlannedRequest {
         model: &model,
-        plan: &plan,
+        plan,
         recordings: &recordings,
-        cutoff_hz: args.cutoff_hz,
-        project: !args.raw_estimate,
+        cutoff_hz: options.cutoff_hz,
+        project: !options.raw_estimate,
     };
-    let mut found =
-        identify_planned(&request).map_err(|error| failure(error, [&recordings, &[]]))?;
+    let mut found = identified(&request).map_err(|error| failure(error, [&recordings, &[]]))?;
     found.model.provenance.push(format!("Algorithm 2 on {}", folder.display()));
     let mut report = IdentifyReport::of_planned(&found);
     report.recordings = recordings.iter().map(|r| r.source.clone()).collect();
-    report.warnings = model.chain.warnings.iter().map(ToString::to_string).collect();
+    report.warnings = chain_warnings(&model);
     report.warnings.extend(step_warnings(&found));
     report.warnings.extend(report.consistency.iter().flat_map(|links| links.warnings()));
-    report.notes = recordings::notes(&found.motions);
-    Ok(Identified { report, model: found.model, read: [recordings, Vec::new()], correlation: None })
+    report.notes = notes(&found.motions);
+    Ok(Identified {
+        report,
+        model: found.model,
+        training: recordings,
+        holdout: Vec::new(),
+        correlation: None,
+    })
 }
 
 fn read_plan(path: &Path) -> Result<Plan, Failure> {
@@ -83,10 +124,6 @@ fn read_plan(path: &Path) -> Result<Plan, Failure> {
         path.display(),
         hint,
     ))
-}
-
-fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
 }
 
 /// Constants that the plan or its recordings do not determine.

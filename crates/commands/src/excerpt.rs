@@ -14,7 +14,7 @@ const WIDTH: usize = 110;
 
 /// One line of a text file.
 #[derive(Debug)]
-pub(crate) struct Excerpt {
+pub struct Excerpt {
     number: usize,
     text: String,
     /// Faulty bytes of the line.
@@ -23,7 +23,7 @@ pub(crate) struct Excerpt {
 
 impl Excerpt {
     /// The line of a URDF, if it is readable; most faults know their position in it.
-    pub(crate) fn of_urdf(place: &UrdfPlace) -> Option<Self> {
+    pub fn of_urdf(place: &UrdfPlace) -> Option<Self> {
         let number = place.line? as usize;
         let (start, text) = line(&place.source, number)?;
         let span = match &place.span {
@@ -34,7 +34,7 @@ impl Excerpt {
     }
 
     /// The line of a recording or a mapping file.
-    pub(crate) fn of_recording(error: &RecordingError) -> Option<Self> {
+    pub fn of_recording(error: &RecordingError) -> Option<Self> {
         let number = usize::try_from(error.line()?).ok()?;
         let (_, text) = line(error.source_name(), number)?;
         let named = error.column().and_then(|column| {
@@ -50,7 +50,7 @@ impl Excerpt {
     }
 
     /// A span of a text in memory.
-    pub(crate) fn of_text(text: &str, span: &Range<usize>) -> Option<Self> {
+    pub fn of_text(text: &str, span: &Range<usize>) -> Option<Self> {
         let before = text.get(..span.start)?;
         let start = before.rfind('\n').map_or(0, |end| end + 1);
         let number = 1 + before.matches('\n').count();
@@ -62,7 +62,7 @@ impl Excerpt {
     }
 
     /// Line number, from 1.
-    pub(crate) fn number(&self) -> usize {
+    pub fn number(&self) -> usize {
         self.number
     }
 
@@ -74,12 +74,21 @@ impl Excerpt {
     }
 
     /// The excerpt with a margin, styled for a terminal.
-    pub(crate) fn styled(&self) -> String {
+    pub fn styled(&self) -> String {
+        self.rendered(&Renderer::styled())
+    }
+
+    /// The same without style.
+    pub fn plain(&self) -> String {
+        self.rendered(&Renderer::plain())
+    }
+
+    fn rendered(&self, renderer: &Renderer) -> String {
         let snippet = Snippet::source(self.text.as_str())
             .line_start(self.number)
             .annotation(AnnotationKind::Primary.span(self.span.clone()));
         let group = Group::with_level(Level::ERROR).element(snippet);
-        Renderer::styled().term_width(WIDTH).render(&[group])
+        renderer.clone().term_width(WIDTH).render(&[group])
     }
 }
 

@@ -1,71 +1,57 @@
 //! Ordinary motion, by the batch fit.
 
-use std::sync::Mutex;
-
 use armident_ident::{
-    BatchSettings, Identification, IdentifyError, IdentifyRequest, Stage, StructureSearch, identify,
+    BatchSettings, Identification, IdentifyError, IdentifyRequest, Stage, identify as identified,
 };
 use armident_page::Correlation;
 use armident_recording::Recording;
 use armident_report::IdentifyReport;
 
-use super::{Identified, payloads};
-use crate::args::{CouplingArg, IdentifyArgs, PriorArg, ViscousArg};
-use crate::commands::recordings;
+use super::{Identified, IdentifyOptions, payloads};
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::robot;
+use crate::recordings::{joints_with_position, no_effort, notes};
+use crate::robot::{GivenRobot, chain_warnings};
 
-pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
-    let train_files = recordings::expand(&args.recordings)?;
-    let holdout_files = recordings::expand(&args.holdout)?;
-    let train = recordings::read_all(&train_files, &args.reading, &args.output)?;
-    let holdout = recordings::read_all(&holdout_files, &args.reading, &args.output)?;
-    let recorded = recordings::joints_with_position(&train);
-    let (given, unused) = robot::load_links(&args.robot, &args.chain, Some(&recorded))?;
-    let loads =
-        payloads::loads(args, &given, &[(&train_files, &train), (&holdout_files, &holdout)])?;
-    let stage = Mutex::new(None);
-    let progress = |next: Stage| {
-        if let Ok(mut current) = stage.lock() {
-            // the line of the stage before goes away first
-            drop(current.take());
-            *current = Some(Progress::of(&args.output, in_words(next)));
-        }
-    };
-    let found = identify(&IdentifyRequest {
+/// Identifies an arm from ordinary motion; hold-out recordings are predicted only. `progress` is called at the beginning
+/// of each stage.
+///
+/// # Errors
+/// Recordings that cannot be used together; an estimator that does not suit them; payloads of no recording.
+pub fn identify(
+    robot: &GivenRobot,
+    train: Vec<Recording>,
+    holdout: Vec<Recording>,
+    options: &IdentifyOptions,
+    progress: &(dyn Fn(Stage) + Sync),
+) -> Result<Identified, Failure> {
+    let (given, unused) = robot.links(Some(&joints_with_position(&train)))?;
+    let loads = payloads::loads(&options.payloads, &given, [&train, &holdout])?;
+    let found = identified(&IdentifyRequest {
         holdout: &holdout,
-        cutoff_hz: args.cutoff_hz,
+        cutoff_hz: options.cutoff_hz,
         loads: &loads,
-        estimator: args.method,
+        estimator: options.estimator,
         settings: BatchSettings {
-            link_prior: match args.prior {
-                PriorArg::Urdf => BatchSettings::default().link_prior,
-                PriorArg::None => None,
-            },
+            link_prior: if options.prior { BatchSettings::default().link_prior } else { None },
             ..BatchSettings::default()
         },
-        search: StructureSearch {
-            couplings: args.coupling == CouplingArg::Auto,
-            sublinear: args.viscous == ViscousArg::Auto,
-        },
-        project: !args.raw_estimate,
-        cross_validate: args.cross_validate,
-        progress: &progress,
+        search: options.search,
+        project: !options.raw_estimate,
+        cross_validate: options.cross_validate,
+        progress,
         ..IdentifyRequest::new(&given, &train)
     });
-    drop(stage);
     let mut found = found.map_err(|error| failure(error, [&train, &holdout]))?;
     let [train, holdout] = found.converted.take().unwrap_or([train, holdout]);
-    let mut report = IdentifyReport::of_batch(&found, args.method.name(), &loads);
+    let mut report = IdentifyReport::of_batch(&found, options.estimator.name(), &loads);
     report.recordings = train.iter().map(|r| r.source.clone()).collect();
     report.holdout_recordings = holdout.iter().map(|r| r.source.clone()).collect();
     let motions = found.train_motions.iter().chain(&found.holdout_motions);
-    let mut notes = recordings::notes(motions);
+    let mut notes = notes(motions);
     notes.extend(unused);
     notes.append(&mut report.notes);
     report.notes = notes;
-    let mut warnings: Vec<String> = given.chain.warnings.iter().map(ToString::to_string).collect();
+    let mut warnings = chain_warnings(&given);
     warnings.append(&mut report.warnings);
     report.warnings = warnings;
     report.warnings.extend(report.consistency.iter().flat_map(|links| links.warnings()));
@@ -74,17 +60,9 @@ pub(super) fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
         report,
         model: found.model,
         correlation: Some(correlation),
-        read: [train, holdout],
+        training: train,
+        holdout,
     })
-}
-
-fn in_words(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Motions => "filtering recordings",
-        Stage::Structure => "selecting model structure",
-        Stage::Fit => "fitting",
-        Stage::Projection => "projecting to consistent links",
-    }
 }
 
 /// Correlation of every pair of estimates, for the page.
@@ -113,7 +91,7 @@ pub(super) fn failure(error: IdentifyError, read: [&[Recording]; 2]) -> Failure 
             let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
             let mut all = read.iter().copied().flatten();
             match all.find(|recording| recording.source == *source_name) {
-                Some(recording) => recordings::no_effort(recording, &joints),
+                Some(recording) => no_effort(recording, &joints),
                 None => Failure::new(&error, source_name, None::<String>),
             }
         }

@@ -1,28 +1,29 @@
-//! Known payloads of the command line, matched to their recordings.
+//! Known payloads, matched to their recordings.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use armident_ident::KnownLoad;
 use armident_model::ArmModel;
 use armident_recording::Recording;
 
-use crate::args::IdentifyArgs;
+use super::PayloadOn;
 use crate::failure::Failure;
 
 pub(super) fn loads(
-    args: &IdentifyArgs,
+    payloads: &[PayloadOn],
     model: &ArmModel,
-    read: &[(&Vec<PathBuf>, &Vec<Recording>)],
+    read: [&[Recording]; 2],
 ) -> Result<Vec<KnownLoad>, Failure> {
     let mut loads: Vec<KnownLoad> = Vec::new();
-    for given in &args.payload {
+    for given in payloads {
         let place = format!("--payload file={}", given.file.display());
-        let pairs =
-            || read.iter().flat_map(|(files, recordings)| files.iter().zip(recordings.iter()));
-        let exact = pairs().find(|(file, _)| **file == given.file);
-        let by_name = pairs().find(|(file, _)| file.file_name() == Some(given.file.as_os_str()));
-        let Some((_, recording)) = exact.or(by_name) else {
-            let known: Vec<String> = pairs().map(|(file, _)| file.display().to_string()).collect();
+        let all = || read.into_iter().flatten();
+        let path = |recording: &Recording| Path::new(&recording.source).to_owned();
+        let exact = all().find(|recording| path(recording) == given.file);
+        let by_name =
+            all().find(|recording| path(recording).file_name() == Some(given.file.as_os_str()));
+        let Some(recording) = exact.or(by_name) else {
+            let known: Vec<&str> = all().map(|recording| recording.source.as_str()).collect();
             return Err(Failure::new(
                 "the payload's recording is not among the inputs",
                 place,

@@ -1,0 +1,47 @@
+//! Each command from its inputs to its result, for the command line and for Python.
+//!
+//! A command takes a [`GivenRobot`] and [`Recording`](armident_recording::Recording)s, calls the library, and gives a result:
+//! the report, which is the JSON, the model where there is one, and what its page draws. Reading and writing of files,
+//! messages and exit codes are their callers'. What fails is a [`Failure`] of three lines.
+//!
+//! ```
+//! use std::path::Path;
+//! use armident_commands::{ChainOptions, GivenRobot, params};
+//!
+//! let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../urdf/ur5.urdf");
+//! let robot = GivenRobot::open(&urdf, ChainOptions::default())?;
+//! let (report, _) = params(&robot)?;
+//! assert!(report.text().contains("Minimal set: 36 constants"));
+//! # Ok::<(), armident_commands::Failure>(())
+//! ```
+
+mod check;
+mod diagnose;
+mod drawing;
+mod excerpt;
+mod export;
+mod failure;
+mod identify;
+mod params;
+mod predict;
+mod recordings;
+mod robot;
+mod simulate;
+mod validate;
+
+pub use check::{Checked, check};
+pub use diagnose::{DiagnoseOptions, DiagnoseRecordings, Diagnosed, diagnose};
+pub use drawing::Drawn;
+pub use excerpt::Excerpt;
+pub use export::{ExportFormat, ExportReport, export};
+pub use failure::Failure;
+pub use identify::{
+    Identified, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings, identify,
+    identify_planned, plan_in,
+};
+pub use params::params;
+pub use predict::{PredictReport, Predicted, predict};
+pub use recordings::{ReadingOptions, expand, quality_notes, read_all};
+pub use robot::{ChainOptions, GivenRobot, chain_notes, chain_warnings};
+pub use simulate::{NoiseLevel, SimulateOptions, SimulatedDirection, Simulator};
+pub use validate::{Validated, validate};

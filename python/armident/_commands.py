@@ -1,0 +1,276 @@
+"""The commands. A robot is a `Robot` or the path of a URDF or model file; recordings are `Recording`s, paths of files, or
+folders of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal
+
+from . import _armident
+from ._armident import Recording
+from ._recordings import Path, RecordingsLike, RobotLike, as_recordings, as_robot
+from ._results import (
+    Check,
+    Diagnosis,
+    Export,
+    Identification,
+    MinimalSet,
+    Prediction,
+    Validation,
+)
+
+
+def params(robot: RobotLike) -> MinimalSet:
+    """Driving-axis frames and minimal parameter set of an arm.
+
+    Raises:
+        ArmidentError: A chain that cannot be chosen.
+    """
+    return MinimalSet(_armident.params(as_robot(robot)))
+
+
+def check(
+    robot: RobotLike,
+    recordings: RecordingsLike,
+    *,
+    cutoff_hz: float | None = None,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Check:
+    """Check recordings: signs, units, order, delay, noise and excitation.
+
+    Args:
+        cutoff_hz: Low-pass [Hz]. Default: from the spectrum of the motion.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
+
+    Raises:
+        ArmidentError: Recordings without the joints or efforts of the arm.
+    """
+    read = as_recordings(recordings, mapping, topic)
+    return Check(_armident.check(as_robot(robot), read, cutoff_hz))
+
+
+def identify(
+    robot: RobotLike,
+    recordings: RecordingsLike,
+    *,
+    holdout: RecordingsLike | None = None,
+    cutoff_hz: float | None = None,
+    method: str = "irls",
+    cross_validate: bool = False,
+    prior: Literal["urdf", "none"] = "urdf",
+    payload: Iterable[Mapping[str, Any]] = (),
+    coupling: Literal["auto", "none"] = "auto",
+    viscous: Literal["auto", "linear"] = "auto",
+    raw_estimate: bool = False,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Identification:
+    """Estimate inertia and friction parameters from recordings.
+
+    Args:
+        recordings: Recordings; or a folder with `plan.json` and one CSV file an experiment (Algorithm 2).
+        holdout: Recordings that are predicted only, for validation.
+        cutoff_hz: Low-pass [Hz]. Default: from the spectrum of the motion.
+        method: Estimator: `irls`, `wls`, `ols`, `iv`.
+        cross_validate: Leave-one-recording-out cross-validation.
+        prior: Prior on link inertias: about the URDF with a scale from the recordings, or none.
+        payload: Known payloads, each a dict with `file` (path or name of a recording's file, or its `source`), `mass`
+            [kg], and optionally `com` [m, frame of the last moving link] and `com_error` [m].
+        coupling: Transmissions shared by neighbouring joints: where cross-validation supports them, or none.
+        viscous: Viscous friction: sublinear where the recordings support it, or linear.
+        raw_estimate: Skip the projection to physically consistent parameters.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
+
+    Raises:
+        ArmidentError: Recordings that cannot be used.
+    """
+    plan = None
+    if isinstance(recordings, (str, os.PathLike)):
+        folder = os.fspath(recordings)
+        if os.path.isfile(os.path.join(folder, "plan.json")):
+            plan = os.path.join(folder, "plan.json")
+    train = [] if plan else as_recordings(recordings, mapping, topic)
+    loads = [
+        (os.fspath(load["file"]), load["mass"], load.get("com"), load.get("com_error", 0.0))
+        for load in payload
+    ]
+    return Identification(
+        _armident.identify(
+            as_robot(robot),
+            train,
+            as_recordings(holdout, mapping, topic),
+            plan,
+            cutoff_hz,
+            method,
+            cross_validate,
+            _one_of("prior", prior, ("urdf", "none")) == "urdf",
+            loads,
+            _one_of("coupling", coupling, ("auto", "none")) == "auto",
+            _one_of("viscous", viscous, ("auto", "linear")) == "auto",
+            raw_estimate,
+        )
+    )
+
+
+def diagnose(
+    robot: RobotLike,
+    recordings: RecordingsLike,
+    *,
+    holdout: RecordingsLike | None = None,
+    reference: RecordingsLike | None = None,
+    placebo: int | None = None,
+    replay: bool = True,
+    trust_columns: bool = False,
+    next_motion: Path | None = None,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Diagnosis:
+    """Find effects missing from a model and confirm them on hold-out recordings.
+
+    Args:
+        holdout: Recordings that are never fitted, for confirmation.
+        reference: Earlier recordings of the same arm; only changes since then are reported.
+        placebo: Run a placebo test with this many wrong terms.
+        replay: Forward replay of the hold-out.
+        trust_columns: Use columns that fail the input checks.
+        next_motion: File for a motion that separates indistinguishable effects; also in `result.separating_motion`.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
+
+    Raises:
+        ArmidentError: Recordings that cannot be used.
+    """
+    path = None if next_motion is None else os.fspath(next_motion)
+    answer, motion = _armident.diagnose(
+        as_robot(robot),
+        as_recordings(recordings, mapping, topic),
+        as_recordings(holdout, mapping, topic),
+        as_recordings(reference, mapping, topic),
+        placebo,
+        replay,
+        trust_columns,
+        path,
+    )
+    result = Diagnosis(answer)
+    result.separating_motion = motion
+    if motion is not None and path is not None:
+        motion.save(path)
+    return result
+
+
+def validate(
+    robot: RobotLike,
+    recordings: RecordingsLike,
+    *,
+    cutoff_hz: float | None = None,
+    replay: bool = True,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Validation:
+    """Evaluate a model on hold-out recordings.
+
+    Args:
+        cutoff_hz: Low-pass [Hz]. Default: the model's, else from the spectrum of the motion.
+        replay: Forward replay: recorded efforts drive the simulated arm.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
+
+    Raises:
+        ArmidentError: Recordings without the joints or efforts of the arm.
+    """
+    read = as_recordings(recordings, mapping, topic)
+    return Validation(_armident.validate(as_robot(robot), read, cutoff_hz, replay))
+
+
+def predict(
+    robot: RobotLike,
+    motion: Recording | Path,
+    *,
+    cutoff_hz: float | None = None,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Prediction:
+    """Predict the joint efforts of a motion; `result.efforts` is a `Recording`.
+
+    Args:
+        cutoff_hz: Low-pass of the positions [Hz]. Default: the model's, else from the spectrum of the motion.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
+
+    Raises:
+        ArmidentError: A motion without the positions of the joints.
+    """
+    (read,) = as_recordings(motion, mapping, topic)
+    answer, efforts = _armident.predict(as_robot(robot), read, cutoff_hz)
+    result = Prediction(answer)
+    result.efforts = efforts
+    return result
+
+
+def simulate(
+    robot: RobotLike,
+    trajectories: RecordingsLike,
+    *,
+    direction: Literal["inverse", "forward"] = "inverse",
+    torque_noise: float | str | None = None,
+    encoder_bits: int | None = None,
+    rate_hz: float | None = None,
+    effect: Iterable[tuple[str, str, Sequence[float]]] = (),
+    seed: int = 0,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> list[Recording]:
+    """Simulate recordings from trajectories.
+
+    Args:
+        direction: From motion to efforts, or from efforts to motion.
+        torque_noise: Standard deviation of white effort noise [N m or N], or a share of each joint's effort (`"5%"`).
+        encoder_bits: Quantise positions to this many bits per turn (or metre).
+        rate_hz: Resample to this rate first [Hz].
+        effect: Effects to add, each `(effect, joint, parameters)`.
+        seed: Random seed of the noise.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
+
+    Returns:
+        One recording a trajectory. Without `encoder_bits` it has exact accelerations too.
+
+    Raises:
+        ArmidentError: A trajectory that the arm cannot follow; an effect that it cannot have.
+    """
+    forward = _one_of("direction", direction, ("inverse", "forward")) == "forward"
+    effects = [(name, joint, list(parameters)) for name, joint, parameters in effect]
+    noise = None if torque_noise is None else str(torque_noise)
+    read = as_recordings(trajectories, mapping, topic)
+    simulated, _ = _armident.simulate(
+        as_robot(robot), read, forward, noise, encoder_bits, rate_hz, effects, seed
+    )
+    return simulated
+
+
+def export(
+    robot: RobotLike, path: Path, *, format: Literal["urdf", "mjcf", "c"] | None = None
+) -> Export:
+    """Export a model to URDF, MJCF or C.
+
+    Args:
+        path: Output file (`.urdf`, `.xml` for MJCF, or `.c`).
+        format: Output format. Default: from the extension.
+
+    Raises:
+        ArmidentError: A format that is not known; a file that cannot be written.
+    """
+    answer, text = _armident.export(as_robot(robot), os.fspath(path), format)
+    result = Export(answer)
+    result.text = text
+    return result
+
+
+def _one_of(name: str, given: str, known: tuple[str, ...]) -> str:
+    if given not in known:
+        _armident.refuse(f"unknown value `{given}`", name, f"pass one of {', '.join(known)}")
+    return given
