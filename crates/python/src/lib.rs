@@ -1,6 +1,8 @@
 //! The Python module `armident._armident`: robots, recordings and the commands of [`armident_commands`]. The package
 //! `armident` (`python/armident`) adds keyword arguments with their documentation, and results with attributes.
 
+// doc comments are the documentation in Python, in which [s] is a unit
+#![allow(rustdoc::broken_intra_doc_links)]
 // functions of Python get their arguments as values
 #![allow(clippy::needless_pass_by_value)]
 

@@ -15,7 +15,7 @@ const ATTENTION: Duration = Duration::from_millis(50);
 const STACK: usize = 8 << 20;
 
 /// Does work in a thread of its own, without the interpreter, and looks for Ctrl-C meanwhile. Work that was interrupted
-/// has no way to stop: it ends unheeded.
+/// has no way to stop: it continues to its end, and its result is dropped.
 pub(crate) fn done<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
@@ -25,7 +25,7 @@ pub(crate) fn done<T: Send + 'static>(
         .name("armident".to_owned())
         .stack_size(STACK)
         .spawn(move || {
-            // nobody receives what was interrupted
+            // after Ctrl-C there is no receiver
             let _ = sender.send(work());
         })
         .map_err(|error| PyRuntimeError::new_err(format!("cannot start a thread: {error}")))?;
