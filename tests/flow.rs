@@ -64,7 +64,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
             "simulation",
         ],
     ),
-    ("export", &["effects", "kinematics", "model"]),
+    ("export", &["dynamics", "effects", "kinematics", "model"]),
     (
         "commands",
         &[
