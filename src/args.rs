@@ -19,7 +19,8 @@ pub(crate) use arm::{
 pub(crate) use around::{CompletionsArgs, DemoArgs, ManArgs, ReportArgs, RunArgs};
 pub(crate) use challenge::{ChallengeArgs, ChallengeFailOn, KindArg, StudyArg};
 pub(crate) use recorded::{
-    CheckArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, PriorArg, ValidateArgs, ViscousArg,
+    CheckArgs, ConvertArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, InfoArgs, PriorArg,
+    ValidateArgs, ViscousArg,
 };
 pub(crate) use value::PayloadArg;
 use value::{parse_named_number, parse_positive, parse_vector};
@@ -33,14 +34,15 @@ use value::{parse_named_number, parse_positive, parse_vector};
 Start here:
   armident demo                                            a complete example
   armident params   urdf/stanford.urdf                     minimal parameter set of an arm
+  armident info     log.csv                                show what a log holds
   armident check    urdf/ur10.urdf log.csv                 check a recording
   armident identify urdf/ur10.urdf log.csv                 estimate parameters
   armident diagnose urdf/ur10.urdf log.csv                 find missing effects
   armident run                                             run armident.toml
 
 Recordings are CSV files with a column `t` [s] and columns <joint>/position, /velocity,
-/acceleration, /effort (rad, m, N m, N), Parquet files of such columns, or MCAP files of ROS 2 joint
-states. Exit codes: 0 result written, 1 failed, 2 usage error, 3 condition of --fail-on met."
+/acceleration, /effort (rad, m, N m, N), NumPy, MATLAB and Parquet files of such columns, or bags of
+ROS with joint states; info shows what a log with other names holds. Exit codes: 0 result written, 1 failed, 2 usage error, 3 condition of --fail-on met."
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -52,6 +54,8 @@ pub(crate) enum Command {
     Params(ParamsArgs),
     Plan(PlanArgs),
     Simulate(SimulateArgs),
+    Info(InfoArgs),
+    Convert(ConvertArgs),
     Check(CheckArgs),
     Identify(IdentifyArgs),
     Diagnose(DiagnoseArgs),
@@ -96,7 +100,7 @@ pub(crate) struct ReadingArgs {
     /// TOML file that maps columns to joints, quantities and units (docs/mapping.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) mapping: Option<PathBuf>,
-    /// Joint state topic of MCAP files [default: the only one, else /joint_states]
+    /// Topic of the joints in bags of ROS [default: the only one with joint states, else /joint_states]
     #[arg(long, value_name = "TOPIC")]
     pub(crate) topic: Option<String>,
 }

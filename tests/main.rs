@@ -51,6 +51,8 @@ mod extend_format;
 mod field;
 /// MCAP compared with CSV
 mod formats;
+/// logs with other names: what they hold, the guessed mapping, conversions
+mod info;
 /// pages of results in a browser
 mod page;
 /// exported URDF and MJCF in Pinocchio and MuJoCo

@@ -22,9 +22,14 @@ pub(super) fn recordings() -> String {
     format!("Recordings ({}) or folders of them", formats())
 }
 
-/// Extensions of the formats: `.csv, .mcap, .parquet`.
-fn extensions() -> String {
-    format!(".{}", Formats::standard().extensions().join(", ."))
+/// Help of the one recording of a command.
+pub(super) fn one_recording() -> String {
+    format!("Recording ({})", formats())
+}
+
+/// Extensions of the formats that are written: `.csv, .mcap, .npz`.
+pub(super) fn written_extensions() -> String {
+    format!(".{}", Formats::standard().written_extensions().join(", ."))
 }
 
 /// Print an arm's driving-axis frames and minimal parameter set
@@ -110,7 +115,7 @@ pub(crate) struct SimulateArgs {
     #[arg(required = true, help = format!("Folder of a plan, or trajectory files ({})", formats()))]
     pub(crate) trajectories: Vec<PathBuf>,
     #[arg(short, long, value_name = "PATH", help = format!(
-        "Output folder, or output file for one trajectory ({})", extensions()
+        "Output folder, or output file for one trajectory ({})", written_extensions()
     ))]
     pub(crate) output_path: PathBuf,
     /// Direction
@@ -151,7 +156,7 @@ pub(crate) struct PredictArgs {
     #[arg(help = format!("Motion ({}) with the joint positions", formats()))]
     pub(crate) motion: PathBuf,
     #[arg(short, long, value_name = "FILE", help = format!(
-        "Output file with columns t and JOINT/effort ({}); - for CSV on stdout", extensions()
+        "Output file with columns t and JOINT/effort ({}); - for CSV on stdout", written_extensions()
     ))]
     pub(crate) output_file: PathBuf,
     /// Low-pass cut-off frequency [Hz] [default: the model's, else from the motion's spectrum]

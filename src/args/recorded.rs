@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use armident_ident::estimators::Estimator;
 use clap::{Args, ValueEnum};
 
-use super::arm::recordings;
+use super::arm::{one_recording, recordings, written_extensions};
 use super::value::{PayloadArg, estimators, parse_payload, parse_positive};
 use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
@@ -90,6 +90,51 @@ pub(crate) struct IdentifyArgs {
     pub(crate) chain: ChainArgs,
     #[command(flatten)]
     pub(crate) page: PageArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Show what a log holds: format, joints, rate, quality, and the mapping that its names suggest
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident info log.csv
+  armident info log.csv --robot robot.urdf --write-mapping mapping.toml
+  armident diagnose robot.urdf log.csv --mapping mapping.toml
+
+Names such as actual_q_0, joint1.pos or tau_1 are guessed. Where a name has two meanings the guess is
+unsure: the mapping file states why, and you decide. With --robot, numbered joints get the names of
+the arm in its order.")]
+pub(crate) struct InfoArgs {
+    #[arg(required = true, help = recordings())]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// URDF or model that names numbered joints
+    #[arg(long, value_name = "FILE")]
+    pub(crate) robot: Option<PathBuf>,
+    /// Write the guessed mapping of the first recording, for --mapping of other commands
+    #[arg(long, value_name = "FILE", conflicts_with = "mapping")]
+    pub(crate) write_mapping: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Convert a log to a file with standard names and SI units
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident convert run.mcap run.csv
+  armident convert log.mat log.npz --mapping mapping.toml
+
+Columns are `t` and <joint>/<quantity>. What the output format cannot hold is listed.")]
+pub(crate) struct ConvertArgs {
+    #[arg(help = one_recording())]
+    pub(crate) recording: PathBuf,
+    #[arg(help = format!("Output file ({})", written_extensions()))]
+    pub(crate) output_file: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

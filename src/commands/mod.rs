@@ -2,10 +2,12 @@
 
 pub(crate) mod challenge;
 pub(crate) mod check;
+pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod export;
 pub(crate) mod identify;
+pub(crate) mod info;
 pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod predict;
@@ -26,6 +28,8 @@ pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Params(args) => params::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Check(args) => check::run(args),
         Command::Identify(args) => identify::run(args),
         Command::Diagnose(args) => diagnose::run(args),

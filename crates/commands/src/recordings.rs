@@ -1,6 +1,6 @@
 //! Recordings of a command: files and folders, channels that it needs, notes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use armident_kinematics::nearest;
 use armident_motion::{Motion, MotionSettings, findings};
@@ -18,7 +18,10 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let extensions = Formats::standard().extensions();
     let mut files = Vec::new();
     for path in paths {
-        if path.is_dir() {
+        let episodes = episodes(path);
+        if !episodes.is_empty() {
+            files.extend(episodes);
+        } else if path.is_dir() {
             let entries = std::fs::read_dir(path).map_err(|error| {
                 Failure::new(
                     format!("cannot read the folder: {error}"),
@@ -51,6 +54,22 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     Ok(files)
+}
+
+/// Files of episodes of a LeRobot dataset, `data/chunk-000/*.parquet`; none of other folders.
+fn episodes(dataset: &Path) -> Vec<PathBuf> {
+    if !dataset.join("meta/info.json").is_file() {
+        return Vec::new();
+    }
+    let inside = |folder: PathBuf| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten();
+        let mut found: Vec<PathBuf> =
+            entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        found.sort();
+        found
+    };
+    let files = inside(dataset.join("data")).into_iter().flat_map(inside);
+    files.filter(|file| file.extension().is_some_and(|end| end == "parquet")).collect()
 }
 
 /// How recordings are read.

@@ -391,7 +391,10 @@ impl Reading {
         let is_measured = rest.iter().any(|k| MEASURED.contains(&texts[*k].as_str()));
         let own: Vec<usize> = (rest.iter().copied())
             .filter(|k| {
-                ![&MEASURED[..], &COMMANDED[..]].iter().any(|l| l.contains(&texts[*k].as_str()))
+                let word = texts[*k].as_str();
+                // the quantity may stand twice: `observation.effort.elbow.effort`
+                let is_again = word.len() > 1 && synonym(word).is_some_and(|s| s.0 == quantity);
+                !is_again && ![&MEASURED[..], &COMMANDED[..]].iter().any(|l| l.contains(&word))
             })
             .collect();
         let numbers: Vec<usize> = own.iter().filter_map(|k| texts[*k].parse().ok()).collect();
@@ -568,6 +571,8 @@ mod tests {
             ("position.elbow", "elbow/position"),
             ("elbow torque [Nm]", "elbow/effort"),
             ("observation.state.elbow_flex.pos", "elbow_flex/position"),
+            ("observation.effort.elbow_flex.effort", "elbow_flex/effort"),
+            ("observation.state.elbow_flex", "elbow_flex/position"),
             ("jointVelocity3", "joint_3/velocity"),
             ("q1_deg", "joint_1/position [deg]"),
             ("q1 [deg]", "joint_1/position [deg]"),
