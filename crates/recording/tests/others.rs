@@ -10,6 +10,7 @@
 mod shared;
 
 use std::path::{Path, PathBuf};
+#[cfg(feature = "all-formats")]
 use std::process::Command;
 
 use armident_recording::{
