@@ -12,6 +12,7 @@ const REAL: &str = "docs/real-data.md";
 const DIAGNOSIS: &str = "docs/studies/diagnosis.md";
 const MIXED: &str = "docs/studies/challenge_mixed.md";
 const CHANGE: &str = "docs/studies/challenge_change.md";
+const HARD: &str = "docs/studies/challenge_hard.md";
 const NULLS: &str = "docs/studies/challenge_nulls.md";
 const PERTURBED: &str = "docs/studies/challenge_perturbed.md";
 const COVERAGE: &str = "docs/studies/batch_coverage.md";
@@ -71,6 +72,10 @@ const FIGURES: &[(&str, &str, Cell)] = &[
     ("change_cases", CHANGE, Score("cases")),
     ("change_found", CHANGE, Score("pairs: recall")),
     ("change_false_positives", CHANGE, Missed("pairs: precision")),
+    ("hard_cases", HARD, Score("cases")),
+    ("hard_found", HARD, Score("recall")),
+    ("hard_false_positives", HARD, Missed("precision")),
+    ("hard_false_alarms", HARD, Score("false alarms")),
     ("null_cases", NULLS, Rows(Only, &["all"], &["cases"])),
     ("null_false_alarms", NULLS, Rows(Only, &["all"], &["false alarms"])),
     ("perturbed_cases", PERTURBED, Score("cases")),
