@@ -187,7 +187,7 @@ impl Source {
             omit(format!("the compliance of the drive of {}", term.joint));
         }
         for term in &model.smooth_terms {
-            omit(format!("structure without a name on {}", term.joint));
+            omit(format!("unmodelled structure on {}", term.joint));
         }
         if model.effort_delay_s != 0.0 {
             omit(format!("the lag of the efforts, {:.4} s", model.effort_delay_s));

@@ -96,7 +96,7 @@ a link that is reported without having changed is a false positive.
 const HARD: &str = "\
 Field arms with up to four effects, at 40 to 125 Hz, some with a joint that barely moves or with point-to-point motion
 and standstills. Each has recording faults: stamps of reception, an effort clock that drifts, a low-pass in the drive,
-coarse efforts, a clipped stretch, spikes, a missing second.
+coarse efforts, clipped efforts, spikes, a missing second.
 ";
 
 fn in_full(board: &Scoreboard) -> String {
