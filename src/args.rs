@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use arm::{
-    Direction, ExportArgs, FormatArg, ParamsArgs, PlanArgs, PredictArgs, SimulateArgs,
+    Direction, ExciteArgs, ExportArgs, FormatArg, ParamsArgs, PlanArgs, PredictArgs, SimulateArgs,
 };
 pub(crate) use around::{CompletionsArgs, DemoArgs, ManArgs, ReportArgs, RunArgs};
 pub(crate) use challenge::{ChallengeArgs, ChallengeFailOn, KindArg, StudyArg};
@@ -53,6 +53,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     Params(ParamsArgs),
     Plan(PlanArgs),
+    Excite(ExciteArgs),
     Simulate(SimulateArgs),
     Info(InfoArgs),
     Convert(ConvertArgs),

@@ -106,6 +106,11 @@ fn lay_out(folder: &Path) {
     write("cut_off.urdf", &urdf.as_bytes()[..urdf.len() / 2]);
     write("no_child.urdf", urdf.replace("<child link=\"link_2\"/>", "").as_bytes());
     write("text.txt", b"not a folder\n");
+    write("limits_key.toml", b"[joint_1]\nspeed = 1.0\n");
+    write("limits_joint.toml", b"[elbow]\nvelocity = 1.0\n");
+    write("limits_sign.toml", b"[joint_1]\nvelocity = -1.0\n");
+    write("limits_order.toml", b"[joint_1]\nlower = 1.0\nupper = -1.0\n");
+    write("limits_text.toml", b"[joint_1]\n\nvelocity = \"fast\"\n");
 
     let recording = motion(&RECORDED, waves);
     write("motion.csv", motion(&POSITIONS, waves).as_bytes());
@@ -190,6 +195,17 @@ plan planar_2r.urdf -o text.txt/plan
 plan planar_2r.urdf -o out --amplitude 0
 plan planar_2r.urdf -o out --dither 0.004
 plan planar_2r.urdf -o out --coulomb elbow=2
+excite planar_2r.urdf
+excite planar_2r.urdf -o out --seconds 0
+excite planar_2r.urdf -o out --budget soon
+excite planar_2r.urdf -o out --only dance
+excite planar_2r.urdf -o out --limits absent.toml
+excite planar_2r.urdf -o out --limits text.txt
+excite planar_2r.urdf -o out --limits limits_key.toml
+excite planar_2r.urdf -o out --limits limits_joint.toml
+excite planar_2r.urdf -o out --limits limits_sign.toml
+excite planar_2r.urdf -o out --limits limits_order.toml
+excite planar_2r.urdf -o out --limits limits_text.toml
 identify planar_2r.urdf run.csv --payload file=heavy.csv,mass=2
 identify planar_2r.urdf run.csv --payload file=run.csv,mass=-2
 identify planar_2r.urdf run.csv --payload file=run.csv,mass=2,com=0:0

@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 18] = [
+const ARROWS: [(&str, &[&str]); 19] = [
     ("numeric", &[]),
     ("inference", &["numeric"]),
     ("kinematics", &[]),
@@ -34,6 +34,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
             "simulation",
         ],
     ),
+    ("excitation", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
     (
         "diagnose",
         &[
@@ -48,7 +49,19 @@ const ARROWS: [(&str, &[&str]); 18] = [
             "recording",
         ],
     ),
-    ("report", &["diagnose", "dynamics", "effects", "ident", "kinematics", "model", "motion"]),
+    (
+        "report",
+        &[
+            "diagnose",
+            "dynamics",
+            "effects",
+            "excitation",
+            "ident",
+            "kinematics",
+            "model",
+            "motion",
+        ],
+    ),
     ("page", &["effects", "kinematics", "motion", "recording", "report"]),
     (
         "challenge",
@@ -70,6 +83,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
         &[
             "diagnose",
             "effects",
+            "excitation",
             "export",
             "ident",
             "kinematics",

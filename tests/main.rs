@@ -39,6 +39,8 @@ mod coverage;
 mod demo;
 /// hidden effects are found and located, absent effects are not, and the model predicts
 mod diagnose;
+/// the suite of motions of `excite`, recorded in simulation and identified
+mod excite;
 /// models as URDF and MJCF, and effects that these formats do not support
 mod export;
 /// a law added from outside the crates

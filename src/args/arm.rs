@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use armident_commands::NoiseLevel;
+use armident_excitation::Part;
 use armident_recording::Formats;
 use clap::{Args, ValueEnum};
 
 use super::value::{
     parse_amplitude, parse_effect, parse_named_number, parse_pair, parse_positive, parse_rate,
-    parse_sigma,
+    parse_seconds, parse_sigma, parts,
 };
 use super::{ChainArgs, OutputArgs, ReadingArgs};
 
@@ -82,6 +83,58 @@ pub(crate) struct PlanArgs {
     /// Dither the observed joint: amplitude [rad or m] and frequency [Hz]
     #[arg(long, value_name = "AMPLITUDE,HZ", value_parser = parse_pair)]
     pub(crate) dither: Option<(f64, f64)>,
+    /// Random seed
+    #[arg(long, default_value_t = 1992)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Design the motions of an identification, with the standard errors they will give
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident excite urdf/panda.urdf -o suite/
+  armident excite robot.urdf -o suite/ --limits limits.toml --seconds 30 --budget 60
+  armident excite robot.urdf -o suite/ --only train,validation
+
+Writes a CSV file for each motion (position, velocity and acceleration of every joint) and suite.toml,
+their list in the order of recording. All motions begin and end at rest and keep to the limits of
+position, speed, acceleration, jerk and effort between samples too. Collisions are not part of it:
+rehearsals follow the same paths at a fifth of the speed.
+
+limits.toml holds what differs from the URDF, in rad, m, s, N m and N:
+  [elbow]
+  lower = -2.0
+  upper = 2.0
+  velocity = 1.5
+  acceleration = 5.0
+  jerk = 50.0
+  effort = 60.0
+  noise = 0.1        (standard deviation of one recorded effort)")]
+pub(crate) struct ExciteArgs {
+    /// URDF, or a model written by identify or diagnose
+    pub(crate) robot: PathBuf,
+    /// Output folder for suite.toml and the motions
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output_folder: PathBuf,
+    /// Limits of joints that differ from those of the URDF (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) limits: Option<PathBuf>,
+    /// Length of the training motion [s]
+    #[arg(long, default_value_t = 20.0, value_parser = parse_positive)]
+    pub(crate) seconds: f64,
+    /// Time for the search [s]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = parse_seconds)]
+    pub(crate) budget: f64,
+    /// Sample rate of the motions [Hz]
+    #[arg(long, default_value_t = 100.0, value_parser = parse_rate)]
+    pub(crate) rate_hz: f64,
+    /// Design these parts alone
+    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = parts())]
+    pub(crate) only: Vec<Part>,
     /// Random seed
     #[arg(long, default_value_t = 1992)]
     pub(crate) seed: u64,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use armident_excitation::Part;
 use armident_ident::estimators::{self, Estimator};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -25,6 +26,19 @@ pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
         x if x > 0.0 => Ok(x),
         x => Err(format!("must be positive, found {x}")),
     }
+}
+
+/// Parses a time such as `30` or `30s`.
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_positive(text.trim().trim_end_matches('s'))
+}
+
+/// The parts of a suite, by their names.
+pub(super) fn parts() -> impl TypedValueParser<Value = Part> {
+    let values = Part::ALL.map(|part| PossibleValue::new(part.name()).help(part.purpose()));
+    PossibleValuesParser::new(values).try_map(|name| {
+        Part::ALL.into_iter().find(|part| part.name() == name).ok_or("there is no such part")
+    })
 }
 
 pub(super) fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {

@@ -5,6 +5,7 @@ pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod diagnose;
+pub(crate) mod excite;
 pub(crate) mod export;
 pub(crate) mod identify;
 pub(crate) mod info;
@@ -27,6 +28,7 @@ pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {
     match command {
         Command::Params(args) => params::run(args),
         Command::Plan(args) => plan::run(args),
+        Command::Excite(args) => excite::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::path::Path;
 
 use armident_diagnose::{DiagnoseError, Unusable};
+use armident_excitation::ExcitationError;
 use armident_ident::experiment::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
 use armident_model::ModelError;
@@ -181,6 +182,27 @@ impl From<Algorithm2Error> for Failure {
 }
 
 impl Failure {
+    /// Motions that cannot be designed, with limits of a file or of the URDF.
+    pub fn excitation(error: &ExcitationError, limits: Option<&Path>) -> Self {
+        let (place, hint) = match error {
+            ExcitationError::UnknownJoint { known, .. } => {
+                (limits, format!("joints of the chain: {}", known.join(", ")))
+            }
+            ExcitationError::Limit { .. } => {
+                let hint =
+                    "limits are in rad, m, s, N m and N; leave one out to use that of the URDF";
+                (limits, hint.to_owned())
+            }
+            ExcitationError::Effort { .. } => {
+                let hint = "raise `effort` of this joint with --limits FILE, or narrow `lower` and `upper` to poses it can hold";
+                (limits, hint.to_owned())
+            }
+            _ => (None, "choose another value".to_owned()),
+        };
+        let place = place.map_or("the limits".to_owned(), |path| path.display().to_string());
+        Self::new(error, place, Some(hint))
+    }
+
     /// A model file that cannot be used.
     pub fn model(path: &Path, error: &ModelError) -> Self {
         let place = match error {

@@ -5,6 +5,7 @@ pub(crate) mod check;
 mod consistency;
 pub(crate) mod constants;
 pub(crate) mod diagnosis;
+mod excite;
 mod identify;
 mod params;
 mod plan;
@@ -20,6 +21,7 @@ pub use diagnosis::{
     EstimateRow, EvidenceRow, FindingRow, Fits, InputCheckRows, JointResiduals, MoreData,
     Regressor, RegressorBin, VariableShare, in_noise_levels,
 };
+pub use excite::{ExciteReport, MotionRow};
 pub use identify::{
     DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,
     PayloadRow, StepRow,
