@@ -64,7 +64,7 @@ fn predicted_errors_are_those_of_the_estimate() {
         .json();
         for constant in list(&found["constants"]) {
             let (value, error) = predicted[string(&constant["label"])];
-            squares.push(((number(&constant["estimate"]) - value) / error).powi(2));
+            squares.push(((number(&constant["value"]) - value) / error).powi(2));
         }
     }
     assert_eq!(squares.len(), 3 * predicted.len());

@@ -106,6 +106,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "challenge",
             "commands",
             "effects",
+            "excitation",
             "ident",
             "kinematics",
             "motion",

@@ -31,7 +31,7 @@ pub(crate) type Columns = [Vec<Vec<f64>>; 3];
 
 /// What is estimated on an arm, and from efforts of which noise.
 #[derive(Debug)]
-pub(crate) struct Unknowns<'a> {
+pub(crate) struct Parameters<'a> {
     pub(crate) arm: &'a RigidArm,
     pub(crate) set: &'a MinimalSet,
     /// values of the minimal set
@@ -40,7 +40,7 @@ pub(crate) struct Unknowns<'a> {
     pub(crate) noise: Vec<f64>,
 }
 
-impl<'a> Unknowns<'a> {
+impl<'a> Parameters<'a> {
     pub(crate) fn new(arm: &'a RigidArm, set: &'a MinimalSet, noise: Vec<f64>) -> Self {
         let values = set.values(&constants_from_links(&arm.joints, &arm.links));
         Self { arm, set, values, noise }
@@ -51,7 +51,7 @@ impl<'a> Unknowns<'a> {
         &self.values
     }
 
-    /// Number of unknowns.
+    /// Number of parameters.
     pub(crate) fn len(&self) -> usize {
         self.set.len() + JOINT_LAWS.len() * self.arm.dof()
     }
@@ -82,7 +82,7 @@ impl<'a> Unknowns<'a> {
         JOINT_LAWS.iter().flat_map(|law| law.columns(&[], &motion)).collect()
     }
 
-    /// Place of each column of a joint among the unknowns.
+    /// Place of each column of a joint among the parameters.
     fn places(&self, joint: usize) -> Vec<usize> {
         let laws = self.set.len() + JOINT_LAWS.len() * joint;
         (0..self.set.len()).chain(laws..laws + JOINT_LAWS.len()).collect()
@@ -194,8 +194,8 @@ pub struct Information {
 }
 
 impl Information {
-    fn none(unknowns: usize) -> Self {
-        Self { matrix: Mat::zeros(unknowns, unknowns) }
+    fn none(parameters: usize) -> Self {
+        Self { matrix: Mat::zeros(parameters, parameters) }
     }
 
     fn add(&mut self, places: &[usize], columns: &[Vec<f64>], noise: f64) {
@@ -237,7 +237,7 @@ impl Information {
         Cholesky::of(self.matrix.nrows(), |i, j| self.matrix[(i, j)]).map(|f| f.log_determinant())
     }
 
-    /// Standard error of each unknown; infinite where the information is singular.
+    /// Standard error of each parameter; infinite where the information is singular.
     pub fn standard_errors(&self) -> Vec<f64> {
         let n = self.matrix.nrows();
         // columns of unit length first: units differ by orders of magnitude
@@ -274,14 +274,14 @@ mod tests {
     fn gradient_is_that_of_the_value() {
         for arm in [arm(), stanford()] {
             let set = MinimalSet::of(&arm).unwrap();
-            let unknowns = Unknowns::new(&arm, &set, vec![0.5; arm.dof()]);
+            let parameters = Parameters::new(&arm, &set, vec![0.5; arm.dof()]);
             let columns = random(60, arm.dof());
             let excess = |_: usize, effort: f64| {
                 let over = (effort.abs() - 20.0).max(0.0);
                 (1e-3 * over * over, 2e-3 * over * effort.signum())
             };
-            let found = unknowns.ascent(&columns, excess).unwrap();
-            let value = |columns: &Columns| unknowns.ascent(columns, excess).unwrap().value;
+            let found = parameters.ascent(&columns, excess).unwrap();
+            let value = |columns: &Columns| parameters.ascent(columns, excess).unwrap().value;
             let h = 1e-5;
             for (k, joint, t) in [(0, 1, 3), (1, 0, 10), (2, 2, 30), (0, 4, 44), (1, 5, 7)] {
                 let mut moved = [columns.clone(), columns.clone()];
@@ -302,8 +302,8 @@ mod tests {
     fn standard_errors_fall_with_the_root_of_the_samples() {
         let arm = arm();
         let set = MinimalSet::of(&arm).unwrap();
-        let unknowns = Unknowns::new(&arm, &set, vec![0.5; arm.dof()]);
-        let once = unknowns.information(&random(80, arm.dof()));
+        let parameters = Parameters::new(&arm, &set, vec![0.5; arm.dof()]);
+        let once = parameters.information(&random(80, arm.dof()));
         let twice = once.with(&once);
         for (one, two) in once.standard_errors().iter().zip(twice.standard_errors()) {
             assert!((one / two - 2.0_f64.sqrt()).abs() < 1e-9);

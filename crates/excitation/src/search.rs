@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::effort_bound::{Rates, effort_rates};
 use crate::error::ExcitationError;
 use crate::fourier::{FourierJoint, to_rest};
-use crate::information::{Columns, Unknowns};
+use crate::information::{Columns, Parameters};
 use crate::limits::MotionLimits;
 
 /// Samples of the shortest wave during the search.
@@ -66,7 +66,7 @@ impl FourierMotion {
 
 /// Search for motions of one length.
 pub(crate) struct Search<'a> {
-    pub(crate) unknowns: &'a Unknowns<'a>,
+    pub(crate) parameters: &'a Parameters<'a>,
     pub(crate) limits: &'a [MotionLimits],
     pub(crate) names: &'a [String],
     pub(crate) period_s: f64,
@@ -222,7 +222,7 @@ impl<'a> Search<'a> {
         let mean = |effort: &Vec<f64>| {
             (effort.iter().map(|e| e * e).sum::<f64>() / effort.len() as f64).sqrt()
         };
-        self.unknowns.efforts(&Self::motion(&shaped)).iter().map(mean).collect()
+        self.parameters.efforts(&Self::motion(&shaped)).iter().map(mean).collect()
     }
 
     /// A random motion inside the limits of position, velocity, acceleration and jerk.
@@ -242,7 +242,7 @@ impl<'a> Search<'a> {
         for step in 0..STEPS {
             let shaped: Vec<Shaped> =
                 (0..joints).map(|joint| self.shaped(&basis, &point, joint)).collect();
-            let Some(found) = self.unknowns.ascent(&Self::motion(&shaped), self.excess()) else {
+            let Some(found) = self.parameters.ascent(&Self::motion(&shaped), self.excess()) else {
                 break;
             };
             if found.value > best.0 {
@@ -411,19 +411,19 @@ impl<'a> Search<'a> {
             (0..=samples).map(|k| motion.period_s * k as f64 / samples as f64).collect();
         let jerks: Vec<f64> =
             motion.joints.iter().map(|j| j.bounds(motion.period_s).derivatives[2]).collect();
-        effort_ratio(self.unknowns, self.limits, &time_s, &motion.columns(&time_s), &jerks)
+        effort_ratio(self.parameters, self.limits, &time_s, &motion.columns(&time_s), &jerks)
     }
 }
 
 /// Largest effort over its limit and the joint, of a sampled motion whose jerks are bounded.
 pub(crate) fn effort_ratio(
-    unknowns: &Unknowns<'_>,
+    parameters: &Parameters<'_>,
     limits: &[MotionLimits],
     time_s: &[f64],
     columns: &Columns,
     jerks: &[f64],
 ) -> (f64, usize) {
-    let efforts = unknowns.efforts(columns);
+    let efforts = parameters.efforts(columns);
     let [q, v, a] = columns;
     let mut worst = (0.0, 0);
     let mut rates = Vec::with_capacity(limits.len());
@@ -438,7 +438,7 @@ pub(crate) fn effort_ratio(
             let position = larger(&q[j]) + 0.5 * h * velocity;
             Rates { position, velocity, acceleration, jerk }
         }));
-        let change = effort_rates(unknowns.arm, &rates);
+        let change = effort_rates(parameters.arm, &rates);
         for (j, limits) in limits.iter().enumerate() {
             let Some(limit) = limits.effort else { continue };
             let ratio = (larger(&efforts[j]) + 0.5 * h * change[j]) / limit;
@@ -465,9 +465,9 @@ mod tests {
         let (chain, arm) = (chain(), arm());
         let set = MinimalSet::of(&arm).unwrap();
         let (limits, _) = motion_limits(&chain, &BTreeMap::new()).unwrap();
-        let unknowns = Unknowns::new(&arm, &set, vec![0.5; arm.dof()]);
+        let parameters = Parameters::new(&arm, &set, vec![0.5; arm.dof()]);
         let search = Search {
-            unknowns: &unknowns,
+            parameters: &parameters,
             limits: &limits,
             names: &[],
             period_s: 10.0,
@@ -485,7 +485,7 @@ mod tests {
             assert!(within(&a[j], -limits.acceleration, limits.acceleration));
         }
         let mut sampled = 0.0_f64;
-        for (effort, limits) in unknowns.efforts(&[q, v, a]).iter().zip(&limits) {
+        for (effort, limits) in parameters.efforts(&[q, v, a]).iter().zip(&limits) {
             let largest = effort.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
             sampled = sampled.max(largest / limits.effort.unwrap());
         }
@@ -493,7 +493,7 @@ mod tests {
         assert!(sampled <= bound && bound <= 1.0 && bound < 1.1 * sampled, "{sampled} {bound}");
         let sampled = |motion: &FourierMotion| {
             let time_s: Vec<f64> = (0..1000).map(|k| f64::from(k) / 100.0).collect();
-            unknowns.information(&motion.columns(&time_s))
+            parameters.information(&motion.columns(&time_s))
         };
         let random = sampled(&search.random_motion(3));
         let found = sampled(&best);
@@ -507,9 +507,9 @@ mod tests {
         let (chain, arm) = (chain(), arm());
         let set = MinimalSet::of(&arm).unwrap();
         let (limits, _) = motion_limits(&chain, &BTreeMap::new()).unwrap();
-        let unknowns = Unknowns::new(&arm, &set, vec![0.5; arm.dof()]);
+        let parameters = Parameters::new(&arm, &set, vec![0.5; arm.dof()]);
         let search = Search {
-            unknowns: &unknowns,
+            parameters: &parameters,
             limits: &limits,
             names: &[],
             period_s: 10.0,
@@ -521,7 +521,7 @@ mod tests {
             (0..arm.dof()).map(|joint| search.shaped(&basis, point, joint)).collect()
         };
         let ascent = |point: &Point| {
-            unknowns.ascent(&Search::motion(&shaped(point)), search.excess()).unwrap()
+            parameters.ascent(&Search::motion(&shaped(point)), search.excess()).unwrap()
         };
         let found = ascent(&point);
         for joint in [0, 2, 5] {

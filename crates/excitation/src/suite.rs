@@ -10,7 +10,7 @@ use armident_recording::{JointChannels, Recording};
 use serde::Serialize;
 
 use crate::error::ExcitationError;
-use crate::information::{Columns, Information, JOINT_LAWS, Unknowns};
+use crate::information::{Columns, Information, JOINT_LAWS, Parameters};
 use crate::limits::{GivenLimits, MotionLimits, motion_limits};
 use crate::search::{FourierMotion, Search, effort_ratio};
 use crate::sweep::Sweep;
@@ -176,7 +176,7 @@ pub struct SuiteMotion {
     pub condition: f64,
 }
 
-/// What the suite will tell about one unknown.
+/// What the suite will tell about one parameter.
 #[derive(Debug, Clone, Serialize)]
 pub struct PredictedError {
     /// Label of the constant, or slug of the law.
@@ -265,9 +265,9 @@ pub fn excite(
     let set = MinimalSet::of(&arm)?;
     let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
     let (limits, mut notes) = motion_limits(chain, given)?;
-    let mut unknowns = Unknowns::new(&arm, &set, vec![1.0; arm.dof()]);
-    unknowns.noise = noise(&unknowns, &limits, &names, settings, &mut notes);
-    let design = Designer { unknowns: &unknowns, limits: &limits, names: &names, settings };
+    let mut parameters = Parameters::new(&arm, &set, vec![1.0; arm.dof()]);
+    parameters.noise = noise(&parameters, &limits, &names, settings, &mut notes);
+    let design = Designer { parameters: &parameters, limits: &limits, names: &names, settings };
     let wanted = |part: Part| settings.parts.is_empty() || settings.parts.contains(&part);
 
     let mut motions: Vec<SuiteMotion> = Vec::new();
@@ -315,21 +315,21 @@ pub fn excite(
     );
     let of = |wanted: &dyn Fn(&SuiteMotion) -> bool| -> Option<Information> {
         let all = motions.iter().filter(|m| wanted(m));
-        all.map(|m| unknowns.information(&columns_of(&m.motion))).reduce(|a, b| a.with(&b))
+        all.map(|m| parameters.information(&columns_of(&m.motion))).reduce(|a, b| a.with(&b))
     };
     let fitted = |m: &SuiteMotion| m.split == Split::Train && !m.is_rehearsal;
     let suite = of(&fitted);
     let of_train = of(&|m: &SuiteMotion| m.part == Part::Train && !m.is_rehearsal);
     let condition = suite.as_ref().map_or(Ok(f64::INFINITY), Information::condition)?;
-    let errors = errors(&unknowns, &names, of_train.as_ref(), suite.as_ref());
+    let errors = errors(&parameters, &names, of_train.as_ref(), suite.as_ref());
     let random_condition = design.random_condition()?;
-    let noise = unknowns.noise.clone();
+    let noise = parameters.noise.clone();
     Ok(Suite { motions, limits, noise, errors, condition, random_condition, starts, notes })
 }
 
 /// Noise of each joint's effort: given, or a share of its usual effort.
 fn noise(
-    unknowns: &Unknowns<'_>,
+    parameters: &Parameters<'_>,
     limits: &[MotionLimits],
     names: &[String],
     settings: &SuiteSettings,
@@ -338,7 +338,7 @@ fn noise(
     /// Share of the root mean square effort of a random motion.
     const OF_USUAL: f64 = 0.01;
     let period_s = settings.seconds;
-    let search = Search { unknowns, limits, names, period_s, harmonics: HARMONICS[0] };
+    let search = Search { parameters, limits, names, period_s, harmonics: HARMONICS[0] };
     let usual = search.usual_efforts(settings.seed);
     let largest = usual.iter().copied().fold(0.0, f64::max);
     let without: Vec<&str> = limits
@@ -364,9 +364,9 @@ fn noise(
         .collect()
 }
 
-/// Predicted standard errors of all unknowns.
+/// Predicted standard errors of all parameters.
 fn errors(
-    unknowns: &Unknowns<'_>,
+    parameters: &Parameters<'_>,
     names: &[String],
     of_train: Option<&Information>,
     suite: Option<&Information>,
@@ -374,13 +374,13 @@ fn errors(
     let Some(suite) = suite.map(Information::standard_errors) else { return Vec::new() };
     let of_train = of_train.map(Information::standard_errors);
     let constants =
-        unknowns.set.constants.iter().zip(unknowns.values()).map(|(constant, value)| {
+        parameters.set.constants.iter().zip(parameters.values()).map(|(constant, value)| {
             let unit = constant.unit().to_owned();
             (constant.label(), constant.joint, unit, Some(*value))
         });
     let laws = (0..names.len()).flat_map(|joint| {
         JOINT_LAWS.iter().map(move |law| {
-            let kind = unknowns.arm.joints[joint].kind;
+            let kind = parameters.arm.joints[joint].kind;
             let unit = law.law().parameters.first().map_or("", |p| p.unit(kind)).to_owned();
             (law.law().slug.to_owned(), joint, unit, None)
         })
@@ -434,7 +434,7 @@ impl Segment {
 }
 
 struct Designer<'a> {
-    unknowns: &'a Unknowns<'a>,
+    parameters: &'a Parameters<'a>,
     limits: &'a [MotionLimits],
     names: &'a [String],
     settings: &'a SuiteSettings,
@@ -450,7 +450,7 @@ impl<'a> Designer<'a> {
         };
         let waves = (highest_hz * period_s).round() as usize;
         Search {
-            unknowns: self.unknowns,
+            parameters: self.parameters,
             limits: self.limits,
             names: self.names,
             period_s,
@@ -465,7 +465,7 @@ impl<'a> Designer<'a> {
         for k in 0..RANDOM_MOTIONS {
             let motion = search.random_motion(self.settings.seed.wrapping_add(7919 * (k + 1)));
             let columns = motion.columns(&times(motion.period_s, self.settings.rate_hz));
-            all.push(self.unknowns.information(&columns).condition()?);
+            all.push(self.parameters.information(&columns).condition()?);
         }
         all.sort_by(f64::total_cmp);
         Ok(all[all.len() / 2])
@@ -493,13 +493,13 @@ impl<'a> Designer<'a> {
                 const CHECKED_HZ: f64 = 1000.0;
                 let (time_s, columns) = self.sampled(segments, CHECKED_HZ);
                 let jerks: Vec<f64> = self.limits.iter().map(|l| l.jerk).collect();
-                effort_ratio(self.unknowns, self.limits, &time_s, &columns, &jerks)
+                effort_ratio(self.parameters, self.limits, &time_s, &columns, &jerks)
             }
         };
         if effort_share.0 > 1.0 {
             return Ok(None);
         }
-        let condition = self.unknowns.information(&columns).condition()?;
+        let condition = self.parameters.information(&columns).condition()?;
         let [q, v, a] = columns;
         let joints = self.names.iter().zip(q.into_iter().zip(v.into_iter().zip(a)));
         let joints = joints

@@ -175,8 +175,8 @@ impl ExciteReport {
             })
             .collect();
         let heads: &[&str] = match training {
-            true => &["unknown", "joint", "value", "training motion", "all of the fit", "unit"],
-            false => &["unknown", "joint", "value", "all of the fit", "unit"],
+            true => &["parameter", "joint", "value", "training motion", "all of the fit", "unit"],
+            false => &["parameter", "joint", "value", "all of the fit", "unit"],
         };
         text += &aligned(heads, &rows, 2);
         text
