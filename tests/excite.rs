@@ -104,3 +104,24 @@ fn parts_are_designed_singly() {
         .collect();
     assert_eq!(files.len(), 2, "{files:?}");
 }
+
+/// A folder of recordings with the list of the suite: its hold-out is held out, what is for neither is not used.
+#[test]
+fn recordings_are_split_as_the_suite_says() {
+    let folder = scratch("excite_split");
+    let urdf = project("urdf/scara.urdf");
+    let design = ["excite", text(&urdf), "-o", "suite", "--budget", "0.5", "--seconds", "8", "-q"];
+    run_in(&folder, &[&design[..], &["--only", "train,fast,validation"]].concat()).fine();
+    let planned = ["suite/train.csv", "suite/validation.csv", "suite/train_rehearsal.csv"];
+    let simulate = ["-o", "runs", "--torque-noise", "1%", "-q"];
+    run_in(&folder, &[&["simulate", text(&urdf)], &planned[..], &simulate].concat()).fine();
+    std::fs::copy(folder.join("suite/suite.toml"), folder.join("runs/suite.toml")).unwrap();
+    let ran = run_in(&folder, &["identify", text(&urdf), "runs", "--json", "-"]).fine();
+    assert!(ran.stderr.contains("runs/suite.toml: not recorded: fast"), "{}", ran.stderr);
+    let found = ran.json();
+    let names = |key: &str| -> Vec<String> {
+        list(&found[key]).iter().map(|file| string(file).to_owned()).collect()
+    };
+    assert_eq!(names("recordings"), ["runs/train.csv"]);
+    assert_eq!(names("holdout_recordings"), ["runs/validation.csv"]);
+}

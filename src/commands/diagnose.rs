@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use armident_commands::{DiagnoseOptions, DiagnoseRecordings, Failure, diagnose, expand};
+use armident_commands::{
+    DiagnoseOptions, DiagnoseRecordings, Failure, diagnose, expand, split_recordings,
+};
 
 use super::recordings;
 use crate::args::DiagnoseArgs;
@@ -16,14 +18,17 @@ struct Files {
     holdout: Vec<PathBuf>,
     reference: Vec<PathBuf>,
     next_motion: Option<PathBuf>,
+    notes: Vec<String>,
 }
 
 impl Files {
     /// Expands folders, and checks that nothing is overwritten that is read.
     fn of(args: &DiagnoseArgs) -> Result<Self, Failure> {
+        let split = split_recordings(&args.recordings, &args.holdout)?;
         let files = Self {
-            training: expand(&args.recordings)?,
-            holdout: expand(&args.holdout)?,
+            training: split.training,
+            holdout: split.holdout,
+            notes: split.notes,
             reference: expand(&args.reference)?,
             next_motion: args.next_motion.as_ref().map(|folder| folder.join("next_motion.csv")),
         };
@@ -50,6 +55,7 @@ impl Files {
 
 pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let files = Files::of(args)?;
+    output::say_all(&args.output, "note", &files.notes);
     let read = |files: &[PathBuf]| recordings::read_all(files, &args.reading, &args.output);
     let training = read(&files.training)?;
     let (holdout, reference) = (read(&files.holdout)?, read(&files.reference)?);

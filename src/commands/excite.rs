@@ -4,19 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use armident_commands::{Failure, chain_notes};
+use armident_commands::{Failure, SUITE_FILE, SuiteEntry, SuiteFile, chain_notes};
 use armident_excitation::{GivenLimits, SuiteSettings, excite};
 use armident_recording::write_csv_to;
 use armident_report::{ExciteReport, MotionRow};
-use serde::Serialize;
 
 use crate::args::ExciteArgs;
 use crate::failure::Outcome;
 use crate::progress::Progress;
 use crate::{output, robot};
-
-/// Name of the list of motions.
-const SUITE_FILE: &str = "suite.toml";
 
 pub(crate) fn run(args: &ExciteArgs) -> Result<Outcome, Failure> {
     output::protect([args.robot.as_path()], [args.output.json.as_ref()])?;
@@ -59,44 +55,20 @@ fn read_limits(path: &Path) -> Result<BTreeMap<String, GivenLimits>, Failure> {
             Some("`armident excite --help` shows an example"),
         )
     })?;
-    toml::from_str(&text).map_err(|error| {
-        let line = error.span().map(|span| text[..span.start].matches('\n').count() + 1);
-        let place = match line {
-            Some(line) => format!("{}, line {line}", path.display()),
-            None => path.display().to_string(),
-        };
-        let what = error.message().lines().next().unwrap_or_default().to_owned();
-        let hint = "a table for each joint with lower, upper, velocity, acceleration, jerk, effort or noise, all numbers";
-        Failure::new(what, place, Some(hint))
-    })
-}
-
-/// `suite.toml`.
-#[derive(Serialize)]
-struct SuiteFile<'a> {
-    schema: &'static str,
-    robot: &'a str,
-    motion: Vec<MotionEntry<'a>>,
-}
-
-#[derive(Serialize)]
-struct MotionEntry<'a> {
-    file: String,
-    split: armident_excitation::Split,
-    seconds: f64,
-    purpose: &'a str,
+    let hint = "a table for each joint with lower, upper, velocity, acceleration, jerk, effort or noise, all numbers";
+    toml::from_str(&text).map_err(|error| Failure::of_toml(&error, &text, path, hint))
 }
 
 fn list(robot: &str, motions: &[MotionRow]) -> Result<String, Failure> {
-    let entry = |motion: &'_ MotionRow| MotionEntry {
+    let entry = |motion: &MotionRow| SuiteEntry {
         file: format!("{}.csv", motion.name),
         split: motion.split,
         seconds: motion.seconds,
-        purpose: motion.purpose,
+        purpose: motion.purpose.to_owned(),
     };
     let file = SuiteFile {
-        schema: "armident.suite/1",
-        robot,
+        schema: SuiteFile::SCHEMA.to_owned(),
+        robot: robot.to_owned(),
         motion: motions.iter().map(entry).collect(),
     };
     let text = toml::to_string(&file).map_err(|error| {

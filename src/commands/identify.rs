@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use armident_commands::{
-    Failure, Identified, IdentifyOptions, PayloadOn, PlannedRecordings, expand, identify,
-    identify_planned, plan_in,
+    Failure, Identified, IdentifyOptions, PayloadOn, PlannedRecordings, identify, identify_planned,
+    plan_in, split_recordings,
 };
 use armident_ident::{Stage, StructureSearch};
 
@@ -17,8 +17,9 @@ use crate::{output, page, robot};
 
 pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     // a folder without recordings is refused below, where it is known whether it holds a plan
-    let files = expand(&args.recordings).unwrap_or_default();
-    let inputs = files.iter().chain(&args.holdout).chain([&args.robot]).map(PathBuf::as_path);
+    let files = split_recordings(&args.recordings, &args.holdout).unwrap_or_default();
+    let read = files.training.iter().chain(&files.holdout);
+    let inputs = read.clone().chain([&args.robot]).map(PathBuf::as_path);
     output::protect(
         inputs,
         [args.output.json.as_ref(), args.save_model.as_ref(), args.page.report.as_ref()],
@@ -41,8 +42,8 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     if let Some(path) = &args.save_model {
         found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
-    output::say_all(&args.output, "note", &found.report.notes);
-    let used = [&args.robot].into_iter().chain(&files).chain(&args.holdout);
+    output::say_all(&args.output, "note", &[&files.notes[..], &found.report.notes].concat());
+    let used = [&args.robot].into_iter().chain(read);
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
     let drawing = page::drawn(&args.page, used, || found.drawing())?;
     let report = &found.report;
@@ -73,9 +74,9 @@ fn options(args: &IdentifyArgs) -> IdentifyOptions {
 
 /// Ordinary motion, by the batch fit.
 fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
-    let read =
-        |paths: &[PathBuf]| recordings::read_all(&expand(paths)?, &args.reading, &args.output);
-    let (train, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
+    let files = split_recordings(&args.recordings, &args.holdout)?;
+    let read = |paths: &[PathBuf]| recordings::read_all(paths, &args.reading, &args.output);
+    let (train, holdout) = (read(&files.training)?, read(&files.holdout)?);
     let stage = Mutex::new(None);
     let progress = |next: Stage| {
         if let Ok(mut current) = stage.lock() {

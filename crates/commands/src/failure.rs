@@ -182,6 +182,16 @@ impl From<Algorithm2Error> for Failure {
 }
 
 impl Failure {
+    /// A TOML file that cannot be used, with its line.
+    pub fn of_toml(error: &toml::de::Error, text: &str, path: &Path, hint: &str) -> Self {
+        let line = error.span().map(|span| text[..span.start].matches('\n').count() + 1);
+        let place = match line {
+            Some(line) => format!("{}, line {line}", path.display()),
+            None => path.display().to_string(),
+        };
+        Self::new(error.message().lines().next().unwrap_or_default(), place, Some(hint))
+    }
+
     /// Motions that cannot be designed, with limits of a file or of the URDF.
     pub fn excitation(error: &ExcitationError, limits: Option<&Path>) -> Self {
         let (place, hint) = match error {

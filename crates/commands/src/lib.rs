@@ -27,6 +27,7 @@ mod predict;
 mod recordings;
 mod robot;
 mod simulate;
+mod suite;
 mod validate;
 
 pub use check::{Checked, check};
@@ -44,4 +45,5 @@ pub use predict::{PredictReport, Predicted, predict};
 pub use recordings::{ReadingOptions, expand, quality_notes, read_all};
 pub use robot::{ChainOptions, GivenRobot, chain_notes, chain_warnings};
 pub use simulate::{NoiseLevel, SimulateOptions, SimulatedDirection, Simulator};
+pub use suite::{SUITE_FILE, SplitRecordings, SuiteEntry, SuiteFile, split_recordings};
 pub use validate::{Validated, validate};

@@ -7,7 +7,7 @@ use armident_dynamics::RigidArm;
 use armident_ident::MinimalSet;
 use armident_kinematics::DrivingAxisChain;
 use armident_recording::{JointChannels, Recording};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::ExcitationError;
 use crate::information::{Columns, Information, JOINT_LAWS, Parameters};
@@ -144,7 +144,7 @@ impl Part {
 }
 
 /// What a recording of a motion is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Split {
     /// The fit.
