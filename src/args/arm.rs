@@ -99,6 +99,7 @@ Examples:
   armident excite urdf/panda.urdf -o suite/
   armident excite robot.urdf -o suite/ --limits limits.toml --seconds 30 --budget 60
   armident excite robot.urdf -o suite/ --only train,validation
+  armident excite robot.urdf -o suite/ --given log.csv
 
 Writes a CSV file for each motion (position, velocity and acceleration of every joint) and suite.toml,
 their list in the order of recording. All motions begin and end at rest and keep to the limits of
@@ -123,6 +124,9 @@ pub(crate) struct ExciteArgs {
     /// Limits of joints that differ from those of the URDF (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) limits: Option<PathBuf>,
+    /// Recordings that exist already: the training motion adds most to these
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub(crate) given: Vec<PathBuf>,
     /// Length of the training motion [s]
     #[arg(long, default_value_t = 20.0, value_parser = parse_positive)]
     pub(crate) seconds: f64,
@@ -138,6 +142,8 @@ pub(crate) struct ExciteArgs {
     /// Random seed
     #[arg(long, default_value_t = 1992)]
     pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]

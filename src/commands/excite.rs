@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use armident_commands::{Failure, SUITE_FILE, SuiteEntry, SuiteFile, chain_notes};
-use armident_excitation::{GivenLimits, SuiteSettings, excite};
+use armident_commands::{Failure, SUITE_FILE, SuiteEntry, SuiteFile, chain_notes, expand};
+use armident_excitation::{ExciteRequest, GivenLimits, SuiteSettings, excite};
 use armident_recording::write_csv_to;
 use armident_report::{ExciteReport, MotionRow};
 
+use super::recordings;
 use crate::args::ExciteArgs;
 use crate::failure::Outcome;
 use crate::progress::Progress;
@@ -25,10 +26,13 @@ pub(crate) fn run(args: &ExciteArgs) -> Result<Outcome, Failure> {
         seed: args.seed,
         parts: args.only.clone(),
     };
+    let files = expand(&args.given)?;
+    let given = recordings::read_all(&files, &args.reading, &args.output)?;
+    let request =
+        ExciteRequest { chain: &model.chain, limits: &limits, given: &given, settings: &settings };
     let suite = {
         let _progress = Progress::of(&args.output, "designing motions");
-        excite(&model.chain, &limits, &settings)
-            .map_err(|error| Failure::excitation(&error, args.limits.as_deref()))?
+        excite(&request).map_err(|error| Failure::excitation(&error, args.limits.as_deref()))?
     };
     output::create_folder(&args.output_folder)?;
     for motion in &suite.motions {

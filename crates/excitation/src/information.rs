@@ -38,12 +38,14 @@ pub(crate) struct Parameters<'a> {
     values: Vec<f64>,
     /// standard deviation of one recorded effort by joint \[N m or N\]
     pub(crate) noise: Vec<f64>,
+    /// what earlier recordings have given, for as many samples of the new motion as one of the search stands for
+    pub(crate) given: Option<Information>,
 }
 
 impl<'a> Parameters<'a> {
     pub(crate) fn new(arm: &'a RigidArm, set: &'a MinimalSet, noise: Vec<f64>) -> Self {
         let values = set.values(&constants_from_links(&arm.joints, &arm.links));
-        Self { arm, set, values, noise }
+        Self { arm, set, values, noise, given: None }
     }
 
     /// Values of the minimal set.
@@ -120,7 +122,7 @@ impl<'a> Parameters<'a> {
         let own = |joint: usize| [0, 1, 2].map(|k| columns[k][joint].as_slice());
         let by_joint: Vec<Vec<Vec<f64>>> =
             (0..n).map(|joint| self.columns(joint, &motion, own(joint))).collect();
-        let mut information = Information::none(self.len());
+        let mut information = self.given.clone().unwrap_or_else(|| Information::none(self.len()));
         for joint in 0..n {
             information.add(&self.places(joint), &by_joint[joint], self.noise[joint]);
         }
@@ -215,6 +217,13 @@ impl Information {
         let (rows, columns) = (self.matrix.nrows(), self.matrix.ncols());
         let sum = |i, j| self.matrix[(i, j)] + other.matrix[(i, j)];
         Self { matrix: Mat::from_fn(rows, columns, sum) }
+    }
+
+    /// That of a share of the samples.
+    #[must_use]
+    pub(crate) fn times(&self, share: f64) -> Self {
+        let (rows, columns) = (self.matrix.nrows(), self.matrix.ncols());
+        Self { matrix: Mat::from_fn(rows, columns, |i, j| share * self.matrix[(i, j)]) }
     }
 
     /// Condition number of the regressor with columns of unit length; infinite where a column is zero.

@@ -24,4 +24,6 @@ pub use fourier::{Bounds, FourierJoint};
 pub use information::Information;
 pub use limits::{GivenLimits, MotionLimits};
 pub use search::FourierMotion;
-pub use suite::{Part, PredictedError, Split, Suite, SuiteMotion, SuiteSettings, excite};
+pub use suite::{
+    ExciteRequest, Part, PredictedError, Split, Suite, SuiteMotion, SuiteSettings, excite,
+};

@@ -29,6 +29,8 @@ const RATES: [f64; 2] = [0.06, 0.004];
 const DECAY: [f64; 2] = [0.9, 0.99];
 /// Nats for an effort above its limit by all of it, on every sample.
 const EFFORT_PENALTY: f64 = 4000.0;
+/// Share of an effort limit that the search uses: the bound between samples is some per cent wide.
+const BETWEEN_SAMPLES: f64 = 0.96;
 /// Step of the check between samples \[s\].
 const CHECK_STEP_S: f64 = 5e-4;
 
@@ -95,7 +97,8 @@ struct Shaped {
 }
 
 impl<'a> Search<'a> {
-    fn samples(&self) -> usize {
+    /// Samples of the search.
+    pub(crate) fn samples(&self) -> usize {
         SAMPLES_OF_A_WAVE * self.harmonics
     }
 
@@ -201,13 +204,15 @@ impl<'a> Search<'a> {
         point
     }
 
-    /// Effort beyond its limit as a penalty, and the slope of it.
+    /// Effort beyond its limit as a penalty, and the slope of it: linear, so that the best motion keeps to the limit
+    /// (an exact penalty), and quadratic far from it.
     fn excess(&self) -> impl Fn(usize, f64) -> (f64, f64) + '_ {
         let weight = EFFORT_PENALTY / self.samples() as f64;
-        move |joint, effort| match self.limits[joint].effort {
+        move |joint, effort| match self.limits[joint].effort.map(|e| BETWEEN_SAMPLES * e) {
             Some(limit) if effort.abs() > limit => {
                 let over = effort.abs() / limit - 1.0;
-                (weight * over * over, 2.0 * weight * over / limit * effort.signum())
+                let slope = weight * (1.0 + 2.0 * over) / limit * effort.signum();
+                (weight * over * (1.0 + over), slope)
             }
             _ => (0.0, 0.0),
         }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use armident_dynamics::RigidArm;
 use armident_ident::MinimalSet;
 use armident_kinematics::DrivingAxisChain;
+use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};
 use serde::{Deserialize, Serialize};
 
@@ -187,9 +188,11 @@ pub struct PredictedError {
     pub unit: String,
     /// Value of the given model; none for a law of the joint.
     pub value: Option<f64>,
+    /// Standard error from the given recordings alone.
+    pub from_given: Option<f64>,
     /// Standard error from the training motion alone.
     pub from_train: Option<f64>,
-    /// Standard error from all motions of the fit.
+    /// Standard error from the given recordings and all motions of the fit.
     pub from_suite: f64,
 }
 
@@ -217,12 +220,25 @@ pub struct Suite {
 /// Random motions whose condition numbers are compared with that of the training motion.
 const RANDOM_MOTIONS: u64 = 21;
 
+/// An arm and what a suite is designed for.
+#[derive(Debug)]
+pub struct ExciteRequest<'a> {
+    /// The arm.
+    pub chain: &'a DrivingAxisChain,
+    /// Limits that differ from those of the URDF, by joint.
+    pub limits: &'a BTreeMap<String, GivenLimits>,
+    /// Recordings that are there already: the training motion adds most to these. None of them need efforts.
+    pub given: &'a [Recording],
+    /// Lengths, rate, time and parts.
+    pub settings: &'a SuiteSettings,
+}
+
 /// Designs a suite for an arm.
 ///
 /// ```
 /// use std::collections::BTreeMap;
 /// use std::time::Duration;
-/// use armident_excitation::{Part, SuiteSettings, excite};
+/// use armident_excitation::{ExciteRequest, Part, SuiteSettings, excite};
 /// use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, parse_urdf};
 ///
 /// let urdf = r#"<robot name="pendulum">
@@ -241,18 +257,18 @@ const RANDOM_MOTIONS: u64 = 21;
 ///     parts: vec![Part::Train],
 ///     ..SuiteSettings::default()
 /// };
-/// let suite = excite(&chain, &BTreeMap::new(), &settings)?;
+/// let limits = BTreeMap::new();
+/// let request =
+///     ExciteRequest { chain: &chain, limits: &limits, given: &[], settings: &settings };
+/// let suite = excite(&request)?;
 /// assert!(suite.errors.iter().all(|error| error.from_suite.is_finite()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
 /// [`ExcitationError`]: impossible limits or settings, or limits that leave no motion.
-pub fn excite(
-    chain: &DrivingAxisChain,
-    given: &BTreeMap<String, GivenLimits>,
-    settings: &SuiteSettings,
-) -> Result<Suite, ExcitationError> {
+pub fn excite(request: &ExciteRequest<'_>) -> Result<Suite, ExcitationError> {
+    let ExciteRequest { chain, limits, given, settings } = *request;
     for (setting, value, low, high, expected) in [
         ("length of the training motion [s]", settings.seconds, 2.0, 600.0, "2 to 600"),
         ("rate [Hz]", settings.rate_hz, 10.0, 10_000.0, "10 to 10000"),
@@ -264,9 +280,20 @@ pub fn excite(
     let arm = RigidArm::from_chain(chain);
     let set = MinimalSet::of(&arm)?;
     let names: Vec<String> = chain.joints.iter().map(|j| j.name.clone()).collect();
-    let (limits, mut notes) = motion_limits(chain, given)?;
+    let (limits, mut notes) = motion_limits(chain, limits)?;
     let mut parameters = Parameters::new(&arm, &set, vec![1.0; arm.dof()]);
     parameters.noise = noise(&parameters, &limits, &names, settings, &mut notes);
+    let of_given = given_information(&parameters, given, &names)?;
+    let search = Search {
+        parameters: &parameters,
+        limits: &limits,
+        names: &names,
+        period_s: settings.seconds,
+        harmonics: waves(settings.seconds, HIGHEST_HZ[0]),
+    };
+    // a sample of the search stands for several of the motion
+    let share = search.samples() as f64 / (settings.seconds * settings.rate_hz);
+    parameters.given = of_given.as_ref().map(|given| given.times(share));
     let design = Designer { parameters: &parameters, limits: &limits, names: &names, settings };
     let wanted = |part: Part| settings.parts.is_empty() || settings.parts.contains(&part);
 
@@ -318,10 +345,15 @@ pub fn excite(
         all.map(|m| parameters.information(&columns_of(&m.motion))).reduce(|a, b| a.with(&b))
     };
     let fitted = |m: &SuiteMotion| m.split == Split::Train && !m.is_rehearsal;
-    let suite = of(&fitted);
+    let add = |new: Option<Information>| match (&of_given, new) {
+        (Some(given), Some(new)) => Some(given.with(&new)),
+        (given, new) => new.or_else(|| given.clone()),
+    };
+    let suite = add(of(&fitted));
     let of_train = of(&|m: &SuiteMotion| m.part == Part::Train && !m.is_rehearsal);
     let condition = suite.as_ref().map_or(Ok(f64::INFINITY), Information::condition)?;
-    let errors = errors(&parameters, &names, of_train.as_ref(), suite.as_ref());
+    let errors =
+        errors(&parameters, &names, [of_given.as_ref(), of_train.as_ref()], suite.as_ref());
     let random_condition = design.random_condition()?;
     let noise = parameters.noise.clone();
     Ok(Suite { motions, limits, noise, errors, condition, random_condition, starts, notes })
@@ -364,15 +396,37 @@ fn noise(
         .collect()
 }
 
+/// Waves of a motion of this length up to this frequency.
+fn waves(period_s: f64, highest_hz: f64) -> usize {
+    ((highest_hz * period_s).round() as usize).clamp(HARMONICS[0], HARMONICS[1])
+}
+
+/// Information of the motions of recordings; none without one.
+fn given_information(
+    parameters: &Parameters<'_>,
+    given: &[Recording],
+    names: &[String],
+) -> Result<Option<Information>, ExcitationError> {
+    let joints: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut sum: Option<Information> = None;
+    for recording in given {
+        let motion = Motion::from_recording(recording, &joints, &MotionSettings::default())?;
+        let columns = [motion.position, motion.velocity, motion.acceleration];
+        let new = parameters.information(&columns);
+        sum = Some(sum.map_or_else(|| new.clone(), |sum| sum.with(&new)));
+    }
+    Ok(sum)
+}
+
 /// Predicted standard errors of all parameters.
 fn errors(
     parameters: &Parameters<'_>,
     names: &[String],
-    of_train: Option<&Information>,
+    parts: [Option<&Information>; 2],
     suite: Option<&Information>,
 ) -> Vec<PredictedError> {
     let Some(suite) = suite.map(Information::standard_errors) else { return Vec::new() };
-    let of_train = of_train.map(Information::standard_errors);
+    let [of_given, of_train] = parts.map(|part| part.map(Information::standard_errors));
     let constants =
         parameters.set.constants.iter().zip(parameters.values()).map(|(constant, value)| {
             let unit = constant.unit().to_owned();
@@ -393,6 +447,7 @@ fn errors(
             joint: names[joint].clone(),
             unit,
             value,
+            from_given: of_given.as_ref().map(|of| of[k]),
             from_train: of_train.as_ref().map(|of| of[k]),
             from_suite: suite[k],
         })
@@ -448,13 +503,12 @@ impl<'a> Designer<'a> {
             Part::Validation => (0.8 * self.settings.seconds, HIGHEST_HZ[0]),
             _ => (self.settings.seconds, HIGHEST_HZ[0]),
         };
-        let waves = (highest_hz * period_s).round() as usize;
         Search {
             parameters: self.parameters,
             limits: self.limits,
             names: self.names,
             period_s,
-            harmonics: waves.clamp(HARMONICS[0], HARMONICS[1]),
+            harmonics: waves(period_s, highest_hz),
         }
     }
 
@@ -648,13 +702,47 @@ mod tests {
     use super::*;
     use crate::test_arms::chain;
 
+    fn designed(
+        limits: &BTreeMap<String, GivenLimits>,
+        settings: &SuiteSettings,
+        given: &[Recording],
+    ) -> Result<Suite, ExcitationError> {
+        let chain = chain();
+        excite(&ExciteRequest { chain: &chain, limits, given, settings })
+    }
+
+    /// Recordings of the first joint alone leave the others to the new motion.
+    #[test]
+    fn given_recordings_are_part_of_the_fit() {
+        let settings = SuiteSettings {
+            seconds: 10.0,
+            budget: Duration::from_millis(1000),
+            parts: vec![Part::Train],
+            ..SuiteSettings::default()
+        };
+        let alone = designed(&BTreeMap::new(), &settings, &[]).unwrap();
+        let train = alone.motions.iter().find(|m| m.name == "train").unwrap();
+        let mut given = train.motion.clone();
+        for joint in &mut given.joints[1..] {
+            for channel in [&mut joint.velocity, &mut joint.acceleration] {
+                channel.as_mut().unwrap().fill(0.0);
+            }
+            joint.position.as_mut().unwrap().fill(0.3);
+        }
+        let suite = designed(&BTreeMap::new(), &settings, &[given]).unwrap();
+        for error in &suite.errors {
+            assert!(error.from_suite <= error.from_train.unwrap() * (1.0 + 1e-9), "{error:?}");
+            assert!(error.from_suite <= error.from_given.unwrap() * (1.0 + 1e-9), "{error:?}");
+        }
+    }
+
     fn suite() -> Suite {
         let settings = SuiteSettings {
             seconds: 10.0,
             budget: Duration::from_millis(2000),
             ..SuiteSettings::default()
         };
-        excite(&chain(), &BTreeMap::new(), &settings).unwrap()
+        designed(&BTreeMap::new(), &settings, &[]).unwrap()
     }
 
     /// Every motion begins and ends at rest, keeps to the limits, and is smooth.
@@ -698,13 +786,13 @@ mod tests {
     #[test]
     fn impossible_requests_are_refused() {
         let settings = SuiteSettings { seconds: 0.1, ..SuiteSettings::default() };
-        assert!(excite(&chain(), &BTreeMap::new(), &settings).is_err());
+        assert!(designed(&BTreeMap::new(), &settings, &[]).is_err());
         // gravity alone exceeds this
         let name = chain().joints[1].name.clone();
         let weak = GivenLimits { effort: Some(0.5), ..GivenLimits::default() };
         let settings =
             SuiteSettings { budget: Duration::from_millis(200), ..SuiteSettings::default() };
-        let error = excite(&chain(), &BTreeMap::from([(name.clone(), weak)]), &settings);
+        let error = designed(&BTreeMap::from([(name.clone(), weak)]), &settings, &[]);
         let text = error.unwrap_err().to_string();
         assert!(text.contains(&name), "{text}");
     }

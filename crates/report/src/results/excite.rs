@@ -53,6 +53,7 @@ struct ErrorRow {
     joint: String,
     unit: String,
     value: Option<f64>,
+    from_given: Option<f64>,
     from_train: Option<f64>,
     from_suite: Option<f64>,
 }
@@ -96,6 +97,7 @@ impl ExciteReport {
                     joint: error.joint.clone(),
                     unit: error.unit.clone(),
                     value: error.value,
+                    from_given: error.from_given.and_then(finite),
                     from_train: error.from_train.and_then(finite),
                     from_suite: finite(error.from_suite),
                 })
@@ -150,6 +152,7 @@ impl ExciteReport {
             .collect();
         let heads = ["motion", "for", "time [s]", "effort", "condition", "purpose"];
         text += &aligned(&heads, &rows, 2);
+        let given = self.errors.iter().any(|e| e.from_given.is_some());
         let training = self.motions.iter().any(|m| m.name == "train");
         text += "\nStandard errors that the fit will give, before the arm has moved (independent effort noise: ";
         let noise: Vec<String> = self
@@ -166,19 +169,17 @@ impl ExciteReport {
                 // constants have a label of their own, laws are named by their slug
                 let name = if e.value.is_some() { e.name.clone() } else { effect_label(&e.name) };
                 let mut row = vec![name, e.joint.clone(), number(e.value)];
-                if training {
-                    row.push(number(e.from_train));
-                }
-                row.push(number(e.from_suite));
-                row.push(e.unit.clone());
+                row.extend(given.then(|| number(e.from_given)));
+                row.extend(training.then(|| number(e.from_train)));
+                row.extend([number(e.from_suite), e.unit.clone()]);
                 row
             })
             .collect();
-        let heads: &[&str] = match training {
-            true => &["parameter", "joint", "value", "training motion", "all of the fit", "unit"],
-            false => &["parameter", "joint", "value", "all of the fit", "unit"],
-        };
-        text += &aligned(heads, &rows, 2);
+        let mut heads = vec!["parameter", "joint", "value"];
+        heads.extend(given.then_some("given recordings"));
+        heads.extend(training.then_some("training motion"));
+        heads.extend(["all of the fit", "unit"]);
+        text += &aligned(&heads, &rows, 2);
         text
     }
 }
