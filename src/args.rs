@@ -19,8 +19,8 @@ pub(crate) use arm::{
 pub(crate) use around::{CompletionsArgs, DemoArgs, ManArgs, ReportArgs, RunArgs};
 pub(crate) use challenge::{ChallengeArgs, ChallengeFailOn, KindArg, StudyArg};
 pub(crate) use recorded::{
-    CheckArgs, ConvertArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, InfoArgs, PriorArg,
-    ValidateArgs, ViscousArg,
+    AccumulateArgs, CheckArgs, ConvertArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, InfoArgs,
+    MergeArgs, PriorArg, ValidateArgs, ViscousArg,
 };
 pub(crate) use value::PayloadArg;
 use value::{parse_named_number, parse_positive, parse_vector};
@@ -60,6 +60,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     Identify(IdentifyArgs),
     Diagnose(DiagnoseArgs),
+    Accumulate(AccumulateArgs),
+    Merge(MergeArgs),
     Validate(ValidateArgs),
     Predict(PredictArgs),
     Export(ExportArgs),

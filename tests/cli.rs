@@ -251,6 +251,12 @@ identify planar_2r.urdf runs_schema
 identify planar_2r.urdf runs_missing
 identify planar_2r.urdf runs_other
 identify planar_2r.urdf run.csv --tip link_1 --lock joint_1=0
+accumulate planar_2r.urdf run.csv
+accumulate planar_2r.urdf half.csv -o out.jsonl
+accumulate planar_2r.urdf run.csv -o text.txt
+merge planar_2r.urdf
+merge planar_2r.urdf absent.jsonl
+merge planar_2r.urdf text.txt
 validate model.json
 validate absent.json run.csv
 validate model.json absent.csv

@@ -55,6 +55,8 @@ mod field;
 mod formats;
 /// logs with other names: what they hold, the guessed mapping, conversions
 mod info;
+/// states of recordings, merged
+mod merge;
 /// pages of results in a browser
 mod page;
 /// exported URDF and MJCF in Pinocchio and MuJoCo

@@ -215,6 +215,61 @@ pub(crate) struct DiagnoseArgs {
     pub(crate) output: OutputArgs,
 }
 
+/// Reduce recordings to states: small, merged in any order
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident accumulate robot.urdf logs/ -o states.jsonl
+  armident accumulate robot.urdf day2/ -o day2.jsonl --cutoff-hz 8
+
+A state is the triangle of the least-squares rows of each joint, one line of JSON a recording. An output
+file that exists is continued: recordings that it holds are not read again, so that an interrupted run
+can be repeated. Recordings that cannot be used are set aside with the reason. The columns are the
+minimal set and the friction of each joint.")]
+pub(crate) struct AccumulateArgs {
+    /// URDF, or a model written by identify or diagnose
+    pub(crate) robot: PathBuf,
+    #[arg(required = true, help = recordings())]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// File of states, continued where it exists
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output_file: PathBuf,
+    /// Low-pass cut-off frequency [Hz], the same for all recordings that are merged
+    #[arg(long, value_name = "HZ", default_value_t = 5.0, value_parser = parse_positive)]
+    pub(crate) cutoff_hz: f64,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Identify an arm from the states of its recordings
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident merge robot.urdf states.jsonl --save-model model.json
+  armident merge robot.urdf monday.jsonl tuesday.jsonl
+
+The parameters are those of a weighted least-squares fit to all recordings at the common cut-off, however
+they were dealt out. Robust weights of single samples need the recordings: use identify for these.
+States of another arm are set aside with the reason.")]
+pub(crate) struct MergeArgs {
+    /// URDF, or a model written by identify or diagnose
+    pub(crate) robot: PathBuf,
+    /// Files of states
+    #[arg(required = true)]
+    pub(crate) states: Vec<PathBuf>,
+    /// Write the identified model, for predict, simulate and export
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
 /// Evaluate a model on hold-out recordings
 #[derive(Args)]
 #[command(after_help = "\

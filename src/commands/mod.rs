@@ -1,5 +1,6 @@
 //! One file a command: read, call, write.
 
+pub(crate) mod accumulate;
 pub(crate) mod challenge;
 pub(crate) mod check;
 pub(crate) mod convert;
@@ -9,6 +10,7 @@ pub(crate) mod excite;
 pub(crate) mod export;
 pub(crate) mod identify;
 pub(crate) mod info;
+pub(crate) mod merge;
 pub(crate) mod params;
 pub(crate) mod plan;
 pub(crate) mod predict;
@@ -35,6 +37,8 @@ pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Check(args) => check::run(args),
         Command::Identify(args) => identify::run(args),
         Command::Diagnose(args) => diagnose::run(args),
+        Command::Accumulate(args) => accumulate::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Export(args) => export::run(args),

@@ -23,7 +23,7 @@ use crate::regression::{BatchEstimate, BatchProblem, JointFit, JointRows, Term, 
 use crate::structure::Structure;
 use currents::{Converted, efforts_of_currents, efforts_of_known_load};
 use fit::{Recorded, cross_validate, fit};
-use motions::motions_with_effort;
+pub(crate) use motions::motions_with_effort;
 
 pub use error::IdentifyError;
 pub use planned::{JointFriction, PlannedIdentification, PlannedRequest, identify_planned};
@@ -296,7 +296,7 @@ fn with_efforts<'r>(
 
 impl BatchProblem {
     /// Values of the arm as it was given, in the order of the terms: constants of its links, 0 for the others.
-    fn given_values(&self) -> Vec<f64> {
+    pub(crate) fn given_values(&self) -> Vec<f64> {
         let constants = self.set().values(&self.arm().constants());
         let of_term = |term: &Term| match *term {
             Term::Constant(k) => constants[k],

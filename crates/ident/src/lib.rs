@@ -27,6 +27,7 @@ pub mod estimators;
 pub mod experiment;
 mod identify;
 mod minimal_set;
+mod recording_state;
 mod regression;
 mod structure;
 mod used_samples;
@@ -39,6 +40,9 @@ pub use identify::{
     PlannedIdentification, PlannedRequest, Prepared, Stage, identify, identify_planned,
 };
 pub use minimal_set::{Constant, ConstantKind, DroppedConstant, MinimalSet, Theorem2, algorithm1};
+pub use recording_state::{
+    JointState, MergedIdentification, RecordingState, ReducedArm, StateColumns, StateError,
+};
 pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,

@@ -26,6 +26,25 @@ impl AccumulatedQr {
         Self { unknowns, triangle: Mat::zeros(unknowns + 1, unknowns + 1), rows: 0 }
     }
 
+    /// The triangle of [`Self::upper`], with the number of rows that it stands for.
+    ///
+    /// # Panics
+    /// When the triangle does not have `(p + 1)(p + 2) / 2` numbers.
+    pub fn from_upper(unknowns: usize, rows: usize, upper: &[f64]) -> Self {
+        let p = unknowns + 1;
+        assert_eq!(upper.len(), p * (p + 1) / 2, "a triangle of p + 1 columns");
+        // row i begins behind rows of p, p - 1, ... numbers
+        let place = |i: usize, j: usize| i * p - i * (i + 1) / 2 + j;
+        let entry = |i, j| if i <= j { upper[place(i, j)] } else { 0.0 };
+        Self { unknowns, triangle: Mat::from_fn(p, p, entry), rows }
+    }
+
+    /// The upper triangle of `[A | y]`, row by row.
+    pub fn upper(&self) -> Vec<f64> {
+        let p = self.unknowns + 1;
+        (0..p).flat_map(|i| (i..p).map(move |j| self.triangle[(i, j)])).collect()
+    }
+
     /// Number of unknowns `p`.
     pub fn unknowns(&self) -> usize {
         self.unknowns

@@ -31,13 +31,13 @@ pub use layout::{
     unit_after_number,
 };
 pub use results::{
-    AlternativeRow, ByJoint, ChannelRow, CharacterRow, CheckReport, CheckRow, CheckTopic,
-    CheckVerdict, ConsistencyReport, ConstantCheckRow, ConstantRow, DiagnoseInputs, DiagnoseReport,
-    DriveGainOfMasses, DriveGainRow, EffectRow, EffortErrorRow, EffortErrors, EndogeneityRow,
-    EstimateRow, EvidenceRow, ExciteReport, FindingRow, FitReport, FitRows, Fits, IdentifyReport,
-    InputCheckRows, JointResiduals, MergedRow, MoreData, MotionRow, NOT_IDENTIFIED, ParamsReport,
-    PayloadRow, Regressor, RegressorBin, ReplayReport, StepRow, ValidateReport, VariableShare,
-    in_noise_levels, plan_text,
+    AccumulateReport, AlternativeRow, ByJoint, ChannelRow, CharacterRow, CheckReport, CheckRow,
+    CheckTopic, CheckVerdict, ConsistencyReport, ConstantCheckRow, ConstantRow, DiagnoseInputs,
+    DiagnoseReport, DriveGainOfMasses, DriveGainRow, EffectRow, EffortErrorRow, EffortErrors,
+    EndogeneityRow, EstimateRow, EvidenceRow, ExciteReport, FindingRow, FitReport, FitRows, Fits,
+    IdentifyReport, InputCheckRows, JointResiduals, MergeReport, MergedRow, MoreData, MotionRow,
+    NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, SetAside,
+    StepRow, ValidateReport, VariableShare, in_noise_levels, plan_text,
 };
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};

@@ -6,7 +6,7 @@ use armident_recording::{Quantity, Recording};
 use super::error::IdentifyError;
 
 /// Motions of all joints of an arm, through one low-pass; every joint has an effort.
-pub(super) fn motions_with_effort(
+pub(crate) fn motions_with_effort(
     recordings: &[Recording],
     joints: &[&str],
     cutoff_hz: Option<f64>,

@@ -7,6 +7,7 @@ pub(crate) mod constants;
 pub(crate) mod diagnosis;
 mod excite;
 mod identify;
+mod merge;
 mod params;
 mod plan;
 mod units;
@@ -26,6 +27,7 @@ pub use identify::{
     DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,
     PayloadRow, StepRow,
 };
+pub use merge::{AccumulateReport, MergeReport, SetAside};
 pub use params::ParamsReport;
 pub use plan::plan_text;
 pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};
