@@ -34,7 +34,10 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "simulation",
         ],
     ),
-    ("excitation", &["dynamics", "effects", "ident", "kinematics", "numeric", "recording"]),
+    (
+        "excitation",
+        &["dynamics", "effects", "ident", "kinematics", "motion", "numeric", "recording"],
+    ),
     (
         "diagnose",
         &[

@@ -41,7 +41,7 @@ pub use identify::{
 };
 pub use minimal_set::{Constant, ConstantKind, DroppedConstant, MinimalSet, Theorem2, algorithm1};
 pub use recording_state::{
-    JointState, MergedIdentification, RecordingState, ReducedArm, StateColumns, StateError,
+    JointTriangle, MergedIdentification, RecordingState, ReducedArm, StateColumns, StateError,
 };
 pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,

@@ -35,7 +35,7 @@ pub struct RecordingState {
     /// What was repaired or left out on reading.
     pub notes: Vec<String>,
     /// One of each joint.
-    pub joints: Vec<JointState>,
+    pub joints: Vec<JointTriangle>,
 }
 
 /// An arm and the columns of its joints.
@@ -55,7 +55,7 @@ pub struct ReducedArm {
 
 /// The rows of one joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct JointState {
+pub struct JointTriangle {
     /// Observations.
     pub rows: usize,
     /// Upper triangle of `[columns | effort]`, row by row.
@@ -175,7 +175,7 @@ impl<'a> StateColumns<'a> {
             seconds: stamps.last().unwrap_or(&0.0) - stamps.first().unwrap_or(&0.0),
             notes: recording.notes.clone(),
             joints: joints
-                .map(|(triangle, effort)| JointState {
+                .map(|(triangle, effort)| JointTriangle {
                     rows: triangle.rows(),
                     triangle: triangle.upper(),
                     effort: *effort,

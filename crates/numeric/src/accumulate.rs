@@ -30,13 +30,13 @@ impl AccumulatedQr {
     ///
     /// # Panics
     /// When the triangle does not have `(p + 1)(p + 2) / 2` numbers.
-    pub fn from_upper(unknowns: usize, rows: usize, upper: &[f64]) -> Self {
-        let p = unknowns + 1;
+    pub fn from_upper(columns: usize, rows: usize, upper: &[f64]) -> Self {
+        let p = columns + 1;
         assert_eq!(upper.len(), p * (p + 1) / 2, "a triangle of p + 1 columns");
         // row i begins behind rows of p, p - 1, ... numbers
         let place = |i: usize, j: usize| i * p - i * (i + 1) / 2 + j;
         let entry = |i, j| if i <= j { upper[place(i, j)] } else { 0.0 };
-        Self { unknowns, triangle: Mat::from_fn(p, p, entry), rows }
+        Self { unknowns: columns, triangle: Mat::from_fn(p, p, entry), rows }
     }
 
     /// The upper triangle of `[A | y]`, row by row.
