@@ -1,7 +1,9 @@
 //! `armident accumulate`.
 
 use std::collections::BTreeSet;
+use std::fs::{File, OpenOptions};
 use std::io::Write as _;
+use std::path::Path;
 
 use armident_commands::{Failure, ReadingOptions, expand, read_all};
 use armident_ident::{RecordingState, StateColumns};
@@ -24,9 +26,7 @@ pub(crate) fn run(args: &AccumulateArgs) -> Result<Outcome, Failure> {
         true => read_states(&args.output_file)?,
         false => (Vec::new(), Vec::new()),
     };
-    if let [fault, ..] = &before.1[..]
-        && (before.0.is_empty() || before.1.len() > 1)
-    {
+    if let ([], [fault, ..]) = (&before.0[..], &before.1[..]) {
         return Err(Failure::new(
             "the output file holds something else",
             &fault.file,
@@ -44,18 +44,9 @@ pub(crate) fn run(args: &AccumulateArgs) -> Result<Outcome, Failure> {
         })?;
         known.insert(state.recording.clone());
     }
-    let unwritable = |error: std::io::Error| Failure::unwritable(&args.output_file, &error);
-    let mut file = std::fs::OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&args.output_file)
-        .map_err(unwritable)?;
-    if !before.1.is_empty() {
-        // the cut-off line ends here
-        file.write_all(b"\n").map_err(unwritable)?;
-    }
     let reading =
         ReadingOptions { mapping: args.reading.mapping.clone(), topic: args.reading.topic.clone() };
+    let mut file = None;
     let (mut reduced, mut there, mut set_aside) = (Vec::new(), Vec::new(), Vec::new());
     let progress = Progress::through(&args.output, "reducing recordings", files.len());
     for path in &files {
@@ -77,7 +68,13 @@ pub(crate) fn run(args: &AccumulateArgs) -> Result<Outcome, Failure> {
                 let line = serde_json::to_string(&state).map_err(|error| {
                     Failure::new(format!("cannot write JSON: {error}"), &name, None::<String>)
                 })?;
-                file.write_all((line + "\n").as_bytes()).map_err(unwritable)?;
+                if file.is_none() {
+                    file = Some(append(&args.output_file, !before.1.is_empty())?);
+                }
+                if let Some(file) = &mut file {
+                    file.write_all((line + "\n").as_bytes())
+                        .map_err(|error| Failure::unwritable(&args.output_file, &error))?;
+                }
                 known.insert(name.clone());
                 reduced.push(name);
             }
@@ -96,4 +93,14 @@ pub(crate) fn run(args: &AccumulateArgs) -> Result<Outcome, Failure> {
     }
     let report = AccumulateReport::new(reduced, there, set_aside);
     output::write_result(&args.output, &report.text(), &report, &[])
+}
+
+/// The file opened behind its last line, which an interrupted run may have cut off.
+fn append(path: &Path, is_cut_off: bool) -> Result<File, Failure> {
+    let unwritable = |error: std::io::Error| Failure::unwritable(path, &error);
+    let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(unwritable)?;
+    if is_cut_off {
+        file.write_all(b"\n").map_err(unwritable)?;
+    }
+    Ok(file)
 }

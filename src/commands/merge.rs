@@ -36,7 +36,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<Outcome, Failure> {
     }
     let found = columns.identify(used.iter().copied()).map_err(|error| {
         let what = match set_aside.first() {
-            Some(first) if used.is_empty() => format!("{error}: {}", first.reason),
+            Some(first) if used.is_empty() => first.reason.clone(),
             _ => error.to_string(),
         };
         let hint = "pass states that `armident accumulate` made for this robot";
