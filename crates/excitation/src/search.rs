@@ -31,8 +31,9 @@ const DECAY: [f64; 2] = [0.9, 0.99];
 const EFFORT_PENALTY: f64 = 4000.0;
 /// Share of an effort limit that the search uses: the bound between samples is some per cent wide.
 const BETWEEN_SAMPLES: f64 = 0.96;
-/// Step of the check between samples \[s\].
+/// Step of the check between samples \[s\], and most samples: a slower motion changes less between them.
 const CHECK_STEP_S: f64 = 5e-4;
+const MOST_CHECKED: usize = 40_000;
 
 /// A Fourier motion of all joints that keeps to the limits at every time.
 #[derive(Debug, Clone)]
@@ -411,7 +412,7 @@ impl<'a> Search<'a> {
 
     /// Largest effort over its limit and the joint, between samples too.
     pub(crate) fn effort_ratio(&self, motion: &FourierMotion) -> (f64, usize) {
-        let samples = (motion.period_s / CHECK_STEP_S).ceil() as usize;
+        let samples = ((motion.period_s / CHECK_STEP_S).ceil() as usize).min(MOST_CHECKED);
         let time_s: Vec<f64> =
             (0..=samples).map(|k| motion.period_s * k as f64 / samples as f64).collect();
         let jerks: Vec<f64> =

@@ -544,7 +544,7 @@ impl<'a> Designer<'a> {
         let effort_share = match planned {
             Planned::Waves(waves) => self.search(part).effort_ratio(waves),
             Planned::Moves(segments) => {
-                const CHECKED_HZ: f64 = 1000.0;
+                const CHECKED_HZ: f64 = 500.0;
                 let (time_s, columns) = self.sampled(segments, CHECKED_HZ);
                 let jerks: Vec<f64> = self.limits.iter().map(|l| l.jerk).collect();
                 effort_ratio(self.parameters, self.limits, &time_s, &columns, &jerks)
