@@ -36,7 +36,8 @@ pub use results::{
     DriveGainOfMasses, DriveGainRow, EffectRow, EffortErrorRow, EffortErrors, EndogeneityRow,
     EstimateRow, EvidenceRow, FindingRow, FitReport, FitRows, Fits, IdentifyReport, InputCheckRows,
     JointResiduals, MergedRow, MoreData, NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor,
-    RegressorBin, ReplayReport, StepRow, ValidateReport, VariableShare, in_noise_levels, plan_text,
+    RegressorBin, ReplayReport, ServoNumber, ServoRow, ServosReport, StepRow, ValidateReport,
+    VariableShare, in_noise_levels, plan_text,
 };
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};

@@ -8,6 +8,7 @@ pub(crate) mod diagnosis;
 mod identify;
 mod params;
 mod plan;
+mod servos;
 mod units;
 mod validate;
 
@@ -26,4 +27,5 @@ pub use identify::{
 };
 pub use params::ParamsReport;
 pub use plan::plan_text;
+pub use servos::{ServoNumber, ServoRow, ServosReport};
 pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};
