@@ -130,11 +130,13 @@ mod tests {
         let whole = closed_loop(&arm, &vec![servo; arm.dof()], &asked, start, 5e-4).unwrap();
         let command = asked.joints[0].command.as_ref().unwrap();
         let inertia = vec![armident_dynamics::inertia_matrix(arm.rigid(), &[0.0])[(0, 0)]; 300];
-        let load = vec![0.0; 300];
+        let zero = vec![0.0; 300];
         let drive = JointDrive {
             time_s: &asked.time_s,
             command,
-            load: &load,
+            recorded: &zero,
+            load: &zero,
+            load_slope: &zero,
             inertia: &inertia,
             gain: 1.0,
         };

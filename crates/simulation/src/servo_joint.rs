@@ -15,8 +15,12 @@ pub struct JointDrive<'a> {
     pub time_s: &'a [f64],
     /// Commands \[rad or m\].
     pub command: &'a [f64],
-    /// Effort of the rigid body without the inertia of the joint itself \[N m or N\].
+    /// Position in the recorded motion \[rad or m\].
+    pub recorded: &'a [f64],
+    /// Effort of the rigid body in the recorded motion, without the inertia of the joint itself \[N m or N\].
     pub load: &'a [f64],
+    /// Its change by the position of the joint \[N m/rad or N/m\].
+    pub load_slope: &'a [f64],
     /// Diagonal of the inertia matrix at the joint \[kg m2 or kg\].
     pub inertia: &'a [f64],
     /// Gain of the controller over that of the stiffness.
@@ -66,8 +70,11 @@ impl<'a> ServoJoint<'a> {
                 let between = |of: &[f64]| of[k] + share * (of[k + 1] - of[k]);
                 let time_s = stamps[k] + share * cycle_s;
                 let command = lines::at(stamps, drive.command, time_s - servo.delay_s);
-                let (load, inertia) = (between(drive.load), between(drive.inertia));
-                v = self.next_velocity(servo, drive.gain, [q, v], [command, load, inertia], h);
+                let slope = between(drive.load_slope);
+                let load = between(drive.load) + slope * (q - between(drive.recorded));
+                let inertia = between(drive.inertia);
+                let drive_now = [command, load, slope, inertia];
+                v = self.next_velocity(servo, drive.gain, [q, v], drive_now, h);
                 q += h * v;
             }
         }
@@ -79,7 +86,7 @@ impl<'a> ServoJoint<'a> {
         servo: &PositionServo,
         gain: f64,
         [q, v]: [f64; 2],
-        [command, load, inertia]: [f64; 3],
+        [command, load, load_slope, inertia]: [f64; 4],
         h: f64,
     ) -> f64 {
         let (effort, stiffness) = servo.effort_and_stiffness(command - q, gain);
@@ -96,6 +103,7 @@ impl<'a> ServoJoint<'a> {
         } else {
             return 0.0;
         };
-        beyond / (mass + slope + h * stiffness)
+        // a load that falls with the position is left to the next step
+        beyond / (mass + slope + h * (stiffness + load_slope.max(0.0)))
     }
 }

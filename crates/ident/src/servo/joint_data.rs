@@ -1,11 +1,16 @@
 //! One joint of one recording: what its controller is given, what the arm loads it with, and where it went.
 
-use armident_dynamics::{InertiaSweep, inertia_matrix_into, inverse_dynamics_of_motion};
+use armident_dynamics::{
+    InertiaSweep, gravity_effort, inertia_matrix_into, inverse_dynamics_of_motion,
+};
 use armident_kinematics::JointKind;
 use armident_model::ArmModel;
 use armident_motion::{Motion, MotionSettings, quantisation_step};
 use armident_recording::{Quantity, Recording, RecordingError};
 use armident_simulation::JointDrive;
+
+/// Change of a position over which the slope of the weight is taken \[rad or m\].
+const SMALL_TURN: f64 = 1e-4;
 
 /// One joint of one recording, at its stamps.
 #[derive(Debug, Clone)]
@@ -22,6 +27,8 @@ pub(super) struct JointData {
     pub(super) velocity: Vec<f64>,
     /// effort of the rigid body without the inertia of the joint itself
     pub(super) load: Vec<f64>,
+    /// its change by the position of the joint: that of the weight
+    pub(super) load_slope: Vec<f64>,
     /// diagonal of the inertia matrix
     pub(super) inertia: Vec<f64>,
     /// step of the position, or the largest number that a rounded one would have
@@ -60,12 +67,21 @@ impl JointData {
         );
         let samples = motion.time_s.len();
         let mut diagonal = vec![Vec::with_capacity(samples); n];
+        let mut slopes = vec![Vec::with_capacity(samples); n];
         let mut sweep = InertiaSweep::new(n);
         let mut matrix = vec![0.0; n * n];
         for t in 0..samples {
             let q: Vec<f64> = motion.position.iter().map(|column| column[t]).collect();
             inertia_matrix_into(&arm, &q, &mut sweep, &mut matrix);
-            (0..n).for_each(|j| diagonal[j].push(matrix[j * n + j]));
+            for j in 0..n {
+                diagonal[j].push(matrix[j * n + j]);
+                let weight = |change: f64| {
+                    let mut moved = q.clone();
+                    moved[j] += change;
+                    gravity_effort(&arm, &moved)[j]
+                };
+                slopes[j].push((weight(SMALL_TURN) - weight(-SMALL_TURN)) / (2.0 * SMALL_TURN));
+            }
         }
         let mut steps: Vec<f64> = recording.time_s.windows(2).map(|p| p[1] - p[0]).collect();
         let middle = steps.len() / 2;
@@ -88,6 +104,7 @@ impl JointData {
                 sample_s,
                 velocity: motion.at_stamps(&motion.velocity[j]),
                 load: motion.at_stamps(&load),
+                load_slope: motion.at_stamps(&slopes[j]),
                 inertia: motion.at_stamps(&diagonal[j]),
                 resolution: quantisation_step(&position).unwrap_or(1e-6 * largest.max(1e-3)),
                 error_limit: error_limit(&channel(Quantity::Voltage), &command, &position, gain),
@@ -103,7 +120,9 @@ impl JointData {
         JointDrive {
             time_s: &self.time_s,
             command: &self.command,
+            recorded: &self.position,
             load: &self.load,
+            load_slope: &self.load_slope,
             inertia: &self.inertia,
             gain: self.gain,
         }
@@ -117,10 +136,15 @@ fn error_limit(voltage: &[f64], command: &[f64], position: &[f64], gain: f64) ->
     // a maximum that a signal passes through is reached once or twice
     const FEWEST: usize = 8;
     let is_at_limit = |u: &f64| u.abs() > (1.0 - 1e-3) * largest;
-    if largest <= 0.0 || voltage.iter().filter(|u| is_at_limit(u)).count() < FEWEST {
+    // a joint that rests shows a constant voltage too, at a constant error
+    const WIDER: f64 = 1.1;
+    let inside = voltage.iter().zip(command.iter().zip(position));
+    let at_limit = inside.clone().filter(|(u, _)| is_at_limit(u));
+    let errors: Vec<f64> = at_limit.map(|(_, (c, q))| (c - q).abs()).collect();
+    let [least, most] = armident_numeric::extremes(errors.iter().copied());
+    if largest <= 0.0 || errors.len() < FEWEST || most < WIDER * least {
         return None;
     }
-    let inside = voltage.iter().zip(command.iter().zip(position));
     let (mut products, mut squares) = (0.0, 0.0);
     for (u, (c, q)) in inside.filter(|(u, _)| !is_at_limit(u)) {
         products += u * (c - q);

@@ -1,9 +1,9 @@
 //! Controller and friction of one joint, by its simulated positions.
 //!
 //! Method: output error. The joint is simulated under its commands from its first position on, with the load of the recorded
-//! motion of all joints; Levenberg-Marquardt with one-sided differences and the weights of Cauchy, which pass over intervals
-//! in which something else holds the joint. Standard errors by the one-step jackknife over recordings or, of fewer than four,
-//! over blocks of time. Laws of dry friction are added one after another as long as the 95 % interval of their parameter
+//! motion of all joints; Levenberg-Marquardt with one-sided differences and the weights of Cauchy,
+//! so that intervals in which something else holds the joint count little. Standard errors by the one-step jackknife over recordings, which are divided
+//! where they are few. Laws of dry friction are added one after another as long as the 95 % interval of their parameter
 //! excludes 0.
 //!
 //! References: L. Ljung, System Identification, 2nd ed. (1999), section 7.2; J. J. Moré, The Levenberg-Marquardt algorithm
@@ -15,7 +15,7 @@ use armident_effects::{
     StribeckFriction, TorqueOffset, ViscousFriction,
 };
 use armident_inference::{FEWEST_BLOCKS, student_t_975, variance};
-use armident_numeric::{Cholesky, order_statistic};
+use armident_numeric::Cholesky;
 use armident_simulation::{ServoJoint, SimulatedArm};
 use rayon::prelude::*;
 
@@ -31,10 +31,12 @@ const MOST_STEPS: usize = 40;
 /// A step that lowers the cost by less ends the fit: a hundredth of what a standard error away from the minimum costs is far
 /// below it for any number of samples.
 const LEAST_GAIN: f64 = 1e-4;
-/// Blocks of time of one recording, where there are fewer than four.
-const BLOCKS: usize = 8;
+/// Fewest blocks that recordings are divided into: with so many the quantile of Student's t is within a tenth of the normal one.
+const BLOCKS: usize = 16;
 /// A stiffness whose 95 % interval has a larger ratio of its ends is not determined, as for drive gains.
 const NOT_DETERMINED: f64 = 10.0;
+/// Steps of its encoder by which the weight must move a joint to be felt: rounding alone makes one.
+const FELT_STEPS: f64 = 4.0;
 /// Largest share of the load that dry friction may take: at 1 a gear locks itself.
 const MOST_LOAD_FRICTION: f64 = 0.95;
 
@@ -89,6 +91,8 @@ pub struct ServoValue {
 pub(super) struct JointEstimate {
     /// K \[N m/rad or N/m\]
     pub(super) stiffness: f64,
+    /// whether the load moves the joint by more than its encoder resolves
+    pub(super) is_felt: bool,
     pub(super) is_determined: bool,
     /// position error at gain 1 beyond which the effort does not grow \[rad or m\]
     pub(super) error_limit: Option<f64>,
@@ -228,15 +232,19 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
     let limits: Vec<f64> = data.iter().filter_map(|d| d.error_limit).collect();
     let error_limit =
         (!limits.is_empty()).then(|| limits.iter().sum::<f64>() / limits.len() as f64);
-    let free_stiffness = held.is_none() && start.compliance.is_some();
-    let compliance = held.map(|k| 1.0 / k).or(start.compliance).unwrap_or(1.0);
+    let load = load_range(data);
+    let free_stiffness = held.is_none() && load > 0.0;
+    // where the start shows no weight, one that the encoder just resolves
+    let least = 10.0 * resolution / load.max(f64::MIN_POSITIVE);
+    let compliance = held.map_or_else(|| start.compliance.unwrap_or(least), |k| 1.0 / k);
     let fitter = Fitter {
         arm: Carrier::of(data),
         data,
         error_limit,
         sample_s,
         resolution,
-        load: load_range(data).max(f64::MIN_POSITIVE),
+        load: load.max(f64::MIN_POSITIVE),
+        scale: start.dry.max(CAUCHY * resolution),
     };
     let mut free = vec![
         ServoParameter::Offset,
@@ -249,7 +257,7 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
         free.push(ServoParameter::Compliance);
     }
     // a lag is delay or damping: both are tried as the larger part
-    let starts = [[sample_s, 1.0], [3.0 * sample_s, 0.3]];
+    let starts = [[sample_s, 1.0], [0.5 * sample_s, 2.0]];
     let tried: Vec<Fit> = starts
         .par_iter()
         .map(|[delay_s, share]| {
@@ -276,7 +284,7 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
     // more dry friction as far as it is significant
     let excess = [ServoParameter::StaticExcess, ServoParameter::StribeckVelocity];
     let by_load = [ServoParameter::LoadFriction];
-    for added in [&excess[..], &by_load[..]] {
+    for added in [&by_load[..], &excess[..]] {
         if added.contains(&ServoParameter::LoadFriction) && !free_stiffness {
             continue;
         }
@@ -285,7 +293,7 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
         with.extend(added);
         match added[0] {
             ServoParameter::StaticExcess => {
-                x[added[0] as usize] = 0.5 * x[ServoParameter::DryFriction as usize];
+                x[added[0] as usize] = 0.1 * x[ServoParameter::DryFriction as usize];
             }
             _ => x[added[0] as usize] = 0.1,
         }
@@ -303,9 +311,12 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
     let error = best.errors[ServoParameter::Compliance as usize];
     let quantile = student_t_975(best.blocks.saturating_sub(1).max(1) as f64);
     let is_narrow = |error: f64| 2.0 * quantile * error * stiffness < NOT_DETERMINED.ln();
-    let is_determined = free_stiffness && error.is_none_or(is_narrow);
+    let sag = load / stiffness;
+    let is_felt = free_stiffness && sag > FELT_STEPS * resolution;
+    let is_determined = is_felt && error.is_none_or(is_narrow);
     JointEstimate {
         stiffness,
+        is_felt,
         is_determined,
         error_limit,
         x: best.x,
@@ -321,6 +332,9 @@ struct Fitter<'a> {
     sample_s: f64,
     resolution: f64,
     load: f64,
+    /// residual beyond which its size counts rather than its square \[rad or m\]: inside the band of dry friction a position
+    /// depends on how it was reached, beyond it something else holds the joint
+    scale: f64,
 }
 
 /// A minimum of the cost.
@@ -349,7 +363,7 @@ impl Fitter<'_> {
             ServoParameter::StribeckVelocity => self.resolution / self.sample_s,
             ServoParameter::LoadFriction => 0.1,
         };
-        0.02 * size.max(0.2 * least)
+        0.05 * size.max(least)
     }
 
     /// Into what a joint may have. An inertia whose time constant with the damping is below a quarter of a sample is not seen,
@@ -380,12 +394,15 @@ impl Fitter<'_> {
 
     /// Weights of Cauchy.
     fn weights(&self, residuals: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let mut sizes: Vec<f64> = residuals.iter().flatten().map(|r| r.abs()).collect();
-        let middle = sizes.len() / 2;
-        let median = order_statistic(&mut sizes, middle).unwrap_or(0.0);
-        let scale = CAUCHY * (1.4826 * median).max(self.resolution);
-        let weight = |r: &f64| 1.0 / (1.0 + (r / scale).powi(2));
+        let weight = |r: &f64| 1.0 / (1.0 + (r / self.scale).powi(2));
         residuals.iter().map(|r| r.iter().map(weight).collect()).collect()
+    }
+
+    /// The cost that these weights minimise.
+    fn cost(&self, residual: &[Vec<f64>]) -> f64 {
+        let of = |r: &f64| (r / self.scale).powi(2).ln_1p();
+        let sum: f64 = residual.iter().flatten().map(of).sum();
+        if sum.is_finite() { sum } else { f64::INFINITY }
     }
 
     fn fit(&self, x: [f64; 9], free: &[ServoParameter]) -> Fit {
@@ -394,7 +411,7 @@ impl Fitter<'_> {
         let mut damping = 1e-2;
         for _ in 0..MOST_STEPS {
             let weights = self.weights(&residual);
-            let cost = weighted_squares(&residual, &weights);
+            let cost = self.cost(&residual);
             let jacobian = self.jacobian(&x, &residual, free);
             let (matrix, gradient) = normal_equations(&jacobian, &residual, &weights);
             let mut is_better = false;
@@ -417,9 +434,9 @@ impl Fitter<'_> {
                 }
                 let next = self.admissible(next);
                 let changed = self.residuals(&next);
-                let squares = weighted_squares(&changed, &weights);
-                if squares < cost {
-                    is_better = squares < (1.0 - LEAST_GAIN) * cost;
+                let lower = self.cost(&changed);
+                if lower < cost {
+                    is_better = lower < (1.0 - LEAST_GAIN) * cost;
                     x = next;
                     residual = changed;
                     damping *= 0.2;
@@ -432,7 +449,7 @@ impl Fitter<'_> {
             }
         }
         let weights = self.weights(&residual);
-        let cost = robust_cost(&residual, self.resolution);
+        let cost = self.cost(&residual);
         let (errors, blocks) = self.errors(&x, &residual, &weights, free);
         Fit { x, errors, cost, blocks }
     }
@@ -467,7 +484,7 @@ impl Fitter<'_> {
     ) -> ([Option<f64>; 9], usize) {
         let mut errors = [None; 9];
         let jacobian = self.jacobian(x, residual, free);
-        let parts = if self.data.len() < FEWEST_BLOCKS { BLOCKS } else { 1 };
+        let parts = BLOCKS.div_ceil(self.data.len().max(1));
         let mut estimates: Vec<Vec<f64>> = Vec::new();
         let (whole, _) = normal_equations(&jacobian, residual, weights);
         for recording in 0..residual.len() {
@@ -495,19 +512,6 @@ impl Fitter<'_> {
         }
         (errors, estimates.len())
     }
-}
-
-fn weighted_squares(residual: &[Vec<f64>], weights: &[Vec<f64>]) -> f64 {
-    let all = residual.iter().flatten().zip(weights.iter().flatten());
-    let sum: f64 = all.map(|(r, w)| w * r * r).sum();
-    if sum.is_finite() { sum } else { f64::INFINITY }
-}
-
-/// The cost of Cauchy at the scale of the encoder, which is the same for every fit.
-fn robust_cost(residual: &[Vec<f64>], resolution: f64) -> f64 {
-    let scale = CAUCHY * resolution;
-    let sum: f64 = residual.iter().flatten().map(|r| (r / scale).powi(2).ln_1p()).sum();
-    if sum.is_finite() { sum } else { f64::INFINITY }
 }
 
 /// `JᵀWJ` and `JᵀWr`.

@@ -79,7 +79,7 @@ pub fn identify_servos(request: &ServoRequest<'_>) -> Result<ServoIdentification
         .collect();
     let usual =
         if known.is_empty() { 1.0 } else { (known.iter().sum::<f64>() / known.len() as f64).exp() };
-    let open: Vec<usize> = (0..names.len()).filter(|j| !estimates[*j].is_determined).collect();
+    let open: Vec<usize> = (0..names.len()).filter(|j| !estimates[*j].is_felt).collect();
     let again: Vec<JointEstimate> = open.par_iter().map(|j| fit(&train[*j], Some(usual))).collect();
     for (j, found) in open.into_iter().zip(again) {
         estimates[j] = found;

@@ -48,8 +48,8 @@ impl ServosReport {
             .collect();
         if !open.is_empty() {
             notes.push(format!(
-                "stiffness of {} not identifiable: no weight acts on the joint, and commands give only ratios to it; a known \
-                 load on the joint determines it. Its efforts in the model have an arbitrary scale, its positions do not \
+                "stiffness of {} not identifiable: the weight on the joint moves it too little, and commands give only ratios to \
+                 it; a known load on the joint determines it. Its efforts in the model have an arbitrary scale, its positions do not \
                  depend on it",
                 open.join(", ")
             ));
