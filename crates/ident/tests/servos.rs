@@ -73,7 +73,8 @@ fn stiffness_delay_and_friction_are_recovered() {
         assert!((stiffness / STIFFNESS[j] - 1.0).abs() < 0.05, "{}: {stiffness}", fit.joint);
         let delay_s = value(ServoParameter::Delay);
         assert!((delay_s - DELAY_S).abs() < 5e-3, "{}: {delay_s}", fit.joint);
-        assert!(fit.holdout[0] < 0.1 * fit.command_alone[0], "{fit:?}");
+        // half a step of the encoder, of which rounding alone makes 0.29
+        assert!(fit.holdout[0] < 0.6 * std::f64::consts::TAU / 4096.0, "{fit:?}");
     }
     assert_eq!(found.model.servos.len(), 2);
     let again = ArmModel::parse(&found.model.to_json().unwrap(), "model.json").unwrap();
