@@ -27,6 +27,7 @@ const ROOMS: [(&str, &[&str]); 7] = [
             "calibration",
             "checks",
             "experiment",
+            "servo",
             "identify",
         ],
     ),

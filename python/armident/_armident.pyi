@@ -120,6 +120,7 @@ class Recording:
         voltage: ArrayLike | None = None,
         motor_position: ArrayLike | None = None,
         temperature: ArrayLike | None = None,
+        command: ArrayLike | None = None,
         source: str = "arrays",
     ) -> Recording:
         """Recording in arrays, with the checks and repairs of a file.
@@ -135,6 +136,7 @@ class Recording:
             voltage: Motor voltages [V].
             motor_position: Motor encoders divided by the gear ratio [rad or m].
             temperature: Temperatures of motors or drives [°C].
+            command: Positions that the controllers of the joints are given [rad or m].
             source: Name of the recording in results.
 
         Raises:
@@ -174,8 +176,8 @@ class Recording:
         """Samples of one quantity of all joints in SI units, shape (samples, joints); None unless every joint has it.
 
         Args:
-            quantity: `position`, `velocity`, `acceleration`, `effort`, `current`, `voltage`, `motor_position` or
-                `temperature`.
+            quantity: `position`, `velocity`, `acceleration`, `effort`, `current`, `voltage`, `motor_position`,
+                `temperature` or `command`.
         """
     def quality_notes(self) -> list[str]:
         """Gaps, stuck or saturated channels and other findings that reading keeps, one sentence each."""

@@ -203,24 +203,34 @@ pub(crate) struct SimulateArgs {
     pub(crate) output: OutputArgs,
 }
 
-/// Predict joint efforts for a motion
+/// Predict joint efforts for a motion, or the motion for commands
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident predict model.json motion.csv -o predicted.csv
-  armident predict urdf/ur10.urdf motion.csv -o - --cutoff-hz 8")]
+  armident predict urdf/ur10.urdf motion.csv -o - --cutoff-hz 8
+  armident predict model.json commands.csv -o predicted.csv --closed-loop
+
+In closed loop the position controllers of the model follow <joint>/command, from the first
+<joint>/position where there is one.")]
 pub(crate) struct PredictArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
     #[arg(help = format!("Motion ({}) with the joint positions", formats()))]
     pub(crate) motion: PathBuf,
     #[arg(short, long, value_name = "FILE", help = format!(
-        "Output file with columns t and JOINT/effort ({}); - for CSV on stdout", written_extensions()
+        "Output file with columns t and JOINT/effort, or JOINT/position in closed loop ({}); - for CSV on stdout", written_extensions()
     ))]
     pub(crate) output_file: PathBuf,
     /// Low-pass cut-off frequency [Hz] [default: the model's, else from the motion's spectrum]
     #[arg(long, value_name = "HZ", value_parser = parse_positive, allow_negative_numbers = true)]
     pub(crate) cutoff_hz: Option<f64>,
+    /// Predict positions from commands with the position controllers of the model
+    #[arg(long, conflicts_with = "cutoff_hz")]
+    pub(crate) closed_loop: bool,
+    /// Gain of the controllers over that of the model
+    #[arg(long, value_name = "RATIO", default_value = "1", value_parser = parse_positive, requires = "closed_loop")]
+    pub(crate) servo_gain: f64,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]

@@ -6,7 +6,7 @@ use armident_ident::estimators::Estimator;
 use clap::{Args, ValueEnum};
 
 use super::arm::{one_recording, recordings, written_extensions};
-use super::value::{PayloadArg, estimators, parse_payload, parse_positive};
+use super::value::{PayloadArg, estimators, parse_file_gain, parse_payload, parse_positive};
 use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -47,7 +47,8 @@ the minimal set, and viscous friction, Coulomb friction, offset and rotor inerti
 Velocity and acceleration are differentiated from the position with a zero-phase low-pass (4th-order
 Butterworth), unless accelerations are recorded. If motor currents are recorded instead of efforts
 (<joint>/current), the drive gains are also estimated: their ratios from any motion, their scale from a
-known payload.")]
+known payload. If commands are recorded (<joint>/command) and no efforts, the position controllers are
+estimated, with friction and weight, from the positions that follow.")]
 pub(crate) struct IdentifyArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
@@ -78,6 +79,10 @@ pub(crate) struct IdentifyArgs {
     /// Viscous friction of the joints (ignored with a plan)
     #[arg(long, value_name = "HOW", default_value = "auto")]
     pub(crate) viscous: ViscousArg,
+    /// Gain of the position controllers in a recording of commands, over the gain that is 1 in the others;
+    /// repeatable
+    #[arg(long, value_name = "FILE=RATIO", value_parser = parse_file_gain)]
+    pub(crate) servo_gain: Vec<(PathBuf, f64)>,
     /// Skip the projection to physically consistent parameters
     #[arg(long)]
     pub(crate) raw_estimate: bool,

@@ -101,6 +101,13 @@ pub(super) fn parse_pair(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
+/// A recording with the gain of its controllers.
+pub(super) fn parse_file_gain(text: &str) -> Result<(PathBuf, f64), String> {
+    let (file, gain) =
+        text.rsplit_once('=').ok_or_else(|| format!("expected FILE=RATIO, found `{text}`"))?;
+    Ok((PathBuf::from(file), parse_positive(gain)?))
+}
+
 /// Known payload in one of the recordings, not yet validated.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PayloadArg {

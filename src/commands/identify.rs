@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use armident_commands::{
-    Failure, Identified, IdentifyOptions, PayloadOn, PlannedRecordings, identify, identify_planned,
-    plan_in, split_recordings,
+    Failure, GivenRobot, Identified, IdentifyOptions, PayloadOn, PlannedRecordings,
+    has_commands_only, identify, identify_planned, identify_servos, plan_in, split_recordings,
 };
 use armident_ident::{Stage, StructureSearch};
+use armident_recording::Recording;
 
 use super::recordings;
 use crate::args::{CouplingArg, IdentifyArgs, PayloadArg, PriorArg, ViscousArg};
@@ -27,7 +28,16 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     args.page.check()?;
     let with_plan: Vec<PathBuf> = args.recordings.iter().filter_map(|p| plan_in(p)).collect();
     let found = match &with_plan[..] {
-        [] => batch(args)?,
+        [] => {
+            let files = split_recordings(&args.recordings, &args.holdout)?;
+            let read = |paths: &[PathBuf]| recordings::read_all(paths, &args.reading, &args.output);
+            let (train, holdout) = (read(&files.training)?, read(&files.holdout)?);
+            let robot = robot::open(&args.robot, &args.chain)?;
+            if has_commands_only(&robot, &train)? {
+                return by_commands(args, &robot, &train, &holdout);
+            }
+            batch(args, &robot, train, holdout)?
+        }
         [plan] if args.recordings.len() == 1 => by_algorithm2(args, plan)?,
         _ => {
             return Err(Failure::new(
@@ -72,11 +82,45 @@ fn options(args: &IdentifyArgs) -> IdentifyOptions {
     }
 }
 
+/// Commands without efforts, by the positions that follow.
+fn by_commands(
+    args: &IdentifyArgs,
+    robot: &GivenRobot,
+    train: &[Recording],
+    holdout: &[Recording],
+) -> Result<Outcome, Failure> {
+    if args.page.report.is_some() || args.page.traces {
+        return Err(Failure::new(
+            "no page of an identification from commands",
+            "--report, --traces",
+            Some("omit the option, or use --json FILE"),
+        ));
+    }
+    let progress = Progress::of(&args.output, "fitting");
+    let found = identify_servos(robot, train, holdout, &args.servo_gain)?;
+    drop(progress);
+    if let Some(path) = &args.save_model {
+        found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
+    }
+    output::say_all(&args.output, "note", &found.report.notes);
+    let text = found.report.text(output::bars());
+    output::write_result(&args.output, &text, &found.report, &found.report.warnings)
+}
+
 /// Ordinary motion, by the batch fit.
-fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
-    let files = split_recordings(&args.recordings, &args.holdout)?;
-    let read = |paths: &[PathBuf]| recordings::read_all(paths, &args.reading, &args.output);
-    let (train, holdout) = (read(&files.training)?, read(&files.holdout)?);
+fn batch(
+    args: &IdentifyArgs,
+    robot: &GivenRobot,
+    train: Vec<Recording>,
+    holdout: Vec<Recording>,
+) -> Result<Identified, Failure> {
+    if !args.servo_gain.is_empty() {
+        return Err(Failure::new(
+            "gains of position controllers beside recordings with efforts or without commands",
+            "--servo-gain",
+            Some("omit the option"),
+        ));
+    }
     let stage = Mutex::new(None);
     let progress = |next: Stage| {
         if let Ok(mut current) = stage.lock() {
@@ -85,8 +129,7 @@ fn batch(args: &IdentifyArgs) -> Result<Identified, Failure> {
             *current = Some(Progress::of(&args.output, in_words(next)));
         }
     };
-    let robot = robot::open(&args.robot, &args.chain)?;
-    identify(&robot, train, holdout, &options(args), &progress)
+    identify(robot, train, holdout, &options(args), &progress)
 }
 
 /// Planned experiments, by Algorithm 2.

@@ -1,6 +1,6 @@
 //! `armident predict`.
 
-use armident_commands::{Failure, Predicted, predict};
+use armident_commands::{Failure, Predicted, predict, predict_closed_loop};
 
 use super::recordings;
 use crate::args::PredictArgs;
@@ -27,9 +27,13 @@ pub(crate) fn run(args: &PredictArgs) -> Result<Outcome, Failure> {
     let motion = motions.remove(0);
     let robot = robot::open(&args.robot, &args.chain)?;
     let progress = Progress::of(&args.output, "predicting");
-    let Predicted { report, efforts } = predict(&robot, &motion, args.cutoff_hz)?;
+    let Predicted { report, channels } = if args.closed_loop {
+        predict_closed_loop(&robot, &motion, args.servo_gain)?
+    } else {
+        predict(&robot, &motion, args.cutoff_hz)?
+    };
     drop(progress);
-    let bytes = recordings::encoded(&efforts, &args.output_file, &args.output)?;
+    let bytes = recordings::encoded(&channels, &args.output_file, &args.output)?;
     let to_stdout = output::is_stdout(&args.output_file);
     let text = if to_stdout {
         output::write_stdout(&bytes)?;

@@ -16,6 +16,7 @@
 //! ```
 
 mod check;
+mod closed_loop;
 mod diagnose;
 mod drawing;
 mod excerpt;
@@ -31,14 +32,15 @@ mod suite;
 mod validate;
 
 pub use check::{Checked, check};
+pub use closed_loop::predict_closed_loop;
 pub use diagnose::{DiagnoseOptions, DiagnoseRecordings, Diagnosed, diagnose};
 pub use drawing::Drawn;
 pub use excerpt::Excerpt;
 pub use export::{ExportFormat, ExportReport, export};
 pub use failure::Failure;
 pub use identify::{
-    Identified, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings, identify,
-    identify_planned, plan_in,
+    Identified, IdentifiedServos, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings,
+    has_commands_only, identify, identify_planned, identify_servos, plan_in,
 };
 pub use params::params;
 pub use predict::{PredictReport, Predicted, predict};

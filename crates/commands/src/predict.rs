@@ -11,28 +11,28 @@ use crate::robot::{GivenRobot, chain_warnings};
 /// What was predicted, in short; the numbers are in the recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct PredictReport {
-    schema: &'static str,
-    robot: String,
-    motion: String,
+    pub(crate) schema: &'static str,
+    pub(crate) robot: String,
+    pub(crate) motion: String,
     /// Number of stamps.
     pub samples: usize,
     /// Joints of the arm in order.
     pub joints: Vec<String>,
-    cutoff_hz: Option<f64>,
-    effects: Vec<armident_effects::EffectOnJoint>,
+    pub(crate) cutoff_hz: Option<f64>,
+    pub(crate) effects: Vec<armident_effects::EffectOnJoint>,
     /// Notes on how the motion was formed.
     pub notes: Vec<String>,
     /// Warnings on the arm.
     pub warnings: Vec<String>,
 }
 
-/// Predicted efforts.
+/// A prediction.
 #[derive(Debug, Clone)]
 pub struct Predicted {
     /// The result.
     pub report: PredictReport,
-    /// `t` and the effort of every joint at every stamp of the motion.
-    pub efforts: Recording,
+    /// `t` and the effort or, in closed loop, the position of every joint at every stamp of the motion.
+    pub channels: Recording,
 }
 
 /// Predicts the efforts of a motion. `cutoff_hz`: low-pass of the positions \[Hz\]; none: the model's, else from the
@@ -69,7 +69,7 @@ pub fn predict(
         notes,
         warnings: chain_warnings(&model),
     };
-    Ok(Predicted { report, efforts })
+    Ok(Predicted { report, channels: efforts })
 }
 
 /// `t` and the effort of every joint at every stamp of a motion.

@@ -33,6 +33,7 @@ mod library;
 mod mechanism;
 mod motion;
 mod on_joint;
+mod servo;
 mod transmission;
 
 pub use catalogue::{Against, Catalogue, Example};
@@ -50,6 +51,7 @@ pub use library::{Library, effect};
 pub use mechanism::{ArmFrames, Mechanism, tip_jacobian};
 pub use motion::{ArmColumns, DryFriction, JointMotion, JointState, MotionScale, WholeArmMotion};
 pub use on_joint::{EffectOnJoint, UnknownEffect};
+pub use servo::PositionServo;
 pub use transmission::{Transmission, resting_links};
 
 #[cfg(test)]

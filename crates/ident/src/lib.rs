@@ -10,6 +10,7 @@
 //! | which experiments determine them one joint at a time | [`experiment::plan`] |
 //! | their values from such experiments | [`identify_planned`] (Algorithm 2) |
 //! | their values from ordinary motion, friction included | [`identify`] |
+//! | controllers and friction of an arm with commands and no efforts | [`identify_servos`] |
 //! | the same step by step | [`BatchProblem`], [`estimators`] |
 //! | the physically consistent links nearest to an estimate | [`ConsistencyProblem`] |
 //! | whether the columns of recordings are what their headers say | [`checks::check`] |
@@ -18,7 +19,7 @@
 //!
 //! Rooms from low to high, each using only those before it: `inference` (statistics that know no robot), `used_samples`,
 //! `minimal_set`, `consistency`, `experiment`,
-//! `regression`, `estimators`, `structure`, `calibration`, `checks`, `validation`, `identify`.
+//! `regression`, `estimators`, `structure`, `calibration`, `checks`, `validation`, `servo`, `identify`.
 
 mod calibration;
 pub mod checks;
@@ -29,6 +30,7 @@ mod identify;
 mod minimal_set;
 mod recording_state;
 mod regression;
+mod servo;
 mod structure;
 mod used_samples;
 pub mod validation;
@@ -46,6 +48,10 @@ pub use recording_state::{
 pub use regression::{
     BatchEstimate, BatchProblem, BatchSettings, Coupling, Endogeneity, EstimateNote, JointFit,
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,
+};
+pub use servo::{
+    CommandFault, Lag, ServoError, ServoIdentification, ServoJointFit, ServoParameter,
+    ServoRequest, ServoValue, identify_servos,
 };
 pub use structure::{
     CouplingFound, ReversalCandidates, Structure, StructureSearch, SublinearFound,

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::dead_zone::DeadZone;
 use crate::operating_point::OperatingPoint;
 use crate::reversal::SHARP;
+use crate::servo::ServoTerm;
 use crate::smooth_term::SmoothTerm;
 use crate::transmission::TransmissionTerm;
 
@@ -56,6 +57,8 @@ pub struct ArmModel {
     pub band: Option<BandPrediction>,
     /// Gains of drives whose current is recorded instead of an effort, where recordings with a known load gave them.
     pub drive_gains: Option<DriveGainsKnown>,
+    /// Position controllers of the joints, where recordings of commands gave them.
+    pub servos: Vec<ServoTerm>,
 }
 
 /// Gains of drives, and how well they are known.
@@ -140,6 +143,7 @@ impl ArmModel {
             channel_gain: vec![1.0; joints],
             band: None,
             drive_gains: None,
+            servos: Vec::new(),
         }
     }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::arm_model::{ArmModel, BandPrediction, DriveGainsKnown};
 use crate::dead_zone::DeadZone;
+use crate::servo::{ServoTerm, check_servos};
 use crate::smooth_term::SmoothTerm;
 use crate::transmission::TransmissionTerm;
 
@@ -136,6 +137,8 @@ struct ModelFile {
     band: Option<BandPrediction>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     drive_gains: Option<DriveGainsKnown>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    servos: Vec<ServoTerm>,
     /// what a diagnosis found, in files of schema 1
     #[serde(default, skip_serializing)]
     learned: Option<Learned>,
@@ -260,6 +263,7 @@ impl From<&ArmModel> for ModelFile {
             channel_gain: model.channel_gain.clone(),
             band: model.band.clone(),
             drive_gains: model.drive_gains.clone(),
+            servos: model.servos.clone(),
             learned: None,
             effort_noise: model.effort_noise.clone(),
             shown: model.shown.clone(),
@@ -404,6 +408,7 @@ impl ModelFile {
         if self.drive_gains.as_ref().is_some_and(|gains| !gains.is_sound()) {
             return bad("drive_gains must have one finite gain and variance per joint".to_owned());
         }
+        check_servos(&self.servos, &names).map_err(ModelError::Inconsistent)?;
         if let Some(band) = &self.band {
             check_band(band, count).map_err(ModelError::Inconsistent)?;
         }
@@ -443,6 +448,7 @@ impl ModelFile {
             channel_gain: numbers.channel_gain,
             band: self.band,
             drive_gains: self.drive_gains,
+            servos: self.servos,
         })
     }
 }

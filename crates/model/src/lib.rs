@@ -17,6 +17,7 @@ mod posed_recording;
 mod predict;
 mod prepared;
 mod reversal;
+mod servo;
 mod simulated;
 mod smooth_term;
 #[cfg(test)]
@@ -35,5 +36,6 @@ pub use posed_recording::{PosedRecording, changed};
 pub use predict::{PredictError, Prediction};
 pub use prepared::PreparedRecording;
 pub use reversal::{SHARP, regularised_sign};
+pub use servo::ServoTerm;
 pub use smooth_term::{AxisQuantity, FactorForm, SmoothAxis, SmoothBasis, SmoothTerm, SpeedFactor};
 pub use transmission::{FittedTransmission, Spring, TransmissionTerm};

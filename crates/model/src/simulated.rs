@@ -92,6 +92,8 @@ impl ArmModel {
             let percent = 100.0 * shown.as_ref()?.share;
             Some(format!("the {percent:.1} % of its effort that the column of {name} shows"))
         });
-        reversals.chain(shown).collect()
+        let servos =
+            self.servos.iter().map(|term| format!("the position controller of {}", term.joint));
+        reversals.chain(shown).chain(servos).collect()
     }
 }

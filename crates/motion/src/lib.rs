@@ -89,4 +89,4 @@ pub use quality::{
 pub use recorded_velocity::with_recorded_velocity;
 pub use sampling_clock::SamplingClock;
 pub use standstill::{ChannelSeries, Kind, Standstill, continued, filter_between};
-pub use stuck::RESTING_RANGE;
+pub use stuck::{RESTING_RANGE, quantisation_step};

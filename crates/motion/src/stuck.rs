@@ -41,7 +41,7 @@ const ON_STEPS_SHARE: f64 = 0.95;
 const OFF_STEP: f64 = 0.1;
 
 /// The step in which values are quantised; none if they are finer than can be seen.
-pub(crate) fn quantisation_step(values: &[f64]) -> Option<f64> {
+pub fn quantisation_step(values: &[f64]) -> Option<f64> {
     let mut levels = values.to_vec();
     levels.sort_unstable_by(f64::total_cmp);
     let (first, last) = (*levels.first()?, *levels.last()?);

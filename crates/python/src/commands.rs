@@ -163,7 +163,7 @@ pub(crate) fn predict(
     let files = sources(&given, &[std::slice::from_ref(&motion)]);
     let found = done(py, move || run::predict(&given, &motion, cutoff_hz))?;
     let answer = Answer::new(Found::Predicted(found.report), "predict", files);
-    Ok((answer, Recording { recorded: found.efforts }))
+    Ok((answer, Recording { recorded: found.channels }))
 }
 
 /// Recordings of trajectories in software, and notes.

@@ -57,11 +57,11 @@ impl Recording {
     ///
     /// `time` [s] has shape (samples,), `joints` are names as in the URDF, and all others have shape (samples, joints):
     /// `position` [rad or m], `velocity` and `acceleration` per s and s², `effort` on the joint side [N m or N], `current`
-    /// [A], `voltage` [V], `motor_position` divided by the gear ratio [rad or m], `temperature` [°C]. `source` names the
-    /// recording in results.
+    /// [A], `voltage` [V], `motor_position` divided by the gear ratio [rad or m], `temperature` [°C], `command` (the position that
+    /// the joint's controller is given) [rad or m]. `source` names the recording in results.
     #[staticmethod]
     #[pyo3(signature = (time, joints, *, position=None, velocity=None, acceleration=None, effort=None, current=None,
-        voltage=None, motor_position=None, temperature=None, source="arrays"))]
+        voltage=None, motor_position=None, temperature=None, command=None, source="arrays"))]
     fn from_arrays(
         py: Python<'_>,
         time: &Bound<'_, PyAny>,
@@ -74,6 +74,7 @@ impl Recording {
         voltage: Option<Bound<'_, PyAny>>,
         motor_position: Option<Bound<'_, PyAny>>,
         temperature: Option<Bound<'_, PyAny>>,
+        command: Option<Bound<'_, PyAny>>,
         source: &str,
     ) -> PyResult<Self> {
         let given = [
@@ -85,6 +86,7 @@ impl Recording {
             voltage,
             motor_position,
             temperature,
+            command,
         ];
         let mut columns = vec![("t".to_owned(), arrays::column("time", time)?)];
         for (quantity, values) in Quantity::ALL.into_iter().zip(given) {

@@ -110,7 +110,7 @@ impl Robot {
         let efforts = match (q.cast::<Recording>(), v, a) {
             (Ok(motion), None, None) if t.is_none() => {
                 let (given, motion) = (self.given.clone(), motion.get().recorded.clone());
-                done(py, move || Ok(predict(&given, &motion, cutoff_hz)?.efforts))?
+                done(py, move || Ok(predict(&given, &motion, cutoff_hz)?.channels))?
             }
             (Err(_), Some(v), Some(a)) if cutoff_hz.is_none() => {
                 return self.predict_arrays(py, [q, v, a], t);

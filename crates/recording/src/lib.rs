@@ -20,6 +20,7 @@
 //! | `<joint>/current`, `<joint>/voltage` | A, V |
 //! | `<joint>/motor_position` | encoder of the motor, divided by the gear ratio: rad or m |
 //! | `<joint>/temperature` | °C |
+//! | `<joint>/command` | position that the joint's controller is given: rad or m |
 //!
 //! NumPy and MATLAB: the same columns as arrays, or arrays of samples by joints. Parquet (feature `parquet`): the same columns.
 //! Bags of ROS: messages of joints of one topic, in MCAP (feature `mcap`), SQLite or ROS 1 (feature `all-formats`). [`encode`]

@@ -25,11 +25,13 @@ pub enum Quantity {
     MotorPosition,
     /// Temperature of motor or drive, °C.
     Temperature,
+    /// Position that a controller is given to reach, rad or m.
+    Command,
 }
 
 impl Quantity {
     /// All quantities, in the order in which they are written.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Position,
         Self::Velocity,
         Self::Acceleration,
@@ -38,6 +40,7 @@ impl Quantity {
         Self::Voltage,
         Self::MotorPosition,
         Self::Temperature,
+        Self::Command,
     ];
 
     /// Whether it is the effort of a joint, or a signal of its drive that is a multiple of it.
@@ -56,6 +59,7 @@ impl Quantity {
             Self::Voltage => "voltage",
             Self::MotorPosition => "motor_position",
             Self::Temperature => "temperature",
+            Self::Command => "command",
         }
     }
 

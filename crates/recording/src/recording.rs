@@ -27,6 +27,8 @@ pub struct JointChannels {
     pub motor_position: Option<Vec<f64>>,
     /// Temperature of motor or drive \[°C\].
     pub temperature: Option<Vec<f64>>,
+    /// Position that the joint's controller is given to reach \[rad or m\].
+    pub command: Option<Vec<f64>>,
 }
 
 impl JointChannels {
@@ -46,6 +48,7 @@ impl JointChannels {
             Quantity::Voltage => self.voltage.as_deref(),
             Quantity::MotorPosition => self.motor_position.as_deref(),
             Quantity::Temperature => self.temperature.as_deref(),
+            Quantity::Command => self.command.as_deref(),
         }
     }
 
@@ -60,6 +63,7 @@ impl JointChannels {
             Quantity::Voltage => &mut self.voltage,
             Quantity::MotorPosition => &mut self.motor_position,
             Quantity::Temperature => &mut self.temperature,
+            Quantity::Command => &mut self.command,
         }
     }
 

@@ -82,7 +82,7 @@ pub(crate) const TIME: &[Unit] =
 /// Units that a channel may have, the default first.
 pub(crate) fn units_of(quantity: Quantity) -> &'static [Unit] {
     match quantity {
-        Quantity::Position | Quantity::MotorPosition => POSITION,
+        Quantity::Position | Quantity::MotorPosition | Quantity::Command => POSITION,
         Quantity::Velocity => VELOCITY,
         Quantity::Acceleration => ACCELERATION,
         Quantity::Effort => EFFORT,

@@ -162,8 +162,10 @@ fn value() -> impl Strategy<Value = f64> {
 fn joints() -> impl Strategy<Value = Vec<JointChannels>> {
     let name = "[a-z\"',;/ _é.-]{0,6}[a-z0-9\"]";
     let value = value().prop_filter("no turn", |value| !(1.0..20.0).contains(&value.abs()));
-    let channels =
-        proptest::collection::vec(proptest::option::of(proptest::collection::vec(value, 10)), 8);
+    let channels = proptest::collection::vec(
+        proptest::option::of(proptest::collection::vec(value, 10)),
+        Quantity::ALL.len(),
+    );
     let joint = (name, channels).prop_map(|(name, channels)| {
         let mut joint = JointChannels::new(name.trim());
         for (quantity, values) in Quantity::ALL.into_iter().zip(channels) {

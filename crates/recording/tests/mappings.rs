@@ -442,7 +442,7 @@ proptest! {
     #[test]
     fn identity_mapping_equals_plain_reading(
         columns in proptest::collection::btree_map(
-            ("[a-z/_]{0,4}[a-z]", 0..8usize),
+            ("[a-z/_]{0,4}[a-z]", 0..Quantity::ALL.len()),
             proptest::collection::vec(-1e3..1e3, 10),
             1..6,
         ),

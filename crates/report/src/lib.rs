@@ -36,8 +36,9 @@ pub use results::{
     DiagnoseReport, DriveGainOfMasses, DriveGainRow, EffectRow, EffortErrorRow, EffortErrors,
     EndogeneityRow, EstimateRow, EvidenceRow, ExciteReport, FindingRow, FitReport, FitRows, Fits,
     IdentifyReport, InputCheckRows, JointResiduals, MergeReport, MergedRow, MoreData, MotionRow,
-    NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, SetAside,
-    StepRow, ValidateReport, VariableShare, in_noise_levels, plan_text,
+    NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, ServoNumber,
+    ServoRow, ServosReport, SetAside, StepRow, ValidateReport, VariableShare, in_noise_levels,
+    plan_text,
 };
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};

@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
-use crate::results::{CheckReport, DiagnoseReport, IdentifyReport, ValidateReport};
+use crate::results::{CheckReport, DiagnoseReport, IdentifyReport, ServosReport, ValidateReport};
 use crate::section::DiagnosisSection;
 use crate::sections;
 
@@ -11,6 +11,7 @@ use crate::sections;
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
         (IdentifyReport::SCHEMA, of::<IdentifyReport>(&[])),
+        (ServosReport::SCHEMA, of::<ServosReport>(&[])),
         (CheckReport::SCHEMA, of::<CheckReport>(&[])),
         (DiagnoseReport::SCHEMA, of::<DiagnoseReport>(sections::DIAGNOSIS)),
         (ValidateReport::SCHEMA, of::<ValidateReport>(&[])),

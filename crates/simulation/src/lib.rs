@@ -23,6 +23,8 @@
 //! * [`inverse`] gives the efforts of a [`Trajectory`]: no integration, exact in every sample.
 //! * [`forward`] gives the motion that recorded efforts cause; [`ForwardStepper`] is its inside, one
 //!   step at a time, for controllers in the loop; [`track`] is the usual one of them.
+//! * [`closed_loop`] gives the motion that commands of position controllers cause; [`ServoJoint`] is one joint of it while
+//!   the others move as recorded.
 //! * [`Sensors`] turn the exact recording into one that encoders and noisy torque sensors take.
 //!
 //! # Scheme
@@ -91,6 +93,7 @@
 
 #[cfg(test)]
 mod bad_inputs;
+mod closed_loop;
 mod dry_friction;
 mod equations;
 mod error;
@@ -99,6 +102,7 @@ mod inverse;
 mod lines;
 mod motion_log;
 mod sensors;
+mod servo_joint;
 mod simulated_arm;
 mod step_effort;
 mod stepper;
@@ -108,10 +112,12 @@ mod tracking;
 mod trajectory;
 mod transmission;
 
+pub use closed_loop::{JointServo, closed_loop};
 pub use error::SimulationError;
 pub use forward::{DEFAULT_STEP_S, ForwardSettings, forward};
 pub use inverse::inverse;
 pub use sensors::{EffortNoise, MOST_ENCODER_BITS, Sensors};
+pub use servo_joint::{JointDrive, ServoJoint};
 pub use simulated_arm::{CONTACT_RAMP_S, EffectWithParameters, SimulatedArm};
 pub use step_effort::StepEffort;
 pub use stepper::{ArmState, ForwardStepper, HIGHEST_SPEED};

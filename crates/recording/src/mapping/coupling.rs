@@ -65,7 +65,7 @@ impl Coupling {
 
     /// Joint columns from motor columns; none for a quantity of the motors only.
     pub(super) fn to_joints(&self, quantity: Quantity, motors: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
-        use Quantity::{Acceleration, Effort, MotorPosition, Position, Velocity};
+        use Quantity::{Acceleration, Command, Effort, MotorPosition, Position, Velocity};
         let n = self.joints.len();
         let samples = motors.first().map_or(0, |column| column.len());
         let weight = |joint: usize, motor: usize| match quantity {
@@ -73,10 +73,13 @@ impl Coupling {
             _ => self.inverse[(joint, motor)],
         };
         let offset = |joint: usize| match quantity {
-            Position | MotorPosition => self.offset[joint],
+            Position | MotorPosition | Command => self.offset[joint],
             _ => 0.0,
         };
-        if !matches!(quantity, Position | Velocity | Acceleration | Effort | MotorPosition) {
+        if !matches!(
+            quantity,
+            Position | Velocity | Acceleration | Effort | MotorPosition | Command
+        ) {
             return None;
         }
         let one = |joint: usize, k: usize| {

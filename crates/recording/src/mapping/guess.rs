@@ -95,6 +95,21 @@ const COMMANDED: [&str; 24] = [
     "filtered",
     "d",
 ];
+/// Those of them that stand for what a controller is given.
+const GIVEN: [&str; 12] = [
+    "target",
+    "desired",
+    "des",
+    "cmd",
+    "command",
+    "commanded",
+    "commands",
+    "ref",
+    "reference",
+    "setpoint",
+    "goal",
+    "action",
+];
 /// Words of columns that are of no joint.
 const NO_JOINT: [&str; 18] = [
     "tcp",
@@ -230,7 +245,7 @@ impl MappingGuess {
                 format!("positions in degrees, as `{}` leaves two turns of radians", far.column);
             for channel in self.channels.iter_mut().filter(|channel| channel.unit.is_none()) {
                 channel.unit = match channel.quantity {
-                    Quantity::Position | Quantity::MotorPosition => Some("deg"),
+                    Quantity::Position | Quantity::MotorPosition | Quantity::Command => Some("deg"),
                     Quantity::Velocity => Some("deg/s"),
                     _ => None,
                 };
@@ -276,7 +291,8 @@ impl MappingGuess {
     /// Keeps one column of each channel: the measured one, else the one with the more usual name.
     fn choose_measured(&mut self, readings: &mut Vec<Reading>, names: &[String]) {
         let mut kept: Vec<Reading> = Vec::new();
-        for reading in readings.drain(..).filter(|reading| !reading.is_commanded) {
+        let is_channel = |r: &Reading| !r.is_commanded || r.quantity == Quantity::Command;
+        for reading in readings.drain(..).filter(is_channel) {
             let same = |other: &Reading| {
                 (&other.joint, other.quantity) == (&reading.joint, reading.quantity)
             };
@@ -407,6 +423,13 @@ impl Reading {
             _ if own.is_empty() || texts[place].len() == 1 => return None,
             _ => Joint::Named(joint_name(bare, &words, &own, place)),
         };
+        // a position that a controller is given, and nothing that is computed from it
+        let commanded = || rest.iter().filter(|k| COMMANDED.contains(&texts[**k].as_str()));
+        let is_given = is_commanded && commanded().all(|k| GIVEN.contains(&texts[*k].as_str()));
+        let quantity = match quantity {
+            Quantity::Position if is_given => Quantity::Command,
+            other => other,
+        };
         Some(Self { column, quantity, joint, unit, is_commanded, is_measured, rank })
     }
 }
@@ -458,9 +481,11 @@ fn drop_without_position(readings: &mut Vec<Reading>) {
         .filter(|reading| reading.quantity == Quantity::Position)
         .map(|reading| reading.joint.clone())
         .collect();
-    if !of_positions.is_empty() {
-        readings.retain(|reading| of_positions.contains(&reading.joint));
-    }
+    // what a controller is given is no motion
+    readings.retain(|reading| match reading.quantity {
+        Quantity::Command => of_positions.contains(&reading.joint),
+        _ => of_positions.is_empty() || of_positions.contains(&reading.joint),
+    });
 }
 
 fn time_column(names: &[String]) -> Option<usize> {
@@ -606,7 +631,7 @@ mod tests {
     #[test]
     fn measured_columns_win() {
         let found = guess(&["timestamp", "target_q_0", "q_0", "actual_q_0"], &["pan"]);
-        assert_eq!(channels(&found), ["actual_q_0: pan/position"]);
+        assert_eq!(channels(&found), ["target_q_0: pan/command", "actual_q_0: pan/position"]);
         assert_eq!(found.unsure, [""; 0]);
         let found = guess(&["t", "q_1", "theta_1"], &["pan"]);
         assert_eq!(channels(&found), ["q_1: pan/position"]);

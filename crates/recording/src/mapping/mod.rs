@@ -50,7 +50,7 @@ use rules::{PerJoint, Rules};
 ///
 /// | quantity | units | other keys |
 /// |---|---|---|
-/// | position, motor_position | `rad` `deg` `turn` `m` `mm` `counts` | `gear_ratio` divides; `counts_per_turn`, or `gain` per count |
+/// | position, motor_position, command | `rad` `deg` `turn` `m` `mm` `counts` | `gear_ratio` divides; `counts_per_turn`, or `gain` per count |
 /// | velocity | the same per second: `rad/s` `deg/s` `turn/s` `rpm` `m/s` `mm/s` `counts/s` | as above |
 /// | acceleration | `rad/s^2` `deg/s^2` `turn/s^2` `m/s^2` `mm/s^2` `counts/s^2` | as above |
 /// | effort | `N m` `N mm` `mN m` `N` | `gear_ratio` multiplies: a torque of the motor |

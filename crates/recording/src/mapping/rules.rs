@@ -95,7 +95,7 @@ pub(super) struct Rules {
 
 /// Contradictory keys: the fault and advice.
 pub(super) fn contradiction(rule: &ChannelRule) -> Option<(String, String)> {
-    use Quantity::{Acceleration, Effort, MotorPosition, Position, Velocity};
+    use Quantity::{Acceleration, Command, Effort, MotorPosition, Position, Velocity};
     let fault = |what: String, advice: &str| Some((what, advice.to_owned()));
     let Some(quantity) = rule.quantity else {
         let (key, _) = rule.numbers().next()?;
@@ -103,7 +103,8 @@ pub(super) fn contradiction(rule: &ChannelRule) -> Option<(String, String)> {
         return fault(what, "use one [[channel]] per quantity, or remove the number");
     };
     let base = rule.unit.map_or(Base::Si, |unit| unit.base);
-    let is_position = matches!(quantity, Position | MotorPosition | Velocity | Acceleration);
+    let is_position =
+        matches!(quantity, Position | MotorPosition | Command | Velocity | Acceleration);
     let drives = matches!(base, Base::Ampere | Base::Volt);
     let unit = rule.unit.map_or("", |unit| unit.name);
     let meaningless = [

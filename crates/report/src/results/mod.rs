@@ -10,6 +10,7 @@ mod identify;
 mod merge;
 mod params;
 mod plan;
+mod servos;
 mod units;
 mod validate;
 
@@ -30,4 +31,5 @@ pub use identify::{
 pub use merge::{AccumulateReport, MergeReport, SetAside};
 pub use params::ParamsReport;
 pub use plan::plan_text;
+pub use servos::{ServoNumber, ServoRow, ServosReport};
 pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};

@@ -5,6 +5,7 @@ mod diagnosis;
 mod identification;
 mod identify;
 mod identify_notes;
+mod servos;
 mod validate;
 
 pub use diagnosis::text_of_sections;

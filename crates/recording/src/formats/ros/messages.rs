@@ -7,7 +7,8 @@
 //!     each point                                 positions[], velocities[], accelerations[], effort[], time_from_start
 //! ```
 //!
-//! Of a controller's state the feedback is read; older versions call the points desired, actual and error.
+//! Of a controller's state the feedback is read, and the reference positions as commands; older versions call the points
+//! desired, actual and error.
 
 use super::joint_state::JointState;
 use super::serialised::{BadMessage, Encoding, Reader};
@@ -103,13 +104,14 @@ fn dynamic(reader: &mut Reader<'_>) -> Result<Message, BadMessage> {
 fn controller(reader: &mut Reader<'_>) -> Result<Message, BadMessage> {
     let stamp_ns = reader.header()?;
     let joints = reader.names()?;
-    point(reader)?;
+    let [command, _, _, _] = point(reader)?;
     let [position, velocity, _, effort] = point(reader)?;
     let mut values = Vec::new();
     let lists = [
         (Quantity::Position, position),
         (Quantity::Velocity, velocity),
         (Quantity::Effort, effort),
+        (Quantity::Command, command),
     ];
     for (quantity, list) in lists {
         if !list.is_empty() && list.len() != joints.len() {
@@ -202,6 +204,7 @@ mod tests {
             (Quantity::Position, vec![1.0]),
             (Quantity::Velocity, vec![1.5]),
             (Quantity::Effort, vec![9.0]),
+            (Quantity::Command, vec![0.0]),
         ];
         assert_eq!(found.values, expected);
         for length in 0..bytes.0.len() - 20 {

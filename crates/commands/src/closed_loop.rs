@@ -1,0 +1,77 @@
+//! `predict --closed-loop`: the positions that commands cause.
+
+use armident_recording::{JointChannels, Quantity, Recording};
+use armident_simulation::{ArmState, DEFAULT_STEP_S, JointServo, SimulatedArm, closed_loop};
+
+use crate::failure::Failure;
+use crate::predict::{PredictReport, Predicted};
+use crate::robot::{GivenRobot, chain_warnings};
+
+/// Predicts the positions of all joints at every stamp of a recording from its commands. The arm starts at rest at the first
+/// position of the recording, where there is one, else at the first command. `gain` is that of the controllers over the gain
+/// of the model.
+///
+/// # Errors
+/// A model without controllers, a recording without commands of the joints, a simulation that diverges.
+pub fn predict_closed_loop(
+    robot: &GivenRobot,
+    commands: &Recording,
+    gain: f64,
+) -> Result<Predicted, Failure> {
+    let model = robot.arm(None)?;
+    let Some(servos) = model.servo_of_each_joint() else {
+        return Err(Failure::new(
+            "no position controller for every joint of the model",
+            &robot.source,
+            Some(
+                "identify recordings with <joint>/command and <joint>/position, and pass the model of --save-model",
+            ),
+        ));
+    };
+    let servos: Vec<JointServo> =
+        servos.iter().map(|term| JointServo { servo: term.servo, gain }).collect();
+    let joints = model.chain.joint_names();
+    let first = |quantity, joint: &str| {
+        commands.joint(joint).and_then(|channels| channels.channel(quantity)).map(|x| x[0])
+    };
+    let missing: Vec<&str> =
+        joints.iter().copied().filter(|joint| first(Quantity::Command, joint).is_none()).collect();
+    if !missing.is_empty() {
+        return Err(Failure::new(
+            format!("no command column for {}", missing.join(", ")),
+            &commands.source,
+            Some("provide <joint>/command in rad or m for every joint of the model"),
+        ));
+    }
+    let mut notes = Vec::new();
+    let without: Vec<&str> =
+        joints.iter().copied().filter(|joint| first(Quantity::Position, joint).is_none()).collect();
+    if !without.is_empty() {
+        notes.push(format!("{} start at their first command: no position", without.join(", ")));
+    }
+    let start = joints.iter().map(|joint| {
+        first(Quantity::Position, joint).or_else(|| first(Quantity::Command, joint)).unwrap_or(0.0)
+    });
+    let start = ArmState::at_rest(start.collect());
+    let (simulated, _) = model.simulated();
+    let arm = SimulatedArm::on_chain_in(&simulated.library, &simulated.chain, &simulated.effects)?;
+    let motion = closed_loop(&arm, &servos, commands, start, DEFAULT_STEP_S)?;
+    let positions = motion
+        .joints
+        .into_iter()
+        .map(|joint| JointChannels { position: joint.position, ..JointChannels::new(joint.name) });
+    let positions = Recording::new("prediction", commands.time_s.clone(), positions.collect())?;
+    notes.extend(motion.notes);
+    let report = PredictReport {
+        schema: "armident.predict/1",
+        robot: model.chain.robot.clone(),
+        motion: commands.source.clone(),
+        samples: positions.len(),
+        joints: joints.into_iter().map(ToOwned::to_owned).collect(),
+        cutoff_hz: None,
+        effects: model.effects.clone(),
+        notes,
+        warnings: chain_warnings(&model),
+    };
+    Ok(Predicted { report, channels: positions })
+}

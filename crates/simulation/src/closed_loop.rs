@@ -1,0 +1,149 @@
+//! An arm whose joints have position controllers: commands in, motion out.
+
+use armident_effects::PositionServo;
+use armident_recording::{Quantity, Recording};
+
+use crate::error::SimulationError;
+use crate::forward::{check_step, scheme_note};
+use crate::lines;
+use crate::motion_log::MotionLog;
+use crate::simulated_arm::SimulatedArm;
+use crate::step_effort::StepEffort;
+use crate::stepper::{ArmState, ForwardStepper};
+use crate::trajectory::missing;
+
+/// The controller of a joint and its gain over the one that its stiffness belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointServo {
+    /// The controller.
+    pub servo: PositionServo,
+    /// Gain over that of the stiffness; 1 unless it was changed since.
+    pub gain: f64,
+}
+
+/// The motion that commands cause, from a state at the first stamp on; positions and efforts at each stamp of the commands.
+///
+/// Commands between two stamps lie on a line, and before the first they are the first. The effort of a controller is formed
+/// at the start of each step of at most `step_s` \[s\] and extrapolated along the step by the velocity.
+///
+/// # Errors
+/// An inconsistent recording, a joint without commands, servos or a start that are not one a joint, a step that is not
+/// possible, [`NotPositiveDefinite`](SimulationError::NotPositiveDefinite) and [`Diverged`](SimulationError::Diverged).
+pub fn closed_loop(
+    arm: &SimulatedArm,
+    servos: &[JointServo],
+    commands: &Recording,
+    start: ArmState,
+    step_s: f64,
+) -> Result<Recording, SimulationError> {
+    commands.check()?;
+    let columns = arm.joints().iter().map(|name| {
+        let column = commands.joint(name).and_then(|joint| joint.channel(Quantity::Command));
+        column.ok_or_else(|| missing(commands, name, Quantity::Command))
+    });
+    let columns = columns.collect::<Result<Vec<&[f64]>, _>>()?;
+    if servos.len() != arm.dof() || servos.iter().any(|with| !with.servo.is_sound()) {
+        return Err(SimulationError::State {
+            what: "the stiffness of the servos",
+            expected: arm.dof(),
+            found: servos.iter().map(|with| with.servo.stiffness).collect(),
+        });
+    }
+    let stamps_s = &commands.time_s;
+    check_step(step_s, stamps_s[stamps_s.len() - 1] - stamps_s[0])?;
+    let effort = |time_s: f64, ahead_s: f64, state: &ArmState| -> Vec<f64> {
+        let of_joint = |(j, with): (usize, &JointServo)| {
+            let command = lines::at(stamps_s, columns[j], time_s + ahead_s - with.servo.delay_s);
+            let position = state.position[j] + ahead_s * state.velocity[j];
+            with.servo.effort(command - position, with.gain)
+        };
+        servos.iter().enumerate().map(of_joint).collect()
+    };
+    let mut stepper = ForwardStepper::new(arm, start, stamps_s[0])?;
+    let mut log = MotionLog::new(arm.dof(), stamps_s.len());
+    for (k, &stamp_s) in stamps_s.iter().enumerate() {
+        let now = effort(stamp_s, 0.0, stepper.state());
+        let acceleration = stepper.acceleration(&now)?;
+        log.push(stamp_s, stepper.state(), &acceleration, &now);
+        let Some(next_s) = stamps_s.get(k + 1) else { break };
+        let cycle_s = next_s - stamp_s;
+        let steps = (cycle_s / step_s - 1e-9).ceil().max(1.0);
+        let h = cycle_s / steps;
+        for part in 0..steps as usize {
+            let time_s = stamp_s + part as f64 * h;
+            let state = stepper.state();
+            let [first, last] = [0.0, h].map(|ahead_s| effort(time_s, ahead_s, state));
+            stepper.step(h, &StepEffort::linear(&first, &last))?;
+        }
+    }
+    let mut notes = commands.notes.clone();
+    notes.push(scheme_note(arm, step_s));
+    log.into_recording(format!("closed loop under {}", commands.source), arm, notes)
+}
+
+#[cfg(test)]
+mod tests {
+    use armident_recording::JointChannels;
+
+    use super::*;
+    use crate::servo_joint::{JointDrive, ServoJoint};
+    use crate::test_arms::{effect, slider};
+
+    const SERVO: PositionServo =
+        PositionServo { stiffness: 400.0, delay_s: 0.03, dead_band: 0.0, effort_limit: Some(60.0) };
+
+    fn commands(joints: &[String], of: impl Fn(f64) -> f64) -> Recording {
+        let time_s: Vec<f64> = (0..300).map(|k| 0.02 * f64::from(k)).collect();
+        let channels = joints.iter().map(|name| {
+            let command = time_s.iter().map(|t| of(*t)).collect();
+            JointChannels { command: Some(command), ..JointChannels::new(name) }
+        });
+        Recording::new("commands", time_s.clone(), channels.collect()).unwrap()
+    }
+
+    #[test]
+    fn servo_reaches_its_command_inside_friction() {
+        let arm = slider(&[
+            effect("viscous_friction", "rail", 30.0),
+            effect("coulomb_friction", "rail", 8.0),
+        ]);
+        let asked = commands(arm.joints(), |t| if t < 1.0 { 0.0 } else { 0.1 });
+        let servos = vec![JointServo { servo: SERVO, gain: 1.0 }; arm.dof()];
+        let start = ArmState::at_rest(vec![0.0; arm.dof()]);
+        let motion = closed_loop(&arm, &servos, &asked, start, 5e-4).unwrap();
+        let position = motion.joints[0].position.as_ref().unwrap();
+        // the command leaves 0 at 0.98 s, and the delay is over at 1.01 s
+        assert_eq!(position[50], 0.0);
+        let error = 0.1 - position[299];
+        assert!(error.abs() <= 8.0 / 400.0 + 1e-6 && error.abs() > 1e-3, "{error}");
+    }
+
+    #[test]
+    fn one_joint_moves_as_in_the_arm() {
+        let arm = slider(&[
+            effect("viscous_friction", "rail", 30.0),
+            effect("coulomb_friction", "rail", 8.0),
+        ]);
+        let asked = commands(arm.joints(), |t| 0.2 * (2.0 * t).sin());
+        let servo = JointServo { servo: SERVO, gain: 1.0 };
+        let start = ArmState::at_rest(vec![0.0; arm.dof()]);
+        let whole = closed_loop(&arm, &vec![servo; arm.dof()], &asked, start, 5e-4).unwrap();
+        let command = asked.joints[0].command.as_ref().unwrap();
+        let inertia = vec![armident_dynamics::inertia_matrix(arm.rigid(), &[0.0])[(0, 0)]; 300];
+        let zero = vec![0.0; 300];
+        let drive = JointDrive {
+            time_s: &asked.time_s,
+            command,
+            recorded: &zero,
+            load: &zero,
+            load_slope: &zero,
+            inertia: &inertia,
+            gain: 1.0,
+        };
+        let alone = ServoJoint::of(&arm, 0).simulate(&SERVO, &drive, [0.0, 0.0], 1e-3);
+        let position = whole.joints[0].position.as_ref().unwrap();
+        for (k, (a, b)) in alone.iter().zip(position).enumerate() {
+            assert!((a - b).abs() < 2e-3, "{k}: {a} {b}");
+        }
+    }
+}

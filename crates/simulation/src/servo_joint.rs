@@ -1,0 +1,109 @@
+//! One joint behind its position controller while the others move as recorded.
+
+use armident_effects::PositionServo;
+
+use crate::lines;
+use crate::simulated_arm::SimulatedArm;
+
+/// Velocity over which the slope of friction is taken \[rad/s or m/s\].
+const SMALL_VELOCITY: f64 = 1e-3;
+
+/// What moves a joint, at the stamps of a recording.
+#[derive(Debug, Clone, Copy)]
+pub struct JointDrive<'a> {
+    /// Stamps \[s\].
+    pub time_s: &'a [f64],
+    /// Commands \[rad or m\].
+    pub command: &'a [f64],
+    /// Position in the recorded motion \[rad or m\].
+    pub recorded: &'a [f64],
+    /// Effort of the rigid body in the recorded motion, without the inertia of the joint itself \[N m or N\].
+    pub load: &'a [f64],
+    /// Its change by the position of the joint \[N m/rad or N/m\].
+    pub load_slope: &'a [f64],
+    /// Diagonal of the inertia matrix at the joint \[kg m2 or kg\].
+    pub inertia: &'a [f64],
+    /// Gain of the controller over that of the stiffness.
+    pub gain: f64,
+}
+
+/// The effects on one joint of an arm, as the equations of a single coordinate.
+///
+/// ```text
+/// (M + I) a + s(v) + load + λ = effort(c(t - T) - q),   λ ∈ F(v, load) Sign(v)
+/// ```
+///
+/// Steps are linearly implicit in the velocity, so that stiff controllers and light links need no short ones, and friction is
+/// implicit as in [`ForwardStepper`](crate::ForwardStepper), of which this is one row.
+#[derive(Debug, Clone, Copy)]
+pub struct ServoJoint<'a> {
+    arm: &'a SimulatedArm,
+    joint: usize,
+    added_inertia: f64,
+}
+
+impl<'a> ServoJoint<'a> {
+    /// Joint `joint` of an arm, from 0.
+    pub fn of(arm: &'a SimulatedArm, joint: usize) -> Self {
+        Self { arm, joint, added_inertia: arm.added_inertia(joint) }
+    }
+
+    /// Position at each stamp \[rad or m\], from a start (position, velocity) on; steps of at most `step_s` \[s\].
+    pub fn simulate(
+        &self,
+        servo: &PositionServo,
+        drive: &JointDrive<'_>,
+        start: [f64; 2],
+        step_s: f64,
+    ) -> Vec<f64> {
+        let [mut q, mut v] = start;
+        let stamps = drive.time_s;
+        let mut positions = Vec::with_capacity(stamps.len());
+        for k in 0..stamps.len() {
+            positions.push(q);
+            let Some(next_s) = stamps.get(k + 1) else { break };
+            let cycle_s = next_s - stamps[k];
+            let steps = (cycle_s / step_s - 1e-9).ceil().max(1.0);
+            let h = cycle_s / steps;
+            for part in 1..=steps as usize {
+                let share = part as f64 / steps;
+                let between = |of: &[f64]| of[k] + share * (of[k + 1] - of[k]);
+                let time_s = stamps[k] + share * cycle_s;
+                let command = lines::at(stamps, drive.command, time_s - servo.delay_s);
+                let slope = between(drive.load_slope);
+                let load = between(drive.load) + slope * (q - between(drive.recorded));
+                let inertia = between(drive.inertia);
+                let drive_now = [command, load, slope, inertia];
+                v = self.next_velocity(servo, drive.gain, [q, v], drive_now, h);
+                q += h * v;
+            }
+        }
+        positions
+    }
+
+    fn next_velocity(
+        &self,
+        servo: &PositionServo,
+        gain: f64,
+        [q, v]: [f64; 2],
+        [command, load, load_slope, inertia]: [f64; 4],
+        h: f64,
+    ) -> f64 {
+        let (effort, stiffness) = servo.effort_and_stiffness(command - q, gain);
+        let smooth = |velocity: f64| self.arm.smooth_effort(self.joint, 0.0, q, velocity);
+        let friction = smooth(v);
+        let slope = ((smooth(v + SMALL_VELOCITY) - friction) / SMALL_VELOCITY).max(0.0);
+        let mass = (inertia + self.added_inertia) / h;
+        let driving = mass * v + effort - load - friction + slope * v;
+        let dry = self.arm.dry_friction(self.joint, v, load);
+        let beyond = if driving > dry.forward {
+            driving - dry.forward
+        } else if driving < -dry.backward {
+            driving + dry.backward
+        } else {
+            return 0.0;
+        };
+        // a load that falls with the position is left to the next step
+        beyond / (mass + slope + h * (stiffness + load_slope.max(0.0)))
+    }
+}
