@@ -42,7 +42,7 @@ pub struct FourierMotion {
     pub period_s: f64,
     /// Motion of each joint.
     pub joints: Vec<FourierJoint>,
-    /// `log det F` with the samples of the search, and how many motions were tried.
+    /// `log det F` with the samples of the search.
     pub log_determinant: f64,
     /// Starts of the search.
     pub starts: usize,

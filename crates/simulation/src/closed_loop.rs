@@ -107,10 +107,10 @@ mod tests {
             effect("viscous_friction", "rail", 30.0),
             effect("coulomb_friction", "rail", 8.0),
         ]);
-        let asked = commands(arm.joints(), |t| if t < 1.0 { 0.0 } else { 0.1 });
+        let given = commands(arm.joints(), |t| if t < 1.0 { 0.0 } else { 0.1 });
         let servos = vec![JointServo { servo: SERVO, gain: 1.0 }; arm.dof()];
         let start = ArmState::at_rest(vec![0.0; arm.dof()]);
-        let motion = closed_loop(&arm, &servos, &asked, start, 5e-4).unwrap();
+        let motion = closed_loop(&arm, &servos, &given, start, 5e-4).unwrap();
         let position = motion.joints[0].position.as_ref().unwrap();
         // the command leaves 0 at 0.98 s, and the delay is over at 1.01 s
         assert_eq!(position[50], 0.0);
@@ -124,15 +124,15 @@ mod tests {
             effect("viscous_friction", "rail", 30.0),
             effect("coulomb_friction", "rail", 8.0),
         ]);
-        let asked = commands(arm.joints(), |t| 0.2 * (2.0 * t).sin());
+        let given = commands(arm.joints(), |t| 0.2 * (2.0 * t).sin());
         let servo = JointServo { servo: SERVO, gain: 1.0 };
         let start = ArmState::at_rest(vec![0.0; arm.dof()]);
-        let whole = closed_loop(&arm, &vec![servo; arm.dof()], &asked, start, 5e-4).unwrap();
-        let command = asked.joints[0].command.as_ref().unwrap();
+        let whole = closed_loop(&arm, &vec![servo; arm.dof()], &given, start, 5e-4).unwrap();
+        let command = given.joints[0].command.as_ref().unwrap();
         let inertia = vec![armident_dynamics::inertia_matrix(arm.rigid(), &[0.0])[(0, 0)]; 300];
         let zero = vec![0.0; 300];
         let drive = JointDrive {
-            time_s: &asked.time_s,
+            time_s: &given.time_s,
             command,
             recorded: &zero,
             load: &zero,

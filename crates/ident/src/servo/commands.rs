@@ -1,56 +1,26 @@
 //! Whether a column of commands is what its header states, and how far the position is behind it.
 //!
-//! Method: least squares of the position on the command moved by each lag, with a gain and an offset of each recording; the
-//! lag of the smallest residual, and its standard error by the jackknife over recordings or, of one recording, over blocks
+//! Method: least squares of the position on the command moved by each lag, with a gain, an offset and a side of the friction
+//! band (the direction in which the command moved last) of each recording: without the last, a joint that is behind its command
+//! because of dry friction looks late. The lag of the smallest residual, and its standard error by the jackknife over recordings or, of one recording, over blocks
 //! of time.
 //!
 //! References: none beyond least squares.
 
-use std::fmt;
-
 use armident_inference::{FEWEST_BLOCKS, student_t_975, variance};
+use armident_numeric::dot;
 use armident_recording::Quantity;
 
+use super::error::{CommandFault, ServoError};
 use super::joint_data::JointData;
-use super::request::{ServoError, ServoRequest};
+use super::request::ServoRequest;
 
 /// Longest lag that is tried \[s\].
 const LONGEST_LAG_S: f64 = 0.5;
+/// Share of its square below which a column is one of those before it.
+const SAME: f64 = 1e-9;
 /// Blocks of time of one recording.
 const BLOCKS: usize = 8;
-
-/// What a column of commands is instead of the position that a joint is given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum CommandFault {
-    /// Degrees, or millimetres of a prismatic joint.
-    OtherUnit,
-    /// Steps of an encoder.
-    Ticks,
-    /// The recorded position.
-    Position,
-    /// The same value throughout.
-    Constant,
-}
-
-impl fmt::Display for CommandFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OtherUnit => {
-                "the command is not in the unit of the position: expected rad or m, found what degrees or mm give"
-            }
-            Self::Ticks => {
-                "the command is not in the unit of the position: expected rad or m, found what encoder steps give"
-            }
-            Self::Position => {
-                "the command equals the recorded position: expected what the controller is given"
-            }
-            Self::Constant => {
-                "the command is constant in all recordings: expected a command that moves the joint"
-            }
-        })
-    }
-}
 
 /// Lag of the position behind the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,19 +85,49 @@ fn delayed(d: &JointData, lag_s: f64) -> Vec<f64> {
     d.time_s.iter().map(|t| at(t - lag_s)).collect()
 }
 
-/// Sum of squares of the position about a line of the command, in a part of a recording.
-fn residual_squares(command: &[f64], position: &[f64]) -> f64 {
-    let count = command.len() as f64;
-    let mean = |x: &[f64]| x.iter().sum::<f64>() / count;
-    let (mc, mq) = (mean(command), mean(position));
-    let (mut cc, mut cq, mut qq) = (0.0, 0.0, 0.0);
-    for (c, q) in command.iter().zip(position) {
-        cc += (c - mc).powi(2);
-        cq += (c - mc) * (q - mq);
-        qq += (q - mq).powi(2);
+/// Sum of squares of the position that an offset and these columns do not explain, in a part of a recording.
+fn residual_squares<const N: usize>(columns: [&[f64]; N], position: &[f64]) -> f64 {
+    let about_mean = |x: &[f64]| -> Vec<f64> {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        x.iter().map(|x| x - mean).collect()
+    };
+    let mut rest = about_mean(position);
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in columns.map(about_mean) {
+        let size = dot(&column, &column);
+        let mut column = column;
+        for other in &basis {
+            subtract(&mut column, other);
+        }
+        // a command that is constant, or a direction that never changes, explains nothing
+        if dot(&column, &column) > SAME * size.max(f64::EPSILON * column.len() as f64) {
+            subtract(&mut rest, &column);
+            basis.push(column);
+        }
     }
-    // a command that is constant explains nothing
-    if cc > f64::EPSILON * count { (qq - cq * cq / cc).max(0.0) } else { qq }
+    dot(&rest, &rest)
+}
+
+/// Leaves of `x` what is orthogonal to a column.
+fn subtract(x: &mut [f64], column: &[f64]) {
+    let share = dot(x, column) / dot(column, column);
+    for (x, c) in x.iter_mut().zip(column) {
+        *x -= share * c;
+    }
+}
+
+/// Direction in which a command moved last, 0 before its first change.
+fn directions(command: &[f64]) -> Vec<f64> {
+    let mut last = 0.0;
+    let mut before = command.first().copied().unwrap_or(0.0);
+    let direction = |c: &f64| {
+        if *c != before {
+            last = (c - before).signum();
+        }
+        before = *c;
+        last
+    };
+    command.iter().map(direction).collect()
 }
 
 fn lags(data: &[JointData]) -> Vec<f64> {
@@ -138,7 +138,7 @@ fn lags(data: &[JointData]) -> Vec<f64> {
 /// RMS error of the command itself with a gain, an offset and a lag that suit the recording best \[rad or m\].
 pub(super) fn error_of_command(d: &JointData) -> f64 {
     let squares = lags(std::slice::from_ref(d));
-    let squares = squares.iter().map(|lag| residual_squares(&delayed(d, *lag), &d.position));
+    let squares = squares.iter().map(|lag| residual_squares([&delayed(d, *lag)], &d.position));
     (squares.fold(f64::INFINITY, f64::min) / d.position.len() as f64).sqrt()
 }
 
@@ -154,11 +154,16 @@ pub(super) fn lag(data: &[JointData]) -> Option<Lag> {
     // `[block][lag]`
     let mut blocks: Vec<Vec<f64>> = Vec::new();
     for d in &moving {
-        let commands: Vec<Vec<f64>> = lags.iter().map(|lag| delayed(d, *lag)).collect();
+        let commands: Vec<[Vec<f64>; 2]> = (lags.iter().map(|lag| delayed(d, *lag)))
+            .map(|command| [directions(&command), command])
+            .collect();
         let n = d.position.len();
         for part in 0..parts {
             let of = part * n / parts..(part + 1) * n / parts;
-            let squares = |c: &Vec<f64>| residual_squares(&c[of.clone()], &d.position[of.clone()]);
+            let squares = |[direction, command]: &[Vec<f64>; 2]| {
+                let columns = [&command[of.clone()], &direction[of.clone()]];
+                residual_squares(columns, &d.position[of.clone()])
+            };
             blocks.push(commands.iter().map(squares).collect());
         }
     }
@@ -173,8 +178,8 @@ pub(super) fn lag(data: &[JointData]) -> Option<Lag> {
         match least {
             k if k > 0 && k + 1 < lags.len() => {
                 let (a, b, c) = (totals[k - 1], totals[k], totals[k + 1]);
-                let bend = a - 2.0 * b + c;
-                let share = if bend > 0.0 { 0.5 * (a - c) / bend } else { 0.0 };
+                let curvature = a - 2.0 * b + c;
+                let share = if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 };
                 lags[k] + share * (lags[1] - lags[0])
             }
             k => lags[k],

@@ -20,10 +20,8 @@ use armident_simulation::{ServoJoint, SimulatedArm};
 use rayon::prelude::*;
 
 use super::joint_data::JointData;
-use super::start::{Start, load_range};
+use super::start::{CAUCHY, Start, load_range};
 
-/// Tuning constant of the weights of Cauchy, in standard deviations: 95 % efficiency on normal errors.
-pub(super) const CAUCHY: f64 = 2.385;
 /// Longest step of a simulation \[s\].
 const STEP_S: f64 = 2.5e-3;
 /// Most steps of Levenberg-Marquardt.

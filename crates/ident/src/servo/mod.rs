@@ -9,6 +9,7 @@
 //! ones. Only the weight of the links has a known unit: where a joint carries none, parameters are known over its stiffness.
 
 mod commands;
+mod error;
 mod joint_data;
 mod joint_fit;
 mod request;
@@ -21,9 +22,10 @@ use rayon::prelude::*;
 use joint_data::JointData;
 use joint_fit::{JointEstimate, fit};
 
-pub use commands::{CommandFault, Lag};
+pub use commands::Lag;
+pub use error::{CommandFault, ServoError};
 pub use joint_fit::{ServoParameter, ServoValue};
-pub use request::{ServoError, ServoRequest};
+pub use request::ServoRequest;
 
 /// What commands and positions of an arm give.
 #[derive(Debug, Clone)]

@@ -1,9 +1,9 @@
-//! What is to be identified from commands, and why it may fail.
+//! What is to be identified from commands.
 
 use armident_model::ArmModel;
-use armident_recording::{Quantity, Recording, RecordingError};
+use armident_recording::{Quantity, Recording};
 
-use super::commands::CommandFault;
+use super::error::ServoError;
 
 /// Recordings of commands and positions of an arm.
 #[derive(Debug, Clone, Copy)]
@@ -70,51 +70,4 @@ impl ServoRequest<'_> {
         }
         Ok(())
     }
-}
-
-/// Why controllers cannot be identified.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ServoError {
-    /// A recording cannot become a motion.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// A recording lacks a channel.
-    #[error("no {quantity} column for {joint}")]
-    MissingChannel {
-        /// Source of the recording.
-        source_name: String,
-        /// The joint.
-        joint: String,
-        /// What it lacks.
-        quantity: Quantity,
-    },
-    /// Gains that are not one a recording.
-    #[error("{found} gains for {expected} {what} recordings")]
-    GainCount {
-        /// Which recordings.
-        what: &'static str,
-        /// Recordings.
-        expected: usize,
-        /// Gains.
-        found: usize,
-    },
-    /// A gain that no controller has.
-    #[error("gain {found}, expected a positive number")]
-    Gain {
-        /// Source of the recording.
-        source_name: String,
-        /// The gain.
-        found: f64,
-    },
-    /// A command column that is not what its header states.
-    #[error("{fault}")]
-    Command {
-        /// What is wrong.
-        fault: CommandFault,
-        /// Source of the recording.
-        source_name: String,
-        /// The joint.
-        joint: String,
-    },
 }

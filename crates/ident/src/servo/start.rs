@@ -16,6 +16,8 @@ const ROUNDS: usize = 30;
 /// Samples over which a moving joint passes a step of its encoder: the velocity then has a sign.
 const STEPS_WITHIN: f64 = 4.0;
 const RANK_CUT: f64 = 1e-9;
+/// Tuning constant of the weights of Cauchy, in standard deviations: 95 % efficiency on normal errors.
+pub(super) const CAUCHY: f64 = 2.385;
 
 /// Start of a fit, each over the stiffness.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +92,7 @@ fn solve(rows: &[[f64; 5]], with_load: bool) -> Option<[f64; 4]> {
             return Some(x);
         }
         for (w, r) in weights.iter_mut().zip(&residual) {
-            *w = 1.0 / (1.0 + (r / (super::joint_fit::CAUCHY * scale)).powi(2)).sqrt();
+            *w = 1.0 / (1.0 + (r / (CAUCHY * scale)).powi(2)).sqrt();
         }
         found = Some(x);
     }
