@@ -120,6 +120,12 @@ impl BandPrediction {
 }
 
 impl ArmModel {
+    /// The controller of each joint, from base to tip; none unless every joint has one.
+    pub fn servo_of_each_joint(&self) -> Option<Vec<&ServoTerm>> {
+        let of = |name: &str| self.servos.iter().find(|term| term.joint == name);
+        self.chain.joint_names().into_iter().map(of).collect()
+    }
+
     /// The model a URDF describes: its rigid body and nothing else.
     pub fn from_chain(chain: DrivingAxisChain) -> Self {
         let provenance = vec![format!("inertials of {}", chain.source)];

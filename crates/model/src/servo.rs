@@ -3,8 +3,6 @@
 use armident_effects::PositionServo;
 use serde::{Deserialize, Serialize};
 
-use crate::arm_model::ArmModel;
-
 /// The position controller of a joint in a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ServoTerm {
@@ -22,14 +20,6 @@ pub struct ServoTerm {
     /// Standard error of the delay \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delay_error_s: Option<f64>,
-}
-
-impl ArmModel {
-    /// The controller of each joint, from base to tip; none unless every joint has one.
-    pub fn servo_of_each_joint(&self) -> Option<Vec<&ServoTerm>> {
-        let of = |name: &str| self.servos.iter().find(|term| term.joint == name);
-        self.chain.joint_names().into_iter().map(of).collect()
-    }
 }
 
 /// Checks the controllers of a file against its joints.
