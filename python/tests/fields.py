@@ -75,8 +75,12 @@ def stub():
     """The text of the file."""
     parts, classes = [], {}
     for name, schema in _armident.schemas():
+        result = RESULTS.get(name.split("/")[0])
+        if result is None:
+            # of the command line alone
+            continue
         schema = json.loads(schema)
-        parts.append(class_of(RESULTS[name.split("/")[0]], schema, None, OF_RESULT))
+        parts.append(class_of(result, schema, None, OF_RESULT))
         for row, of in schema.get("$defs", {}).items():
             if "properties" in of:
                 classes[row] = class_of(row, of, "Fields")
