@@ -68,34 +68,7 @@ const MEASURED: [&str; 18] = [
     "joints",
     "motor",
 ];
-/// Words of values that were commanded, computed or estimated.
-const COMMANDED: [&str; 24] = [
-    "target",
-    "desired",
-    "des",
-    "cmd",
-    "command",
-    "commanded",
-    "commands",
-    "ref",
-    "reference",
-    "setpoint",
-    "goal",
-    "action",
-    "error",
-    "err",
-    "ext",
-    "external",
-    "limit",
-    "max",
-    "min",
-    "output",
-    "predicted",
-    "pred",
-    "filtered",
-    "d",
-];
-/// Those of them that stand for what a controller is given.
+/// Words of what a controller is given.
 const GIVEN: [&str; 12] = [
     "target",
     "desired",
@@ -109,6 +82,21 @@ const GIVEN: [&str; 12] = [
     "setpoint",
     "goal",
     "action",
+];
+/// Other words of values that are not measured: computed, estimated, limits.
+const COMPUTED: [&str; 12] = [
+    "error",
+    "err",
+    "ext",
+    "external",
+    "limit",
+    "max",
+    "min",
+    "output",
+    "predicted",
+    "pred",
+    "filtered",
+    "d",
 ];
 /// Words of columns that are of no joint.
 const NO_JOINT: [&str; 18] = [
@@ -403,14 +391,14 @@ impl Reading {
         };
         let end = (0..texts.len()).find(|k| is_unit(*k)).unwrap_or(texts.len());
         let rest: Vec<usize> = (0..end).filter(|k| *k != place).collect();
-        let is_commanded = rest.iter().any(|k| COMMANDED.contains(&texts[*k].as_str()));
+        let is_commanded = rest.iter().any(|k| is_not_measured(&texts[*k]));
         let is_measured = rest.iter().any(|k| MEASURED.contains(&texts[*k].as_str()));
         let own: Vec<usize> = (rest.iter().copied())
             .filter(|k| {
                 let word = texts[*k].as_str();
                 // the quantity may stand twice: `observation.effort.elbow.effort`
                 let is_again = word.len() > 1 && synonym(word).is_some_and(|s| s.0 == quantity);
-                !is_again && ![&MEASURED[..], &COMMANDED[..]].iter().any(|l| l.contains(&word))
+                !is_again && !MEASURED.contains(&word) && !is_not_measured(word)
             })
             .collect();
         let numbers: Vec<usize> = own.iter().filter_map(|k| texts[*k].parse().ok()).collect();
@@ -424,7 +412,7 @@ impl Reading {
             _ => Joint::Named(joint_name(bare, &words, &own, place)),
         };
         // a position that a controller is given, and nothing that is computed from it
-        let commanded = || rest.iter().filter(|k| COMMANDED.contains(&texts[**k].as_str()));
+        let commanded = || rest.iter().filter(|k| is_not_measured(&texts[**k]));
         let is_given = is_commanded && commanded().all(|k| GIVEN.contains(&texts[*k].as_str()));
         let quantity = match quantity {
             Quantity::Position if is_given => Quantity::Command,
@@ -560,6 +548,11 @@ fn plain(name: &str) -> String {
 /// A TOML string.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// Whether a word is of a value that was commanded, computed or estimated.
+fn is_not_measured(word: &str) -> bool {
+    GIVEN.contains(&word) || COMPUTED.contains(&word)
 }
 
 #[cfg(test)]
