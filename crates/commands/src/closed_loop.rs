@@ -1,7 +1,7 @@
 //! `predict --closed-loop`: the positions that commands cause.
 
 use armident_recording::{JointChannels, Quantity, Recording};
-use armident_simulation::{ArmState, DEFAULT_STEP_S, JointServo, SimulatedArm, closed_loop};
+use armident_simulation::{ArmState, DEFAULT_STEP_S, SimulatedArm, closed_loop};
 
 use crate::failure::Failure;
 use crate::predict::{PredictReport, Predicted};
@@ -19,7 +19,7 @@ pub fn predict_closed_loop(
     gain: f64,
 ) -> Result<Predicted, Failure> {
     let model = robot.arm(None)?;
-    let Some(servos) = model.servo_of_each_joint() else {
+    if model.servo_of_each_joint().is_none() {
         return Err(Failure::new(
             "no position controller for every joint of the model",
             &robot.source,
@@ -27,9 +27,7 @@ pub fn predict_closed_loop(
                 "identify recordings with <joint>/command and <joint>/position, and pass the model of --save-model",
             ),
         ));
-    };
-    let servos: Vec<JointServo> =
-        servos.iter().map(|term| JointServo { servo: term.servo, gain }).collect();
+    }
     let joints = model.chain.joint_names();
     let first = |quantity, joint: &str| {
         commands.joint(joint).and_then(|channels| channels.channel(quantity)).map(|x| x[0])
@@ -55,7 +53,7 @@ pub fn predict_closed_loop(
     let start = ArmState::at_rest(start.collect());
     let (simulated, _) = model.simulated();
     let arm = SimulatedArm::on_chain_in(&simulated.library, &simulated.chain, &simulated.effects)?;
-    let motion = closed_loop(&arm, &servos, commands, start, DEFAULT_STEP_S)?;
+    let motion = closed_loop(&arm, gain, commands, start, DEFAULT_STEP_S)?;
     let positions = motion
         .joints
         .into_iter()

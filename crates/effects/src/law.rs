@@ -167,6 +167,8 @@ pub enum LawRole {
     Time,
     /// Forces of the surroundings.
     Contact,
+    /// What gives the effort of the motor.
+    Drive,
     /// Unmodelled dynamics.
     Unnamed,
 }
@@ -189,6 +191,8 @@ pub enum Naming {
     Named,
     /// Only fitted beside others, so that predictions are better: it describes a dependence and no cause.
     PredictionOnly,
+    /// Fitted by `identify` where commands and no efforts are recorded.
+    FromCommands,
 }
 
 /// Baseline terms: the laws of a plain identification, which every joint has.

@@ -4,6 +4,8 @@
 //! effort_j = rigid_j(q, q̇, q̈) + Σ f(joint motion; parameters)
 //! ```
 //!
+//! One law gives the effort instead of adding to it: [`PositionControl`], the controller that commands go through.
+//!
 //! An effect is written once and used four times: the simulator asks where it acts
 //! ([`Mechanism`]) and for its effort, dry friction, added inertia and memory; the estimator for its
 //! columns; reports for its law, units, admissible signs and look-alikes; simulated
@@ -96,7 +98,8 @@ mod tests {
         let terms = standard.all().filter(|effect| effect.law().baseline.is_some());
         assert!(terms.map(Effect::slug).eq(BASELINE.iter().map(|effect| effect.slug())));
         assert!(BASELINE.windows(2).all(|w| w[0].law().baseline < w[1].law().baseline));
-        assert!(standard.named().all(|effect| effect.slug() != SublinearViscousFriction.slug()));
+        let others = [SublinearViscousFriction.slug(), PositionControl.slug()];
+        assert!(standard.named().all(|effect| !others.contains(&effect.slug())));
     }
 
     #[test]

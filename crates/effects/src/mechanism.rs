@@ -4,6 +4,7 @@ use armident_dynamics::RigidArm;
 use armident_kinematics::DrivingAxisChain;
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 
+use crate::servo::PositionServo;
 use crate::transmission::Transmission;
 
 /// Where a simulation takes an effect into account; the numbers are those of its parameters.
@@ -25,6 +26,8 @@ pub enum Mechanism {
     },
     /// A motor of its own before the joint; positions and efforts are the motor's.
     Transmission(Transmission),
+    /// A position controller that gives the effort of the motor from a command.
+    Servo(PositionServo),
     /// Another arm: [`change_arm`](crate::Effect::change_arm).
     Arm,
     /// A force on the tip, in the axes of the base \[N\].

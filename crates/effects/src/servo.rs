@@ -1,4 +1,4 @@
-//! The position controller of a joint: the one law of a servo.
+//! A position controller by its numbers; its law is [`PositionControl`](crate::PositionControl).
 //!
 //! ```text
 //! effort = K gain dead(c(t - T) - q),   |effort| <= limit
@@ -28,6 +28,18 @@ pub struct PositionServo {
 }
 
 impl PositionServo {
+    /// From the parameters of its law, in their order; an effort limit of 0 is none.
+    pub(crate) fn of_parameters(parameters: &[f64]) -> Self {
+        let [stiffness, delay_s, dead_band, effort_limit] = [0, 1, 2, 3].map(|k| parameters[k]);
+        let effort_limit = (effort_limit != 0.0).then_some(effort_limit);
+        Self { stiffness, delay_s, dead_band, effort_limit }
+    }
+
+    /// The parameters of its law, in their order.
+    pub fn parameters(&self) -> Vec<f64> {
+        vec![self.stiffness, self.delay_s, self.dead_band, self.effort_limit.unwrap_or(0.0)]
+    }
+
     /// Effort \[N m or N\] at a position error `c(t - T) - q` \[rad or m\], and its change by the error \[N m/rad or N/m\]: 0
     /// in the dead band and at the limit. `gain` is that of the controller over the one that the stiffness belongs to.
     pub fn effort_and_stiffness(&self, error: f64, gain: f64) -> (f64, f64) {
@@ -73,6 +85,7 @@ mod tests {
         let (effort, stiffness) = servo.effort_and_stiffness(-0.11, 1.0);
         assert!((effort + 1.0).abs() < 1e-12 && stiffness == 10.0);
         assert_eq!(servo.effort_and_stiffness(0.11, 4.0), (2.0, 0.0));
+        assert_eq!(PositionServo::of_parameters(&servo.parameters()), servo);
         assert!(servo.is_sound());
         assert!(!PositionServo { stiffness: 0.0, ..servo }.is_sound());
         assert!(!PositionServo { delay_s: f64::NAN, ..servo }.is_sound());

@@ -1,26 +1,28 @@
 //! MJCF, the format of MuJoCo: bodies in one another, joints with armature and losses, motors.
 
-use armident_effects::Library;
+use armident_effects::{EffectOnJoint, Library, Mechanism, PositionServo};
 use armident_model::ArmModel;
 use nalgebra::Isometry3;
 
 use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
 use crate::xml::Element;
-use crate::{Exported, Held, effects};
+use crate::{Exported, Held, Lost, effects};
 
 /// Name of the body that every model of MuJoCo has.
 const WORLD: &str = "world";
 
 /// The model as MJCF.
 ///
-/// Every joint has a motor of gear 1 (control is the effort), limited where the joint is.
+/// Every joint has a motor of gear 1 (control is the effort), limited where the joint is; a joint with a position controller has
+/// a position actuator (control is the command). A position actuator has no delay and no dead band.
 pub fn mjcf(model: &ArmModel) -> Exported {
     mjcf_in(Library::standard(), model)
 }
 
 /// The model as MJCF, whose effects are of this library.
 pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
-    let (held, lost) = effects::sorted(library, &model.effects, |export| export.mjcf);
+    let (servos, others) = servos(library, &model.effects);
+    let (mut held, mut lost) = effects::sorted(library, &others, |export| export.mjcf);
     let mut said = notes(model);
     let (chain, tip) = moved(model);
     let mut inner = has_own_tip(model)
@@ -43,10 +45,10 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     }
     let mut actuators = Element::new("actuator");
     for link in &chain {
-        let motor = Element::new("motor").with("name", link.joint).with("joint", link.joint);
-        actuators.push(match link.limits.effort {
-            Some(limit) => motor.numbers("ctrlrange", &[-limit, limit]),
-            None => motor,
+        let servo = servos.iter().find(|(on, _)| on.joint == link.joint);
+        actuators.push(match servo {
+            Some((on, servo)) => position(link, on, servo, &mut held, &mut lost),
+            None => motor(link),
         });
     }
     let root = Element::new("mujoco")
@@ -56,6 +58,66 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
         .child(world)
         .child(actuators);
     Exported { text: root.document(&model.provenance), companion: None, held, lost, notes: said }
+}
+
+/// The position controllers among effects, and the other effects.
+fn servos(
+    library: &Library,
+    effects: &[EffectOnJoint],
+) -> (Vec<(EffectOnJoint, PositionServo)>, Vec<EffectOnJoint>) {
+    let (mut servos, mut others) = (Vec::new(), Vec::new());
+    for on in effects {
+        match library.resolve(on).map(|effect| effect.mechanism(&on.parameters)) {
+            Ok(Mechanism::Servo(servo)) => servos.push((on.clone(), servo)),
+            _ => others.push(on.clone()),
+        }
+    }
+    (servos, others)
+}
+
+fn motor(link: &Moved<'_>) -> Element {
+    let motor = Element::new("motor").with("name", link.joint).with("joint", link.joint);
+    match link.limits.effort {
+        Some(limit) => motor.numbers("ctrlrange", &[-limit, limit]),
+        None => motor,
+    }
+}
+
+/// A position actuator, with what it holds and what it cannot.
+fn position(
+    link: &Moved<'_>,
+    on: &EffectOnJoint,
+    servo: &PositionServo,
+    held: &mut Vec<Held>,
+    lost: &mut Vec<Lost>,
+) -> Element {
+    let holds = |attribute, value| Held {
+        effect: on.effect.clone(),
+        joint: on.joint.clone(),
+        attribute,
+        value,
+    };
+    held.push(holds("kp", servo.stiffness));
+    if let Some(limit) = servo.effort_limit {
+        held.push(holds("forcerange", limit));
+    }
+    for (value, reason) in [
+        (servo.delay_s, "position actuators have no delay"),
+        (servo.dead_band, "position actuators have no dead band"),
+    ] {
+        if value != 0.0 {
+            let (effect, joint) = (on.effect.clone(), on.joint.clone());
+            lost.push(Lost { effect, joint, parameters: vec![value], reason });
+        }
+    }
+    let actuator = Element::new("position")
+        .with("name", link.joint)
+        .with("joint", link.joint)
+        .numbers("kp", &[servo.stiffness]);
+    match servo.effort_limit.or(link.limits.effort) {
+        Some(limit) => actuator.numbers("forcerange", &[-limit, limit]),
+        None => actuator,
+    }
 }
 
 fn place(element: Element, pose: &Isometry3<f64>) -> Element {

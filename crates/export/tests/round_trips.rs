@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use armident_dynamics::{RigidArm, inverse_dynamics};
-use armident_effects::EffectOnJoint;
+use armident_effects::{Effect, EffectOnJoint, PositionControl, PositionServo};
 use armident_export::{mjcf, urdf};
 use armident_ident::MinimalSet;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_urdf};
@@ -162,6 +162,26 @@ fn base_named_world_becomes_worldbody() {
 }
 
 /// Every body of MJCF stands in the one before, so that opening and closing tags are of one number.
+/// A position controller is a position actuator; what that has no attribute for is listed with its value.
+#[test]
+fn position_controllers_are_actuators() {
+    let mut model = arms().remove(0).1;
+    let names: Vec<String> = model.chain.joint_names().iter().map(|n| (*n).to_owned()).collect();
+    let servo =
+        PositionServo { stiffness: 80.0, delay_s: 0.02, dead_band: 0.0, effort_limit: Some(5.0) };
+    let on = EffectOnJoint::new(PositionControl.slug(), &names[0], servo.parameters());
+    model.effects.push(on);
+    let exported = mjcf(&model);
+    let actuator =
+        format!("<position name=\"{0}\" joint=\"{0}\" kp=\"80\" forcerange=\"-5 5\"/>", names[0]);
+    assert!(exported.text.contains(&actuator), "{}", exported.text);
+    assert_eq!(exported.text.matches("<motor ").count(), names.len() - 1);
+    assert_eq!(exported.held.len(), 2);
+    assert_eq!(exported.lost.len(), 1);
+    assert_eq!(exported.lost[0].parameters, [0.02]);
+    assert_eq!(urdf(&model).lost.len(), 1);
+}
+
 #[test]
 fn mjcf_bodies_form_one_tree() {
     for (name, model) in arms() {

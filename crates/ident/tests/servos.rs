@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
-use armident_effects::{EffectOnJoint, PositionServo};
+use armident_effects::{Effect, EffectOnJoint, PositionControl, PositionServo};
 use armident_ident::{ServoError, ServoParameter, ServoRequest, identify_servos};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording};
-use armident_simulation::{ArmState, JointServo, SimulatedArm, closed_loop};
+use armident_simulation::{ArmState, SimulatedArm, closed_loop};
 
 const STIFFNESS: [f64; 2] = [120.0, 40.0];
 const DELAY_S: f64 = 0.03;
@@ -30,11 +30,12 @@ fn recording(model: &ArmModel, seed: f64) -> Recording {
         effects.push(EffectOnJoint::new("coulomb_friction", joint, [coulomb]));
         effects.push(EffectOnJoint::new("rotor_inertia", joint, [rotor]));
     }
+    for (joint, stiffness) in JOINTS.into_iter().zip(STIFFNESS) {
+        let servo =
+            PositionServo { stiffness, delay_s: DELAY_S, dead_band: 0.0, effort_limit: None };
+        effects.push(EffectOnJoint::new(PositionControl.slug(), joint, servo.parameters()));
+    }
     let arm = SimulatedArm::on_chain(&model.chain, &effects).unwrap();
-    let servos = STIFFNESS.map(|stiffness| JointServo {
-        servo: PositionServo { stiffness, delay_s: DELAY_S, dead_band: 0.0, effort_limit: None },
-        gain: 1.0,
-    });
     let time_s: Vec<f64> = (0..500).map(|k| 0.02 * f64::from(k)).collect();
     let joints = JOINTS.iter().enumerate().map(|(k, name)| {
         let phase = seed + 2.0 * k as f64;
@@ -46,7 +47,7 @@ fn recording(model: &ArmModel, seed: f64) -> Recording {
     });
     let mut recording = Recording::new("run", time_s.clone(), joints.collect()).unwrap();
     let start = recording.joints.iter().map(|joint| joint.command.as_ref().unwrap()[0]).collect();
-    let motion = closed_loop(&arm, &servos, &recording, ArmState::at_rest(start), 1e-3).unwrap();
+    let motion = closed_loop(&arm, 1.0, &recording, ArmState::at_rest(start), 1e-3).unwrap();
     let step = std::f64::consts::TAU / 4096.0;
     for (joint, moved) in recording.joints.iter_mut().zip(motion.joints) {
         let on_step = |q: &f64| (q / step).round() * step;

@@ -1,8 +1,8 @@
 //! The model as an arm with effects on its joints: what simulations and exports can hold.
 
 use armident_effects::{
-    Backlash, Effect, EffectOnJoint, EncoderOffset, JointElasticity, ReversalModel, TorqueScale,
-    tilted,
+    Backlash, Effect, EffectOnJoint, EncoderOffset, JointElasticity, PositionControl,
+    ReversalModel, TorqueScale, tilted,
 };
 use nalgebra::Vector3;
 
@@ -14,7 +14,9 @@ impl ArmModel {
     /// (smooth terms, delays, how friction reverses, dead zones of channels).
     pub fn simulated(&self) -> (Self, Vec<String>) {
         if self.band.is_none() {
-            return (self.clone(), self.only_predicted());
+            let mut arm = self.clone();
+            arm.effects.extend(self.position_controls());
+            return (arm, self.only_predicted());
         }
         let mut arm = Self {
             effects: self.joint_effects().chain(self.pair_effects()).cloned().collect(),
@@ -30,6 +32,7 @@ impl ArmModel {
             let parameters = law.parameters_of_transmission(&transmission);
             arm.effects.push(EffectOnJoint::new(law.slug(), &term.joint, parameters));
         }
+        arm.effects.extend(self.position_controls());
         let tilt = Vector3::new(self.base_tilt_rad[0], self.base_tilt_rad[1], 0.0);
         arm.chain.gravity_e0 = tilted(&arm.chain.base_from_e0, &arm.chain.gravity_e0, &tilt);
         for (name, offset) in names.iter().zip(&self.encoder_offset) {
@@ -92,8 +95,14 @@ impl ArmModel {
             let percent = 100.0 * shown.as_ref()?.share;
             Some(format!("the {percent:.1} % of its effort that the column of {name} shows"))
         });
-        let servos =
-            self.servos.iter().map(|term| format!("the position controller of {}", term.joint));
-        reversals.chain(shown).chain(servos).collect()
+        reversals.chain(shown).collect()
+    }
+
+    /// The position controllers of the joints as effects on them.
+    fn position_controls(&self) -> impl Iterator<Item = EffectOnJoint> {
+        let slug = PositionControl.slug();
+        self.servos
+            .iter()
+            .map(move |term| EffectOnJoint::new(slug, &term.joint, term.servo.parameters()))
     }
 }

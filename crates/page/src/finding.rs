@@ -79,7 +79,7 @@ impl Abscissa {
             LawRole::Gain => Self::Load,
             LawRole::Link => Self::Gravity,
             LawRole::Time => Self::EffortRate,
-            LawRole::Contact => Self::Time,
+            LawRole::Contact | LawRole::Drive => Self::Time,
         }
     }
 

@@ -12,26 +12,18 @@ use crate::step_effort::StepEffort;
 use crate::stepper::{ArmState, ForwardStepper};
 use crate::trajectory::missing;
 
-/// The controller of a joint and its gain over the one that its stiffness belongs to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointServo {
-    /// The controller.
-    pub servo: PositionServo,
-    /// Gain over that of the stiffness; 1 unless it was changed since.
-    pub gain: f64,
-}
-
 /// The motion that commands cause, from a state at the first stamp on; positions and efforts at each stamp of the commands.
 ///
-/// Commands between two stamps lie on a line, and before the first they are the first. The effort of a controller is formed
+/// `gain` is that of all controllers over the one that their stiffness belongs to; 1 unless it was changed since. Commands
+/// between two stamps lie on a line, and before the first they are the first. The effort of a controller is formed
 /// at the start of each step of at most `step_s` \[s\] and extrapolated along the step by the velocity.
 ///
 /// # Errors
-/// An inconsistent recording, a joint without commands, servos or a start that are not one a joint, a step that is not
-/// possible, [`NotPositiveDefinite`](SimulationError::NotPositiveDefinite) and [`Diverged`](SimulationError::Diverged).
+/// An inconsistent recording, a joint without commands or without a position controller, a start that is not one a joint, a
+/// step that is not possible, [`NotPositiveDefinite`](SimulationError::NotPositiveDefinite) and [`Diverged`](SimulationError::Diverged).
 pub fn closed_loop(
     arm: &SimulatedArm,
-    servos: &[JointServo],
+    gain: f64,
     commands: &Recording,
     start: ArmState,
     step_s: f64,
@@ -42,20 +34,15 @@ pub fn closed_loop(
         column.ok_or_else(|| missing(commands, name, Quantity::Command))
     });
     let columns = columns.collect::<Result<Vec<&[f64]>, _>>()?;
-    if servos.len() != arm.dof() || servos.iter().any(|with| !with.servo.is_sound()) {
-        return Err(SimulationError::State {
-            what: "the stiffness of the servos",
-            expected: arm.dof(),
-            found: servos.iter().map(|with| with.servo.stiffness).collect(),
-        });
-    }
+    let servos = (0..arm.dof()).map(|j| arm.servo_or_error(j));
+    let servos = servos.collect::<Result<Vec<PositionServo>, _>>()?;
     let stamps_s = &commands.time_s;
     check_step(step_s, stamps_s[stamps_s.len() - 1] - stamps_s[0])?;
     let effort = |time_s: f64, ahead_s: f64, state: &ArmState| -> Vec<f64> {
-        let of_joint = |(j, with): (usize, &JointServo)| {
-            let command = lines::at(stamps_s, columns[j], time_s + ahead_s - with.servo.delay_s);
+        let of_joint = |(j, servo): (usize, &PositionServo)| {
+            let command = lines::at(stamps_s, columns[j], time_s + ahead_s - servo.delay_s);
             let position = state.position[j] + ahead_s * state.velocity[j];
-            with.servo.effort(command - position, with.gain)
+            servo.effort(command - position, gain)
         };
         servos.iter().enumerate().map(of_joint).collect()
     };
@@ -83,6 +70,7 @@ pub fn closed_loop(
 
 #[cfg(test)]
 mod tests {
+    use armident_effects::{Effect, EffectOnJoint, PositionControl};
     use armident_recording::JointChannels;
 
     use super::*;
@@ -91,6 +79,16 @@ mod tests {
 
     const SERVO: PositionServo =
         PositionServo { stiffness: 400.0, delay_s: 0.03, dead_band: 0.0, effort_limit: Some(60.0) };
+
+    /// The slider with friction behind its controller.
+    fn controlled_slider() -> SimulatedArm {
+        let servo = EffectOnJoint::new(PositionControl.slug(), "rail", SERVO.parameters());
+        slider(&[
+            effect("viscous_friction", "rail", 30.0),
+            effect("coulomb_friction", "rail", 8.0),
+            servo,
+        ])
+    }
 
     fn commands(joints: &[String], of: impl Fn(f64) -> f64) -> Recording {
         let time_s: Vec<f64> = (0..300).map(|k| 0.02 * f64::from(k)).collect();
@@ -103,14 +101,10 @@ mod tests {
 
     #[test]
     fn servo_reaches_its_command_inside_friction() {
-        let arm = slider(&[
-            effect("viscous_friction", "rail", 30.0),
-            effect("coulomb_friction", "rail", 8.0),
-        ]);
+        let arm = controlled_slider();
         let given = commands(arm.joints(), |t| if t < 1.0 { 0.0 } else { 0.1 });
-        let servos = vec![JointServo { servo: SERVO, gain: 1.0 }; arm.dof()];
         let start = ArmState::at_rest(vec![0.0; arm.dof()]);
-        let motion = closed_loop(&arm, &servos, &given, start, 5e-4).unwrap();
+        let motion = closed_loop(&arm, 1.0, &given, start, 5e-4).unwrap();
         let position = motion.joints[0].position.as_ref().unwrap();
         // the command leaves 0 at 0.98 s, and the delay is over at 1.01 s
         assert_eq!(position[50], 0.0);
@@ -120,14 +114,10 @@ mod tests {
 
     #[test]
     fn one_joint_moves_as_in_the_arm() {
-        let arm = slider(&[
-            effect("viscous_friction", "rail", 30.0),
-            effect("coulomb_friction", "rail", 8.0),
-        ]);
+        let arm = controlled_slider();
         let given = commands(arm.joints(), |t| 0.2 * (2.0 * t).sin());
-        let servo = JointServo { servo: SERVO, gain: 1.0 };
         let start = ArmState::at_rest(vec![0.0; arm.dof()]);
-        let whole = closed_loop(&arm, &vec![servo; arm.dof()], &given, start, 5e-4).unwrap();
+        let whole = closed_loop(&arm, 1.0, &given, start, 5e-4).unwrap();
         let command = given.joints[0].command.as_ref().unwrap();
         let inertia = vec![armident_dynamics::inertia_matrix(arm.rigid(), &[0.0])[(0, 0)]; 300];
         let zero = vec![0.0; 300];
@@ -140,10 +130,19 @@ mod tests {
             inertia: &inertia,
             gain: 1.0,
         };
-        let alone = ServoJoint::of(&arm, 0).simulate(&SERVO, &drive, [0.0, 0.0], 1e-3);
+        let alone = ServoJoint::of(&arm, 0).unwrap().simulate(&drive, [0.0, 0.0], 1e-3);
         let position = whole.joints[0].position.as_ref().unwrap();
         for (k, (a, b)) in alone.iter().zip(position).enumerate() {
             assert!((a - b).abs() < 2e-3, "{k}: {a} {b}");
         }
+    }
+
+    #[test]
+    fn commands_need_a_controller() {
+        let arm = slider(&[]);
+        let given = commands(arm.joints(), |_| 0.0);
+        let start = ArmState::at_rest(vec![0.0; arm.dof()]);
+        let error = closed_loop(&arm, 1.0, &given, start, 5e-4).unwrap_err().to_string();
+        assert!(error.contains("rail") && error.contains("no position controller"), "{error}");
     }
 }

@@ -68,6 +68,14 @@ impl RowLevels {
     }
 }
 
+/// The same for one row: `m w + λ = r`, `λ ∈ level Sign(w)`, with `m > 0`.
+pub(crate) fn solve_one_row(m: f64, r: f64, level: DryFriction) -> f64 {
+    match breaks_away(level, r, 0.0) {
+        Some(sign) => (r - level.effort(sign)) / m,
+        None => 0.0,
+    }
+}
+
 /// Solves `M w + λ = r`, `λ_j ∈ level_j Sign(w_j)`: `w` of dry friction with stiction.
 ///
 /// `Sign(0) = [-1, 1]`, with a level for each direction; a row that sticks has `w_j = 0` exactly, a
@@ -274,6 +282,24 @@ mod tests {
             }
         }
         assert!(stuck > 500, "{stuck}");
+    }
+
+    /// Against the solution for several rows.
+    #[test]
+    fn one_row_is_solved_as_several_are() {
+        let mut random = Pcg64::seed_from_u64(7);
+        let mut stuck = 0;
+        for _ in 0..400 {
+            let [m, r] = [random.random_range(0.1..3.0), random.random_range(-2.0..2.0)];
+            let level = DryFriction { forward: 0.7, backward: random.random_range(0.0..1.5) };
+            let levels = RowLevels { rows: vec![level], pairs: Vec::new() };
+            let [of_rows, right] = [DMatrix::from_element(1, 1, m), DMatrix::from_element(1, 1, r)];
+            let rows = solve_dry_friction(&of_rows, &right.column(0).into(), &levels, &[0.0]);
+            let alone = solve_one_row(m, r, level);
+            stuck += usize::from(alone == 0.0);
+            assert!((alone - rows.unwrap()[0]).abs() < 1e-12, "{m} {r}");
+        }
+        assert!((50..350).contains(&stuck), "{stuck}");
     }
 
     #[test]

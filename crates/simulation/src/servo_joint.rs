@@ -2,6 +2,8 @@
 
 use armident_effects::PositionServo;
 
+use crate::dry_friction::solve_one_row;
+use crate::error::SimulationError;
 use crate::lines;
 use crate::simulated_arm::SimulatedArm;
 
@@ -33,29 +35,29 @@ pub struct JointDrive<'a> {
 /// (M + I) a + s(v) + load + λ = effort(c(t - T) - q),   λ ∈ F(v, load) Sign(v)
 /// ```
 ///
-/// Steps are linearly implicit in the velocity, so that stiff controllers and light links need no short ones, and friction is
-/// implicit as in [`ForwardStepper`](crate::ForwardStepper), of which this is one row.
+/// It is one row of [`ForwardStepper`](crate::ForwardStepper), with the effects and the friction law of that. Steps are linearly
+/// implicit in the velocity, so that stiff controllers and light links need no short ones: a fit simulates thousands of
+/// recordings, and the whole arm would have to be moved in steps of a fifth for each of them.
 #[derive(Debug, Clone, Copy)]
 pub struct ServoJoint<'a> {
     arm: &'a SimulatedArm,
     joint: usize,
+    servo: PositionServo,
     added_inertia: f64,
 }
 
 impl<'a> ServoJoint<'a> {
     /// Joint `joint` of an arm, from 0.
-    pub fn of(arm: &'a SimulatedArm, joint: usize) -> Self {
-        Self { arm, joint, added_inertia: arm.added_inertia(joint) }
+    ///
+    /// # Errors
+    /// A joint without a position controller.
+    pub fn of(arm: &'a SimulatedArm, joint: usize) -> Result<Self, SimulationError> {
+        let servo = arm.servo_or_error(joint)?;
+        Ok(Self { arm, joint, servo, added_inertia: arm.added_inertia(joint) })
     }
 
     /// Position at each stamp \[rad or m\], from a start (position, velocity) on; steps of at most `step_s` \[s\].
-    pub fn simulate(
-        &self,
-        servo: &PositionServo,
-        drive: &JointDrive<'_>,
-        start: [f64; 2],
-        step_s: f64,
-    ) -> Vec<f64> {
+    pub fn simulate(&self, drive: &JointDrive<'_>, start: [f64; 2], step_s: f64) -> Vec<f64> {
         let [mut q, mut v] = start;
         let stamps = drive.time_s;
         let mut positions = Vec::with_capacity(stamps.len());
@@ -69,12 +71,12 @@ impl<'a> ServoJoint<'a> {
                 let share = part as f64 / steps;
                 let between = |of: &[f64]| of[k] + share * (of[k + 1] - of[k]);
                 let time_s = stamps[k] + share * cycle_s;
-                let command = lines::at(stamps, drive.command, time_s - servo.delay_s);
+                let command = lines::at(stamps, drive.command, time_s - self.servo.delay_s);
                 let slope = between(drive.load_slope);
                 let load = between(drive.load) + slope * (q - between(drive.recorded));
                 let inertia = between(drive.inertia);
                 let drive_now = [command, load, slope, inertia];
-                v = self.next_velocity(servo, drive.gain, [q, v], drive_now, h);
+                v = self.next_velocity(drive.gain, [q, v], drive_now, h);
                 q += h * v;
             }
         }
@@ -83,27 +85,19 @@ impl<'a> ServoJoint<'a> {
 
     fn next_velocity(
         &self,
-        servo: &PositionServo,
         gain: f64,
         [q, v]: [f64; 2],
         [command, load, load_slope, inertia]: [f64; 4],
         h: f64,
     ) -> f64 {
-        let (effort, stiffness) = servo.effort_and_stiffness(command - q, gain);
+        let (effort, stiffness) = self.servo.effort_and_stiffness(command - q, gain);
         let smooth = |velocity: f64| self.arm.smooth_effort(self.joint, 0.0, q, velocity);
         let friction = smooth(v);
         let slope = ((smooth(v + SMALL_VELOCITY) - friction) / SMALL_VELOCITY).max(0.0);
         let mass = (inertia + self.added_inertia) / h;
         let driving = mass * v + effort - load - friction + slope * v;
         let dry = self.arm.dry_friction(self.joint, v, load);
-        let beyond = if driving > dry.forward {
-            driving - dry.forward
-        } else if driving < -dry.backward {
-            driving + dry.backward
-        } else {
-            return 0.0;
-        };
         // a load that falls with the position is left to the next step
-        beyond / (mass + slope + h * (stiffness + load_slope.max(0.0)))
+        solve_one_row(mass + slope + h * (stiffness + load_slope.max(0.0)), driving, dry)
     }
 }

@@ -5,8 +5,8 @@ use std::fmt;
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    ArmFrames, DryFriction, Effect, EffectOnJoint, JointState, Library, Mechanism, Scope,
-    Transmission,
+    ArmFrames, DryFriction, Effect, EffectOnJoint, JointState, Library, Mechanism, PositionControl,
+    PositionServo, Scope, Transmission,
 };
 use armident_kinematics::DrivingAxisChain;
 use nalgebra::Vector3;
@@ -58,6 +58,7 @@ pub struct SimulatedArm {
     deflections: Vec<(usize, usize)>,
     pairs: Vec<PairFriction>,
     transmissions: Vec<Option<Transmission>>,
+    servos: Vec<Option<PositionServo>>,
     tip_forces: Vec<TipForce>,
     frames: Option<ArmFrames>,
     effort_gains: Vec<f64>,
@@ -126,6 +127,7 @@ impl SimulatedArm {
             deflections: Vec::new(),
             pairs: Vec::new(),
             transmissions: vec![None; n],
+            servos: vec![None; n],
             tip_forces: Vec::new(),
             frames,
             effort_gains: vec![1.0; n],
@@ -194,6 +196,15 @@ impl SimulatedArm {
                     return Err(refused("the joint has a transmission already"));
                 }
                 self.transmissions[index] = Some(transmission);
+            }
+            Mechanism::Servo(servo) => {
+                if !servo.is_sound() {
+                    return Err(refused("its stiffness must be positive"));
+                }
+                if self.servos[index].is_some() {
+                    return Err(refused("the joint has a position controller already"));
+                }
+                self.servos[index] = Some(servo);
             }
             Mechanism::Arm => {
                 let frames = self.frames.clone();
@@ -296,6 +307,20 @@ impl SimulatedArm {
     /// Spring, damper and play before the link of joint `joint`.
     pub fn transmission(&self, joint: usize) -> Option<&Transmission> {
         self.transmissions[joint].as_ref()
+    }
+
+    /// Position controller of joint `joint`.
+    pub fn servo(&self, joint: usize) -> Option<&PositionServo> {
+        self.servos[joint].as_ref()
+    }
+
+    /// The same where there must be one.
+    pub(crate) fn servo_or_error(&self, joint: usize) -> Result<PositionServo, SimulationError> {
+        self.servos[joint].ok_or_else(|| SimulationError::NotSimulated {
+            effect: PositionControl.slug(),
+            joint: self.joints[joint].clone(),
+            reason: "the joint has no position controller to follow commands",
+        })
     }
 
     /// The transmission of each joint that has one.

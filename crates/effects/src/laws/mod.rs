@@ -13,6 +13,7 @@ mod joint_spring;
 mod link_inertia_error;
 mod load_dependent_friction;
 mod payload;
+mod position_control;
 mod presliding_hysteresis;
 mod quadratic_drag;
 mod rotor_inertia;
@@ -37,6 +38,7 @@ pub use joint_spring::JointSpring;
 pub use link_inertia_error::LinkInertiaError;
 pub use load_dependent_friction::LoadDependentFriction;
 pub use payload::Payload;
+pub use position_control::PositionControl;
 pub use presliding_hysteresis::PreslidingHysteresis;
 pub use quadratic_drag::QuadraticDrag;
 pub use rotor_inertia::RotorInertia;
@@ -75,6 +77,7 @@ pub(crate) const STANDARD: &[&dyn Effect] = &[
     &TimeDelay,
     &ExternalContact,
     &SublinearViscousFriction,
+    &PositionControl,
 ];
 
 /// The baseline terms: what every joint has in a plain identification, in the order of its parameter vectors.

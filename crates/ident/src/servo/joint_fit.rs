@@ -11,8 +11,8 @@
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
-    CoulombFriction, Effect, EffectOnJoint, LoadDependentFriction, PositionServo, RotorInertia,
-    StribeckFriction, TorqueOffset, ViscousFriction,
+    CoulombFriction, Effect, EffectOnJoint, LoadDependentFriction, PositionControl, PositionServo,
+    RotorInertia, StribeckFriction, TorqueOffset, ViscousFriction,
 };
 use armident_inference::{FEWEST_BLOCKS, student_t_975, variance};
 use armident_numeric::Cholesky;
@@ -210,13 +210,16 @@ fn residuals(
         dead_band: 0.0,
         effort_limit: error_limit.map(|error| error * stiffness),
     };
-    let Ok(simulated) = SimulatedArm::new(arm.0.clone(), &[JOINT], &effects(x, stiffness, JOINT))
-    else {
-        return data.iter().map(|d| vec![f64::INFINITY; d.position.len()]).collect();
+    let mut effects = effects(x, stiffness, JOINT);
+    effects.push(EffectOnJoint::new(PositionControl.slug(), JOINT, servo.parameters()));
+    let impossible = || data.iter().map(|d| vec![f64::INFINITY; d.position.len()]).collect();
+    let Ok(simulated) = SimulatedArm::new(arm.0.clone(), &[JOINT], &effects) else {
+        return impossible();
     };
+    let Ok(joint) = ServoJoint::of(&simulated, 0) else { return impossible() };
     let of = |d: &JointData| {
         let start = [d.position[0], d.velocity[0]];
-        let positions = ServoJoint::of(&simulated, 0).simulate(&servo, &d.drive(), start, STEP_S);
+        let positions = joint.simulate(&d.drive(), start, STEP_S);
         positions.iter().zip(&d.position).map(|(s, q)| s - q).collect()
     };
     data.par_iter().map(of).collect()
