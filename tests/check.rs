@@ -82,6 +82,19 @@ impl Table {
         table
     }
 
+    /// Efforts through a low-pass of first order; the samples are close beside its time constant \[s\].
+    fn low_passed(&self, time_constant_s: f64) -> Self {
+        let mut table = self.clone();
+        for k in self.of("/effort") {
+            let effort = &mut table.columns[k];
+            for t in 1..effort.len() {
+                let kept = (-(self.columns[0][t] - self.columns[0][t - 1]) / time_constant_s).exp();
+                effort[t] = kept * effort[t - 1] + (1.0 - kept) * effort[t];
+            }
+        }
+        table
+    }
+
     /// Efforts less the gravity part of the URDF: prediction with less prediction without.
     fn without_gravity(&self, urdf: &Path, recording: &Path, folder: &Path) -> Self {
         let predicted = |gravity: &str| {
@@ -261,6 +274,20 @@ fn detects_delays_of_bundled_recording() {
     let found = delays_are_found(&case, 0.005, 1e-3);
     assert_eq!(topic(&found, "delay")["verdict"], "wrong");
     delays_are_found(&case, 0.02, 2e-3);
+}
+
+/// A drive that filters its effort is late as with a delay, but its efforts are smaller too.
+#[test]
+fn low_pass_of_drives_is_no_delay() {
+    let case = bundled("low_pass");
+    let found = case.checked(&case.table.low_passed(0.03));
+    let check = topic(&found, "delay");
+    assert!(string(&check["message"]).contains("low-pass of"), "{check}");
+    let (time_constant_s, half_s) = delay(&found);
+    assert!((time_constant_s - 0.03).abs() < half_s.max(2e-3), "{time_constant_s} {half_s}");
+    // efforts that are late alone are no low-pass
+    let late = case.checked(&case.table.delayed(0.02));
+    assert!(string(&topic(&late, "delay")["message"]).contains("effort lag"), "{late}");
 }
 
 /// Joints that rest or move one way, and what they leave open, are named.

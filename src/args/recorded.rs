@@ -210,6 +210,10 @@ pub(crate) struct DiagnoseArgs {
     /// Use columns that fail the input checks
     #[arg(long)]
     pub(crate) trust_columns: bool,
+    /// Gain of the position controllers in a recording of commands, over the gain that is 1 in the others;
+    /// repeatable
+    #[arg(long, value_name = "FILE=RATIO", value_parser = parse_file_gain)]
+    pub(crate) servo_gain: Vec<(PathBuf, f64)>,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]

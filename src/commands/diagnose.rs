@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use armident_commands::{
-    DiagnoseOptions, DiagnoseRecordings, Failure, diagnose, expand, split_recordings,
+    DiagnoseOptions, DiagnoseRecordings, Failure, GivenRobot, diagnose, diagnose_servos, expand,
+    has_commands_only, split_recordings,
 };
+use armident_recording::Recording;
 
 use super::recordings;
 use crate::args::DiagnoseArgs;
@@ -59,6 +61,17 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let read = |files: &[PathBuf]| recordings::read_all(files, &args.reading, &args.output);
     let training = read(&files.training)?;
     let (holdout, reference) = (read(&files.holdout)?, read(&files.reference)?);
+    let robot = robot::open(&args.robot, &args.chain)?;
+    if has_commands_only(&robot, &training)? {
+        return by_commands(args, &robot, &training, &holdout);
+    }
+    if !args.servo_gain.is_empty() {
+        return Err(Failure::new(
+            "gains of position controllers beside recordings with efforts or without commands",
+            "--servo-gain",
+            Some("omit the option"),
+        ));
+    }
     let recordings =
         DiagnoseRecordings { training: &training, holdout: &holdout, reference: &reference };
     let options = DiagnoseOptions {
@@ -67,7 +80,6 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
         no_replay: args.no_replay,
         next_motion: files.next_motion.as_deref(),
     };
-    let robot = robot::open(&args.robot, &args.chain)?;
     let progress = Progress::of(&args.output, "diagnosing");
     let found = diagnose(&robot, recordings, &options)?;
     drop(progress);
@@ -86,6 +98,37 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let report = &found.report;
     let (text, warnings) = (report.text(output::bars()), &report.warnings);
     page::write_result(&args.page, &args.output, &text, report, warnings, drawing.as_ref())
+}
+
+/// Commands without efforts: what lies between them and the positions.
+fn by_commands(
+    args: &DiagnoseArgs,
+    robot: &GivenRobot,
+    training: &[Recording],
+    holdout: &[Recording],
+) -> Result<Outcome, Failure> {
+    let needs_efforts = [
+        (!args.reference.is_empty(), "--reference"),
+        (args.next_motion.is_some(), "--next-motion"),
+        (args.placebo.is_some(), "--placebo"),
+        (args.page.report.is_some(), "--report"),
+        (args.page.traces, "--traces"),
+    ];
+    if let Some((_, option)) = needs_efforts.iter().find(|(is_given, _)| *is_given) {
+        return Err(Failure::new(
+            "not available for recordings of commands without efforts",
+            option,
+            Some("omit the option, or add <joint>/effort"),
+        ));
+    }
+    let progress = Progress::of(&args.output, "diagnosing");
+    let found = diagnose_servos(robot, training, holdout, &args.servo_gain)?;
+    drop(progress);
+    if let Some(path) = &args.save_model {
+        found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
+    }
+    let report = &found.report;
+    output::write_result(&args.output, &report.text(output::bars()), report, &report.warnings)
 }
 
 /// A recording cannot be fitted and held out.

@@ -1,5 +1,6 @@
 //! `check`: are recordings what their columns are called.
 
+use armident_ident::check_commands;
 use armident_ident::checks::{check as checked, with_drive_signals};
 use armident_model::ArmModel;
 use armident_page::{Drawing, RecordingRole};
@@ -10,6 +11,7 @@ use crate::drawing;
 use crate::failure::Failure;
 use crate::recordings::{joints_with_position, motions_with_effort, notes};
 use crate::robot::{GivenRobot, chain_warnings};
+use crate::servos::{failure, has_commands_only};
 
 /// Checked recordings.
 #[derive(Debug, Clone)]
@@ -31,6 +33,9 @@ pub fn check(
     recordings: &[Recording],
     cutoff_hz: Option<f64>,
 ) -> Result<Checked, Failure> {
+    if has_commands_only(robot, recordings)? {
+        return of_commands(robot, recordings);
+    }
     let (recorded, signals) = with_drive_signals(recordings);
     let names = joints_with_position(&recorded);
     let (model, unused) = robot.links(Some(&names))?;
@@ -49,12 +54,38 @@ pub fn check(
     Ok(Checked { report, model, recordings: recorded })
 }
 
+/// Recordings of commands and positions without efforts.
+fn of_commands(robot: &GivenRobot, recordings: &[Recording]) -> Result<Checked, Failure> {
+    let (model, notes) = robot.links(Some(&joints_with_position(recordings)))?;
+    let found = check_commands(&model, recordings).map_err(failure)?;
+    let names = model.chain.joints.iter().map(|j| j.name.clone()).collect();
+    let sources = recordings.iter().map(|r| r.source.clone()).collect();
+    let (robot, warnings) = (model.chain.robot.clone(), chain_warnings(&model));
+    let report = CheckReport::new(
+        &robot,
+        sources,
+        names,
+        None,
+        &found,
+        warnings,
+        notes.into_iter().collect(),
+    );
+    Ok(Checked { report, model, recordings: recordings.to_vec() })
+}
+
 impl Checked {
     /// What the page shows beside the result.
     ///
     /// # Errors
     /// Recordings that cannot be predicted.
     pub fn drawing(&self) -> Result<Drawing, Failure> {
+        if self.report.channels.is_empty() {
+            return Err(Failure::new(
+                "no page of recordings of commands without efforts",
+                "--report",
+                Some("omit the option, or use --json FILE"),
+            ));
+        }
         let recorded = [(self.recordings.as_slice(), RecordingRole::Training)];
         let models: [(&str, &ArmModel); 1] = [("given", &self.model)];
         drawing::of_models(&self.model.chain, &models, &recorded, self.report.cutoff_hz)

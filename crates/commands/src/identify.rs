@@ -3,7 +3,6 @@
 mod batch;
 mod payloads;
 mod planned;
-mod servos;
 
 use std::path::PathBuf;
 
@@ -19,7 +18,6 @@ use crate::failure::Failure;
 
 pub use batch::identify;
 pub use planned::{PLAN_FILE, PlannedRecordings, identify_planned, plan_in};
-pub use servos::{IdentifiedServos, has_commands_only, identify_servos};
 
 /// How parameters are identified.
 #[derive(Clone)]

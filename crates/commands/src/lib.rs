@@ -27,6 +27,7 @@ mod params;
 mod predict;
 mod recordings;
 mod robot;
+mod servos;
 mod simulate;
 mod suite;
 mod validate;
@@ -39,13 +40,16 @@ pub use excerpt::Excerpt;
 pub use export::{ExportFormat, ExportReport, export};
 pub use failure::Failure;
 pub use identify::{
-    Identified, IdentifiedServos, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings,
-    has_commands_only, identify, identify_planned, identify_servos, plan_in,
+    Identified, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings, identify,
+    identify_planned, plan_in,
 };
 pub use params::params;
 pub use predict::{PredictReport, Predicted, predict};
 pub use recordings::{ReadingOptions, expand, quality_notes, read_all};
 pub use robot::{ChainOptions, GivenRobot, chain_notes, chain_warnings};
+pub use servos::{
+    DiagnosedServos, IdentifiedServos, diagnose_servos, has_commands_only, identify_servos,
+};
 pub use simulate::{NoiseLevel, SimulateOptions, SimulatedDirection, Simulator};
 pub use suite::{SUITE_FILE, SplitRecordings, SuiteEntry, SuiteFile, split_recordings};
 pub use validate::{Validated, validate};

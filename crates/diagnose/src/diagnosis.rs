@@ -93,6 +93,18 @@ impl Diagnosis {
         }
     }
 
+    /// The models of the arm report their efforts through a low-pass of this time constant \[s\]; the given one does only where
+    /// it is what a reference shows.
+    pub(crate) fn report_through_low_pass(&mut self, time_constant_s: f64, of_reference: bool) {
+        let beside = self.without.iter_mut().flatten();
+        let rivals = self.rivals.iter_mut().flatten().flatten();
+        let given = of_reference.then_some(&mut self.believed);
+        let own = [&mut self.model, &mut self.rigid].into_iter().chain(given);
+        for model in own.chain(beside).chain(rivals) {
+            model.effort_low_pass_s += time_constant_s;
+        }
+    }
+
     /// Recordings prepared once for the predictions of its models: [those fitted](Self::recordings), the
     /// [hold-out](Self::holdout), or others.
     ///

@@ -62,6 +62,7 @@ pub use checks::usable::Unusable;
 pub use diagnosis::{Diagnosis, Errors};
 pub use error::{DiagnoseError, WrongColumns};
 pub use findings::finding::{Alternative, DoubtfulChange, Finding, FindingEvidence};
+pub use findings::from_commands::{ServoDiagnosis, diagnose_servos};
 pub use findings::next_experiment::NextMotion;
 pub use findings::numbers::Value;
 pub use findings::placebo::Placebo;

@@ -3,7 +3,8 @@
 use armident_effects::{Effect, TorqueScale};
 use armident_ident::checks::Topic;
 use armident_model::ArmModel;
-use armident_recording::Recording;
+use armident_motion::{BAND_HZ, before_low_pass};
+use armident_recording::{Recording, RecordingError};
 
 use crate::checks::effort_columns::InputChecks;
 use crate::checks::usable::without_constant_efforts;
@@ -17,6 +18,9 @@ use crate::pipeline::{against_model, against_reference};
 
 /// Relative error of all links beyond which they may be anything.
 const MOST_BELIEVED: f64 = 0.2;
+
+/// Frequency up to which a low-pass of the drives is undone \[Hz\]: beyond the band in which efforts are compared.
+const CORRECTED_HZ: f64 = 1.5 * BAND_HZ;
 
 /// What a diagnosis is asked.
 #[derive(Debug, Clone, Copy)]
@@ -91,9 +95,27 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
         let wrong = WrongColumns { input_checks: checks, recordings };
         return Err(DiagnoseError::WrongColumns(Box::new(wrong)));
     }
-    let of = |recordings: &[Recording], reference: &[Recording]| match reference {
-        [] => against_model(model, known.as_ref(), recordings, request.placebo_terms),
-        _ => against_reference(model, reference, recordings),
+    // a low-pass that a given model has is in the efforts that it takes off
+    let low_pass_s = match (&checks.effort_low_pass, model.effort_low_pass_s) {
+        (Some(found), 0.0) => found.time_constant_s,
+        _ => 0.0,
+    };
+    let before_low_pass = |recordings: &[Recording]| -> Result<Vec<Recording>, RecordingError> {
+        recordings.iter().map(|r| before_low_pass(r, low_pass_s, CORRECTED_HZ)).collect()
+    };
+    let of = |recordings: &[Recording], reference: &[Recording]| {
+        let true_efforts = match low_pass_s {
+            0.0 => None,
+            _ => Some((before_low_pass(recordings)?, before_low_pass(reference)?)),
+        };
+        let (recordings, reference) = match &true_efforts {
+            Some((recordings, reference)) => (&recordings[..], &reference[..]),
+            None => (recordings, reference),
+        };
+        match reference {
+            [] => against_model(model, known.as_ref(), recordings, request.placebo_terms),
+            _ => against_reference(model, reference, recordings),
+        }
     };
     let mut found = of(&recordings, &reference);
     if let Ok(diagnosis) = &found {
@@ -114,6 +136,7 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
         };
     }
     let mut diagnosis = Diagnosis { recordings, holdout, input_checks: checks, ..found? };
+    diagnosis.report_through_low_pass(low_pass_s, !request.reference.is_empty());
     diagnosis.widen_by_drive_gains();
     diagnosis.confirm()?;
     Ok(diagnosis)

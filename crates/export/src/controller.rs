@@ -192,6 +192,9 @@ impl Source {
         if model.effort_delay_s != 0.0 {
             omit(format!("the lag of the efforts, {:.4} s", model.effort_delay_s));
         }
+        if model.effort_low_pass_s != 0.0 {
+            omit(format!("the low-pass of the efforts, {:.4} s", model.effort_low_pass_s));
+        }
         for (joint, shown) in model.chain.joints.iter().zip(model.shown.iter().flatten()) {
             if let Some(shown) = shown {
                 let percent = 100.0 * shown.share;

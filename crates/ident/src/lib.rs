@@ -50,8 +50,8 @@ pub use regression::{
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,
 };
 pub use servo::{
-    CommandFault, Lag, ServoError, ServoIdentification, ServoJointFit, ServoParameter,
-    ServoRequest, ServoValue, identify_servos,
+    CommandFault, Lag, OF_ROUNDING, ServoAblation, ServoError, ServoIdentification, ServoJointFit,
+    ServoParameter, ServoRequest, ServoValue, check_commands, identify_servos,
 };
 pub use structure::{
     CouplingFound, ReversalCandidates, Structure, StructureSearch, SublinearFound,

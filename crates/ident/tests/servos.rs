@@ -67,6 +67,7 @@ fn stiffness_delay_and_friction_are_recovered() {
         train_gains: &[1.0; 3],
         holdout: &holdout,
         holdout_gains: &[1.0],
+        ablations: true,
     })
     .unwrap();
     for (j, fit) in found.joints.iter().enumerate() {
@@ -97,6 +98,7 @@ fn columns_that_are_no_commands_are_refused() {
             train_gains: &[1.0],
             holdout: &[],
             holdout_gains: &[],
+            ablations: false,
         });
         match found {
             Err(error @ ServoError::Command { .. }) => error.to_string(),

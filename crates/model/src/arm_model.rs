@@ -50,6 +50,8 @@ pub struct ArmModel {
     pub encoder_offset: Vec<f64>,
     /// Delay of the efforts \[s\].
     pub effort_delay_s: f64,
+    /// Time constant of the low-pass of first order through which the efforts are reported \[s\]; 0 without one.
+    pub effort_low_pass_s: f64,
     /// Gain of each effort channel.
     pub channel_gain: Vec<f64>,
     /// Low-passes of its predictions where it was fitted in a band, as a diagnosis does; none where it was fitted
@@ -146,6 +148,7 @@ impl ArmModel {
             base_tilt_rad: [0.0; 2],
             encoder_offset: vec![0.0; joints],
             effort_delay_s: 0.0,
+            effort_low_pass_s: 0.0,
             channel_gain: vec![1.0; joints],
             band: None,
             drive_gains: None,
@@ -187,7 +190,7 @@ impl ArmModel {
         self.effects.is_empty()
             && self.transmissions.is_empty()
             && self.smooth_terms.is_empty()
-            && measured.chain([&self.effort_delay_s]).all(|x| *x == 0.0)
+            && measured.chain([&self.effort_delay_s, &self.effort_low_pass_s]).all(|x| *x == 0.0)
             && self.channel_gain.iter().all(|g| *g == 1.0)
     }
 

@@ -130,6 +130,8 @@ struct ModelFile {
     encoder_offset: Vec<f64>,
     #[serde(default)]
     effort_delay_s: f64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    effort_low_pass_s: f64,
     /// one a joint; none in files of schema 1
     #[serde(default)]
     channel_gain: Vec<f64>,
@@ -260,6 +262,7 @@ impl From<&ArmModel> for ModelFile {
             base_tilt_rad: model.base_tilt_rad,
             encoder_offset: model.encoder_offset.clone(),
             effort_delay_s: model.effort_delay_s,
+            effort_low_pass_s: model.effort_low_pass_s,
             channel_gain: model.channel_gain.clone(),
             band: model.band.clone(),
             drive_gains: model.drive_gains.clone(),
@@ -399,6 +402,7 @@ impl ModelFile {
             base_tilt_rad: self.base_tilt_rad,
             encoder_offset: self.encoder_offset,
             effort_delay_s: self.effort_delay_s,
+            effort_low_pass_s: self.effort_low_pass_s,
             channel_gain: self.channel_gain,
         };
         numbers.check(count).map_err(ModelError::Inconsistent)?;
@@ -445,6 +449,7 @@ impl ModelFile {
             base_tilt_rad: numbers.base_tilt_rad,
             encoder_offset: numbers.encoder_offset,
             effort_delay_s: numbers.effort_delay_s,
+            effort_low_pass_s: numbers.effort_low_pass_s,
             channel_gain: numbers.channel_gain,
             band: self.band,
             drive_gains: self.drive_gains,
@@ -453,11 +458,17 @@ impl ModelFile {
     }
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
+}
+
 /// Terms of the channels and the base, as a file has them.
 struct ChannelTerms {
     base_tilt_rad: [f64; 2],
     encoder_offset: Vec<f64>,
     effort_delay_s: f64,
+    effort_low_pass_s: f64,
     channel_gain: Vec<f64>,
 }
 
@@ -481,6 +492,7 @@ impl ChannelTerms {
         finite("base_tilt_rad", &self.base_tilt_rad, f64::MIN)?;
         finite("encoder_offset", &self.encoder_offset, f64::MIN)?;
         finite("effort_delay_s", &[self.effort_delay_s], f64::MIN)?;
+        finite("effort_low_pass_s", &[self.effort_low_pass_s], 0.0)?;
         finite("channel_gain", &self.channel_gain, f64::MIN)
     }
 }
@@ -650,6 +662,7 @@ mod tests {
         model.base_tilt_rad = [0.01, -0.02];
         model.encoder_offset = vec![0.003, 0.0];
         model.effort_delay_s = 0.004;
+        model.effort_low_pass_s = 0.02;
         model.channel_gain = vec![1.1, 1.0];
         model.reversals =
             Some(vec![ReversalModel::regularised(0.02), ReversalModel::presliding(0.001)]);
@@ -658,6 +671,7 @@ mod tests {
         assert_eq!(read.base_tilt_rad, model.base_tilt_rad);
         assert_eq!(read.encoder_offset, model.encoder_offset);
         assert_eq!(read.effort_delay_s, model.effort_delay_s);
+        assert_eq!(read.effort_low_pass_s, model.effort_low_pass_s);
         assert_eq!(read.channel_gain, model.channel_gain);
         assert_eq!((read.reversals, read.band), (model.reversals, model.band));
     }

@@ -32,6 +32,7 @@ impl ArmModel {
         all.transmissions = [self.transmissions.clone(), all.transmissions].concat();
         all.smooth_terms = [self.smooth_terms.clone(), all.smooth_terms].concat();
         all.effort_delay_s += self.effort_delay_s;
+        all.effort_low_pass_s += self.effort_low_pass_s;
         all.band.clone_from(&self.band);
         if let Some(own) = &self.reversals {
             // where the change says nothing of how friction reverses, it does as before

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
 use armident_effects::{Scope, UnknownEffect};
 use armident_motion::{
-    BandMotion, Motion, MotionSettings, continued, filter_between, later, low_pass,
+    BandMotion, Motion, MotionSettings, continued, filter_between, later, low_pass, reported,
 };
 use armident_recording::{Recording, RecordingError};
 
@@ -206,6 +206,7 @@ impl ArmModel {
             *effort = continued(effort, &signals.standstills[j], signals.rate_hz);
             effort.iter_mut().for_each(|e| *e *= self.channel_gain[j]);
             *effort = later(effort, -self.effort_delay_s * signals.rate_hz);
+            *effort = reported(effort, signals.rate_hz, self.effort_low_pass_s);
         }
         Ok(effort)
     }

@@ -56,6 +56,9 @@ impl ArmModel {
         if self.effort_delay_s != 0.0 {
             lost.push(format!("the lag of the efforts, {:.4} s", self.effort_delay_s));
         }
+        if self.effort_low_pass_s != 0.0 {
+            lost.push(format!("the low-pass of the efforts, {:.4} s", self.effort_low_pass_s));
+        }
         for (name, reversal) in names.iter().zip(self.reversals.iter().flatten()) {
             match reversal {
                 ReversalModel::RegularisedSign { below } if *below > 0.0 => {

@@ -52,6 +52,7 @@ mod compare_band;
 mod cutoff;
 mod decimate;
 mod differentiate;
+mod drive_low_pass;
 mod duplicate_frames;
 mod end_extension;
 mod grid;
@@ -75,6 +76,7 @@ pub use cutoff::{
 };
 pub use decimate::{kinematics_filter, later, low_pass};
 pub use differentiate::differentiate;
+pub use drive_low_pass::{before_low_pass, reported};
 pub use end_extension::{EndExtension, QUARTIC_TERMS, Quartics};
 pub use grid::EvenGrid;
 pub use low_pass::{

@@ -70,7 +70,7 @@ pub fn closed_loop(
 
 #[cfg(test)]
 mod tests {
-    use armident_effects::{Effect, EffectOnJoint, PositionControl};
+    use armident_effects::{Effect, EffectOnJoint, LoadDependentFriction, PositionControl};
     use armident_recording::JointChannels;
 
     use super::*;
@@ -135,6 +135,32 @@ mod tests {
         for (k, (a, b)) in alone.iter().zip(position).enumerate() {
             assert!((a - b).abs() < 2e-3, "{k}: {a} {b}");
         }
+    }
+
+    /// What the gear carries is the weight and the acceleration of the links, as in the whole arm.
+    #[test]
+    fn friction_of_one_joint_follows_its_load_as_in_the_arm() {
+        let servo = EffectOnJoint::new(PositionControl.slug(), "rail", SERVO.parameters());
+        let by_load = EffectOnJoint::new(LoadDependentFriction.slug(), "rail", [2.0, 0.4]);
+        let arm = slider(&[effect("viscous_friction", "rail", 30.0), by_load, servo]);
+        let given = commands(arm.joints(), |t| 0.2 * (5.0 * t).sin());
+        let start = ArmState::at_rest(vec![0.0; arm.dof()]);
+        let whole = closed_loop(&arm, 1.0, &given, start, 2e-4).unwrap();
+        let zero = vec![0.0; 300];
+        let drive = JointDrive {
+            time_s: &given.time_s,
+            command: given.joints[0].command.as_ref().unwrap(),
+            recorded: &zero,
+            load: &zero,
+            load_slope: &zero,
+            inertia: &vec![armident_dynamics::inertia_matrix(arm.rigid(), &[0.0])[(0, 0)]; 300],
+            gain: 1.0,
+        };
+        let alone = ServoJoint::of(&arm, 0).unwrap().simulate(&drive, [0.0, 0.0], 2e-4);
+        let position = whole.joints[0].position.as_ref().unwrap();
+        let error = alone.iter().zip(position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // of a swing of 0.2 m
+        assert!(error < 1e-3, "{error}");
     }
 
     #[test]

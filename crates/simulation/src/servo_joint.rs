@@ -9,6 +9,9 @@ use crate::simulated_arm::SimulatedArm;
 
 /// Velocity over which the slope of friction is taken \[rad/s or m/s\].
 const SMALL_VELOCITY: f64 = 1e-3;
+/// Rounds in which friction and the load that it depends on agree, and their agreement: as in a step of the whole arm.
+const LOAD_ROUNDS: usize = 20;
+const AGREEMENT: f64 = 1e-6;
 
 /// What moves a joint, at the stamps of a recording.
 #[derive(Debug, Clone, Copy)]
@@ -96,8 +99,22 @@ impl<'a> ServoJoint<'a> {
         let slope = ((smooth(v + SMALL_VELOCITY) - friction) / SMALL_VELOCITY).max(0.0);
         let mass = (inertia + self.added_inertia) / h;
         let driving = mass * v + effort - load - friction + slope * v;
-        let dry = self.arm.dry_friction(self.joint, v, load);
         // a load that falls with the position is left to the next step
-        solve_one_row(mass + slope + h * (stiffness + load_slope.max(0.0)), driving, dry)
+        let matrix = mass + slope + h * (stiffness + load_slope.max(0.0));
+        let mut dry = self.arm.dry_friction(self.joint, v, load);
+        let mut next = solve_one_row(matrix, driving, dry);
+        for _ in 0..LOAD_ROUNDS {
+            // the gear accelerates the links too
+            let carried = load + inertia * (next - v) / h;
+            let found = self.arm.dry_friction(self.joint, v, carried);
+            let change =
+                (found.forward - dry.forward).abs() + (found.backward - dry.backward).abs();
+            if change <= AGREEMENT * (found.forward + found.backward) {
+                break;
+            }
+            dry = found;
+            next = solve_one_row(matrix, driving, dry);
+        }
+        next
     }
 }

@@ -2,7 +2,7 @@
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::checks::{
-    ChannelEvidence, ChannelKind, Check, Topic, Verdict, check, with_drive_signals,
+    ChannelEvidence, ChannelKind, Check, EffortLowPass, Topic, Verdict, check, with_drive_signals,
 };
 use armident_model::ArmModel;
 use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
@@ -50,6 +50,8 @@ pub struct InputChecks {
     pub faults: Vec<Check>,
     /// Joints of which only a drive signal is recorded.
     pub drive_gains: Vec<InferredDriveGain>,
+    /// The low-pass through which the efforts are reported; none where there is none.
+    pub effort_low_pass: Option<EffortLowPass>,
     /// Why nothing was checked.
     pub unchecked: Option<String>,
     /// Whether a fault is of the arm as a whole: gravity, or joints that are exchanged or mirrored. Nothing that is fitted to
@@ -166,6 +168,7 @@ impl InputChecks {
                 .filter_map(gain)
                 .collect(),
             faults: found.checks.into_iter().filter(of_columns).collect(),
+            effort_low_pass: found.effort_low_pass,
             unchecked: None,
         })
     }

@@ -11,6 +11,7 @@ use super::arm_likelihood::Meaning;
 use super::channel::{ChannelEvidence, ChannelKind, Channels};
 use super::computed::BesideRigid;
 use super::delay::{Delay, LookAlike};
+use super::effort_low_pass::EffortLowPass;
 use super::excitation::{ConstantCheck, activity};
 use super::explanations::Explained;
 use super::link_errors::LARGEST_LOG_GAIN;
@@ -160,6 +161,26 @@ pub(super) fn rate(reports: &[QualityReport], motions: &[Motion]) -> Vec<Check> 
             }
         })
         .collect()
+}
+
+pub(super) fn low_pass(found: &EffortLowPass) -> Check {
+    let [low, high] = found.interval_95_s;
+    let message = format!(
+        "efforts come through a low-pass of {} Hz (time constant {:.1} ms, 95 % interval {:.1} to {:.1} ms): late, and smaller in fast \
+         motion",
+        digits(found.cutoff_hz(), 2),
+        1e3 * found.time_constant_s,
+        1e3 * low,
+        1e3 * high
+    );
+    let advice = "diagnose takes it into account; for identify, record efforts that the drive does not filter, or motions slow beside it";
+    Check {
+        value: Some(found.time_constant_s),
+        unit: "s",
+        interval_95: Some(found.interval_95_s),
+        advice: Some(advice.to_owned()),
+        ..robot_wide(Topic::Delay, Verdict::Doubtful, message)
+    }
 }
 
 pub(super) fn delay(

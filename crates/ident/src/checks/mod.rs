@@ -6,7 +6,7 @@
 //! | noise | spectrum above a quarter of the rate, through the low-pass and two derivatives |
 //! | channel | likelihood of the joint's effort, its negative, a multiple, the effort without gravity; the effort limit |
 //! | order | the same for every column on every joint, best assignment; efforts that fit no joint |
-//! | delay | likelihood over shifts of the effort |
+//! | delay | likelihood over shifts of the effort, and over time constants of a low-pass |
 //! | excitation | standard errors of the constants from the recordings alone |
 //!
 //! Verdicts follow from posterior probabilities or standard errors, using the effective sample size of the residual: at
@@ -21,6 +21,7 @@ mod channel;
 mod columns;
 mod computed;
 mod delay;
+mod effort_low_pass;
 mod excitation;
 mod explanations;
 mod gravity;
@@ -41,6 +42,7 @@ use armident_recording::{QualityIssue, Quantity, Recording};
 
 pub use channel::{ChannelEvidence, ChannelKind};
 pub use delay::Delay;
+pub use effort_low_pass::EffortLowPass;
 pub use excitation::ConstantCheck;
 pub use gravity::GravityDirectionFound;
 pub use verdict::{Check, Topic, Verdict};
@@ -48,6 +50,7 @@ pub use verdict::{Check, Topic, Verdict};
 use arm_likelihood::JointFacts;
 use columns::Alone;
 use computed::BesideRigid;
+use effort_low_pass::{evidence_beside_presliding, is_clear_beside_presliding};
 
 use crate::calibration::dead_zone_shares;
 use crate::minimal_set::MinimalSet;
@@ -73,6 +76,8 @@ pub struct RecordingCheck {
     pub mirrored: Vec<bool>,
     /// The delay; none where the likelihood has no maximum.
     pub delay: Option<Delay>,
+    /// The low-pass through which the efforts are reported; none where there is none that explains more than a delay.
+    pub effort_low_pass: Option<EffortLowPass>,
     /// How well each constant is determined.
     pub constants: Vec<ConstantCheck>,
     /// Rank of the recordings alone, of so many parameters.
@@ -88,6 +93,14 @@ impl RecordingCheck {
     pub fn verdict(&self) -> Verdict {
         self.checks.iter().map(|c| c.verdict).max().unwrap_or(Verdict::Ok)
     }
+}
+
+/// What the samples of recordings show without a model, as checks.
+pub(crate) fn quality_checks(
+    reports: &[QualityReport],
+    differences: &[QualityIssue],
+) -> Vec<Check> {
+    messages::quality(reports, differences, &[])
 }
 
 /// The recordings with currents, or else voltages, instead of missing efforts, and which joints that
@@ -172,6 +185,16 @@ pub fn check(
     let mut rows = rows::accumulate(&problem, &arm, motions, &noise)?;
     let is_silent: Vec<bool> = map.source.iter().map(|&s| is_mute[s]).collect();
     let mut delay = delay::delay(&rows, &is_silent);
+    let cutoff_hz = motions.iter().find_map(|m| Some(m.filter.as_ref()?.cutoff_hz()));
+    // a voltage is ahead of its effort by the back-EMF, and no measurement that a drive filters
+    let is_filtered = !signals.values().any(|quantity| *quantity == Quantity::Voltage);
+    let mut low_pass = cutoff_hz
+        .filter(|_| is_filtered)
+        .and_then(|hz| effort_low_pass::effort_low_pass(&rows, &is_silent, hz));
+    if let (Some(_), Some(hz)) = (&low_pass, cutoff_hz) {
+        let beside = evidence_beside_presliding(&problem, motions, &is_silent, hz)?;
+        low_pass = low_pass.filter(|_| is_clear_beside_presliding(beside));
+    }
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
     for _ in 0..ALIGNMENTS {
@@ -217,7 +240,10 @@ pub fn check(
     let mut checks = messages::quality(&quality, &differences, &with_dead_zone);
     checks.extend(messages::rate(&quality, motions));
     checks.extend(messages::gravity(&explained));
-    checks.push(messages::delay(delay.as_ref(), look_alike, motions));
+    checks.push(match &low_pass {
+        Some(found) => messages::low_pass(found),
+        None => messages::delay(delay.as_ref(), look_alike, motions),
+    });
     checks.push(match map.joints_are_as_labelled() || map.source.is_sorted() {
         true => messages::order(&channels, &names),
         false => messages::exchanged(&explained, &names),
@@ -256,6 +282,7 @@ pub fn check(
         recorded_as: map.source.clone(),
         mirrored: map.sign.iter().map(|sign| *sign < 0.0).collect(),
         delay,
+        effort_low_pass: low_pass,
         constants,
         rank: (rank, problem.terms.len()),
         quality,

@@ -56,6 +56,8 @@ pub enum Topic {
     Excitation,
     /// Properties of the samples that need no model.
     Quality,
+    /// Whether a column is the command of a joint, and how far the position is behind it.
+    Command,
 }
 
 /// One check with its verdict.

@@ -142,6 +142,12 @@ pub(super) fn error_of_command(d: &JointData) -> f64 {
     (squares.fold(f64::INFINITY, f64::min) / d.position.len() as f64).sqrt()
 }
 
+/// RMS of command minus position \[rad or m\].
+pub(super) fn position_error(d: &JointData) -> f64 {
+    let squares = d.command.iter().zip(&d.position).map(|(c, q)| (c - q).powi(2));
+    (squares.sum::<f64>() / d.position.len() as f64).sqrt()
+}
+
 /// Lag of the position behind the command in all recordings together; none where no command moves.
 pub(super) fn lag(data: &[JointData]) -> Option<Lag> {
     let moving: Vec<&JointData> =

@@ -18,6 +18,26 @@ pub enum CommandFault {
     Constant,
 }
 
+impl CommandFault {
+    /// What to do.
+    pub fn advice(self) -> &'static str {
+        match self {
+            Self::OtherUnit => {
+                "state the unit of the command in a mapping (unit = \"deg\"), and pass it with --mapping"
+            }
+            Self::Ticks => {
+                "state counts_per_turn of the command in a mapping (unit = \"counts\"), and pass it with --mapping"
+            }
+            Self::Position => {
+                "record what the controller is given, or map that column as quantity = \"command\""
+            }
+            Self::Constant => {
+                "add a recording in which the joint moves, or lock the joint with --lock JOINT=VALUE"
+            }
+        }
+    }
+}
+
 impl fmt::Display for CommandFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -129,13 +129,18 @@ impl JointData {
     }
 }
 
+/// Whether a drive signal is at its limit, up to a thousandth: limits are rounded as signals are.
+pub(super) fn is_at_limit(signal: f64, limit: f64) -> bool {
+    signal.abs() > (1.0 - 1e-3) * limit
+}
+
 /// Position error at gain 1 at which the voltage of a drive is at its largest value, where it stays there; none without such
 /// a channel.
 fn error_limit(voltage: &[f64], command: &[f64], position: &[f64], gain: f64) -> Option<f64> {
     let largest = voltage.iter().fold(0.0_f64, |a, u| a.max(u.abs()));
     // a maximum that a signal passes through is reached once or twice
     const FEWEST: usize = 8;
-    let is_at_limit = |u: &f64| u.abs() > (1.0 - 1e-3) * largest;
+    let is_at_limit = |u: &f64| is_at_limit(*u, largest);
     // a joint that rests shows a constant voltage too, at a constant error
     const WIDER: f64 = 1.1;
     let inside = voltage.iter().zip(command.iter().zip(position));

@@ -35,6 +35,8 @@ const BLOCKS: usize = 16;
 const NOT_DETERMINED: f64 = 10.0;
 /// Steps of its encoder by which the weight must move a joint to be felt: rounding alone makes one.
 const FELT_STEPS: f64 = 4.0;
+/// Standard deviation of rounding to steps of 1: an error below it is none.
+pub const OF_ROUNDING: f64 = 0.288_675;
 /// Largest share of the load that dry friction may take: at 1 a gear locks itself.
 const MOST_LOAD_FRICTION: f64 = 0.95;
 
@@ -84,6 +86,21 @@ pub struct ServoValue {
     pub standard_error: Option<f64>,
 }
 
+/// How well a joint follows its recordings with and without a parameter, all others fitted again without it. Sizes of position
+/// errors \[rad or m\] that grow with the logarithm of large errors, as the cost of the fit does; where errors are small they are
+/// RMS errors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServoAblation {
+    /// Without this; of dry friction without its static part too.
+    pub parameter: ServoParameter,
+    /// Training recordings: with it, without it.
+    pub train: [f64; 2],
+    /// Logarithm of the squared size without it over that with it, in each block of the training recordings.
+    pub block_gains: Vec<f64>,
+    /// Hold-out recordings; none without any.
+    pub holdout: Option<[f64; 2]>,
+}
+
 /// Estimate of one joint.
 #[derive(Debug, Clone)]
 pub(super) struct JointEstimate {
@@ -96,6 +113,9 @@ pub(super) struct JointEstimate {
     pub(super) error_limit: Option<f64>,
     x: [f64; 9],
     errors: [Option<f64>; 9],
+    /// correlation of delay and damping between blocks of the recordings
+    pub(super) delay_with_damping: Option<f64>,
+    free: Vec<ServoParameter>,
     arm: Carrier,
 }
 
@@ -228,25 +248,13 @@ fn residuals(
 /// Fits a joint; `held`: its stiffness where the load does not determine it \[N m/rad or N/m\].
 pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
     let start = Start::of(data);
-    let sample_s = data.iter().map(|d| d.sample_s).fold(f64::INFINITY, f64::min);
-    let resolution = data.iter().map(|d| d.resolution).fold(0.0, f64::max);
-    let limits: Vec<f64> = data.iter().filter_map(|d| d.error_limit).collect();
-    let error_limit =
-        (!limits.is_empty()).then(|| limits.iter().sum::<f64>() / limits.len() as f64);
+    let fitter = Fitter::of(data, &start);
+    let Fitter { sample_s, resolution, error_limit, .. } = fitter;
     let load = load_range(data);
     let free_stiffness = held.is_none() && load > 0.0;
     // where the start shows no weight, one that the encoder just resolves
     let least = 10.0 * resolution / load.max(f64::MIN_POSITIVE);
     let compliance = held.map_or_else(|| start.compliance.unwrap_or(least), |k| 1.0 / k);
-    let fitter = Fitter {
-        arm: Carrier::of(data),
-        data,
-        error_limit,
-        sample_s,
-        resolution,
-        load: load.max(f64::MIN_POSITIVE),
-        scale: start.dry.max(CAUCHY * resolution),
-    };
     let mut free = vec![
         ServoParameter::Offset,
         ServoParameter::DryFriction,
@@ -322,6 +330,8 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
         error_limit,
         x: best.x,
         errors: best.errors,
+        delay_with_damping: best.delay_with_damping,
+        free,
         arm: fitter.arm,
     }
 }
@@ -338,15 +348,91 @@ struct Fitter<'a> {
     scale: f64,
 }
 
+/// The fit without each parameter of an estimate.
+pub(super) fn ablations(
+    data: &[JointData],
+    holdout: &[JointData],
+    found: &JointEstimate,
+) -> Vec<ServoAblation> {
+    let fitter = Fitter::of(data, &Start::of(data));
+    let parts = BLOCKS.div_ceil(data.len().max(1));
+    let sizes = |x: &[f64; 9]| {
+        let of = |data: &[JointData]| residuals(&fitter.arm, data, x, fitter.error_limit);
+        let train = of(data);
+        let block = |recording: &Vec<f64>| -> Vec<f64> {
+            let length = recording.len().div_ceil(parts).max(1);
+            recording.chunks(length).map(|part| fitter.size(&[part.to_vec()])).collect()
+        };
+        let blocks: Vec<f64> = train.iter().flat_map(block).collect();
+        let holdout = (!holdout.is_empty()).then(|| fitter.size(&of(holdout)));
+        (fitter.size(&train), blocks, holdout)
+    };
+    let with = sizes(&found.x);
+    let is_own = |p: &&ServoParameter| **p != ServoParameter::StribeckVelocity;
+    let own: Vec<ServoParameter> = found.free.iter().filter(is_own).copied().collect();
+    let without = |parameter: &ServoParameter| {
+        let static_part = [ServoParameter::StaticExcess, ServoParameter::StribeckVelocity];
+        let goes = |p: &ServoParameter| {
+            p == parameter
+                || static_part.contains(p)
+                    && matches!(
+                        parameter,
+                        ServoParameter::DryFriction | ServoParameter::StaticExcess
+                    )
+        };
+        let mut x = found.x;
+        x[*parameter as usize] = 0.0;
+        if goes(&ServoParameter::StaticExcess) {
+            x[ServoParameter::StaticExcess as usize] = 0.0;
+        }
+        let free: Vec<ServoParameter> = found.free.iter().filter(|p| !goes(p)).copied().collect();
+        let (train, blocks, holdout) = sizes(&fitter.fit(x, &free).x);
+        let least = OF_ROUNDING * fitter.resolution;
+        let gain =
+            |(with, without): (&f64, &f64)| 2.0 * (without.max(least) / with.max(least)).ln();
+        ServoAblation {
+            parameter: *parameter,
+            train: [with.0, train],
+            block_gains: with.1.iter().zip(&blocks).map(gain).collect(),
+            holdout: with.2.zip(holdout).map(|(with, without)| [with, without]),
+        }
+    };
+    own.par_iter().map(without).collect()
+}
+
 /// A minimum of the cost.
 struct Fit {
     x: [f64; 9],
     errors: [Option<f64>; 9],
+    delay_with_damping: Option<f64>,
     cost: f64,
     blocks: usize,
 }
 
+impl<'a> Fitter<'a> {
+    fn of(data: &'a [JointData], start: &Start) -> Self {
+        let resolution = data.iter().map(|d| d.resolution).fold(0.0, f64::max);
+        let limits: Vec<f64> = data.iter().filter_map(|d| d.error_limit).collect();
+        let mean = |limits: &[f64]| limits.iter().sum::<f64>() / limits.len() as f64;
+        Self {
+            arm: Carrier::of(data),
+            data,
+            error_limit: (!limits.is_empty()).then(|| mean(&limits)),
+            sample_s: data.iter().map(|d| d.sample_s).fold(f64::INFINITY, f64::min),
+            resolution,
+            load: load_range(data).max(f64::MIN_POSITIVE),
+            scale: start.dry.max(CAUCHY * resolution),
+        }
+    }
+}
+
 impl Fitter<'_> {
+    /// Size of residuals: of the same cost if all were equal \[rad or m\].
+    fn size(&self, residual: &[Vec<f64>]) -> f64 {
+        let samples = residual.iter().map(Vec::len).sum::<usize>().max(1);
+        self.scale * (self.cost(residual) / samples as f64).exp_m1().sqrt()
+    }
+
     fn residuals(&self, x: &[f64; 9]) -> Vec<Vec<f64>> {
         residuals(&self.arm, self.data, x, self.error_limit)
     }
@@ -451,8 +537,22 @@ impl Fitter<'_> {
         }
         let weights = self.weights(&residual);
         let cost = self.cost(&residual);
-        let (errors, blocks) = self.errors(&x, &residual, &weights, free);
-        Fit { x, errors, cost, blocks }
+        let estimates = self.without_blocks(&x, &residual, &weights, free);
+        let column = |p: ServoParameter| -> Option<Vec<f64>> {
+            let at = free.iter().position(|other| *other == p)?;
+            Some(estimates.iter().map(|e| e[at]).collect())
+        };
+        let mut errors = [None; 9];
+        let mut delay_with_damping = None;
+        if estimates.len() >= FEWEST_BLOCKS {
+            for p in free {
+                errors[*p as usize] = column(*p).map(|of| variance(&of).sqrt());
+            }
+            delay_with_damping = column(ServoParameter::Delay)
+                .zip(column(ServoParameter::Damping))
+                .and_then(|(delay, damping)| correlation(&delay, &damping));
+        }
+        Fit { x, errors, delay_with_damping, cost, blocks: estimates.len() }
     }
 
     /// `[parameter][recording][sample]`
@@ -475,15 +575,15 @@ impl Fitter<'_> {
         free.par_iter().map(column).collect()
     }
 
-    /// Standard errors by the one-step jackknife, and the number of blocks.
-    fn errors(
+    /// Changes of the estimates by one step without each block of the recordings; none where a block determines a parameter
+    /// alone.
+    fn without_blocks(
         &self,
         x: &[f64; 9],
         residual: &[Vec<f64>],
         weights: &[Vec<f64>],
         free: &[ServoParameter],
-    ) -> ([Option<f64>; 9], usize) {
-        let mut errors = [None; 9];
+    ) -> Vec<Vec<f64>> {
         let jacobian = self.jacobian(x, residual, free);
         let parts = BLOCKS.div_ceil(self.data.len().max(1));
         let mut estimates: Vec<Vec<f64>> = Vec::new();
@@ -500,19 +600,23 @@ impl Fitter<'_> {
                     if i == j { rest + 1e-9 * whole[i][i] + f64::MIN_POSITIVE } else { rest }
                 };
                 // without a block the gradient at the minimum is the negative of the block's
-                let Some(factor) = Cholesky::of(free.len(), entry) else { return (errors, 1) };
+                let Some(factor) = Cholesky::of(free.len(), entry) else { return Vec::new() };
                 estimates.push(factor.solve(&gradient));
             }
         }
-        if estimates.len() < FEWEST_BLOCKS {
-            return (errors, estimates.len());
-        }
-        for (k, p) in free.iter().enumerate() {
-            let of: Vec<f64> = estimates.iter().map(|e| e[k]).collect();
-            errors[*p as usize] = Some(variance(&of).sqrt());
-        }
-        (errors, estimates.len())
+        estimates
     }
+}
+
+/// Correlation of two series; none of a constant one.
+fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let (a_mean, b_mean) = (mean(a), mean(b));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        a.iter().zip(b).map(|(a, b)| of(a - a_mean, b - b_mean)).sum()
+    };
+    let size = (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
+    (size > 0.0).then(|| sum(&|a, b| a * b) / size)
 }
 
 /// `JᵀWJ` and `JᵀWr`.

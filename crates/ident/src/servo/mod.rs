@@ -8,6 +8,7 @@
 //! start; then the positions that the joint takes under its commands, simulated with dry friction, are fitted to the recorded
 //! ones. Only the weight of the links has a known unit: where a joint carries none, parameters are known over its stiffness.
 
+mod command_checks;
 mod commands;
 mod error;
 mod joint_data;
@@ -20,11 +21,12 @@ use armident_model::{ArmModel, ServoTerm};
 use rayon::prelude::*;
 
 use joint_data::JointData;
-use joint_fit::{JointEstimate, fit};
+use joint_fit::{JointEstimate, ablations, fit};
 
+pub use command_checks::check_commands;
 pub use commands::Lag;
 pub use error::{CommandFault, ServoError};
-pub use joint_fit::{ServoParameter, ServoValue};
+pub use joint_fit::{OF_ROUNDING, ServoAblation, ServoParameter, ServoValue};
 pub use request::ServoRequest;
 
 /// What commands and positions of an arm give.
@@ -58,6 +60,14 @@ pub struct ServoJointFit {
     /// RMS error of the command itself, scaled, moved and delayed as suits each hold-out recording best, or each training
     /// recording where there is no hold-out \[rad or m\].
     pub command_alone: Vec<f64>,
+    /// RMS of command minus position of each training recording, and of each hold-out recording \[rad or m\].
+    pub command_error: [Vec<f64>; 2],
+    /// Smallest change of the recorded position \[rad or m\].
+    pub resolution: f64,
+    /// Correlation of the estimates of delay and damping; none from too few recordings.
+    pub delay_with_damping: Option<f64>,
+    /// The fit without each parameter, where the request has that.
+    pub ablations: Vec<ServoAblation>,
 }
 
 /// Identifies controllers and friction of an arm whose commands and positions are recorded.
@@ -100,6 +110,7 @@ pub fn identify_servos(request: &ServoRequest<'_>) -> Result<ServoIdentification
     let sources: Vec<&str> = request.train.iter().map(|r| r.source.as_str()).collect();
     model.provenance.push(format!("controllers and friction fitted to {}", sources.join(", ")));
     let joints = (0..names.len())
+        .into_par_iter()
         .map(|j| {
             let found = &estimates[j];
             let alone = if holdout[j].is_empty() { &train[j] } else { &holdout[j] };
@@ -112,6 +123,15 @@ pub fn identify_servos(request: &ServoRequest<'_>) -> Result<ServoIdentification
                 train: found.errors(&train[j]),
                 holdout: found.errors(&holdout[j]),
                 command_alone: alone.iter().map(commands::error_of_command).collect(),
+                command_error: [&train[j], &holdout[j]]
+                    .map(|of| of.iter().map(commands::position_error).collect()),
+                resolution: train[j].iter().map(|d| d.resolution).fold(0.0, f64::max),
+                delay_with_damping: found.delay_with_damping,
+                ablations: if request.ablations {
+                    ablations(&train[j], &holdout[j], found)
+                } else {
+                    Vec::new()
+                },
             }
         })
         .collect();

@@ -18,6 +18,8 @@ pub struct ServoRequest<'a> {
     pub holdout: &'a [Recording],
     /// Gain of the controllers in each of them, over the same.
     pub holdout_gains: &'a [f64],
+    /// Whether each joint is fitted again without each of its parameters.
+    pub ablations: bool,
 }
 
 impl ServoRequest<'_> {

@@ -75,6 +75,8 @@ pub enum CheckTopic {
     /// What the samples show without a model.
     #[default]
     Quality,
+    /// Whether a column is the command of a joint, and how far the position is behind it.
+    Command,
 }
 
 impl CheckTopic {
@@ -90,6 +92,7 @@ impl CheckTopic {
             Self::Delay => "delay",
             Self::Excitation => "excitation",
             Self::Quality => "quality",
+            Self::Command => "command",
         }
     }
 }
@@ -106,6 +109,7 @@ impl From<check::Topic> for CheckTopic {
             check::Topic::Delay => Self::Delay,
             check::Topic::Excitation => Self::Excitation,
             check::Topic::Quality => Self::Quality,
+            check::Topic::Command => Self::Command,
         }
     }
 }

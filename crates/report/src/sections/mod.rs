@@ -9,7 +9,7 @@ mod validate;
 
 pub use diagnosis::{
     InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult, PlaceboTest,
-    ReferenceSpeed, ReplayPair,
+    PositionErrors, PositionFit, ReferenceSpeed, ReplayPair,
 };
 
 use crate::results::{CheckReport, IdentifyReport, ValidateReport};
@@ -25,6 +25,7 @@ pub const DIAGNOSIS: &[&dyn DiagnosisSection] = &[
     &shows::<model::PlaceholderLinks>(),
     &model::LinkErrors,
     &shows::<model::Projection>(),
+    &shows::<model::LowPassedEfforts>(),
     &shows::<model::ComparisonBandwidth>(),
     &shows::<model::RegularisedCoulomb>(),
     &shows::<model::Presliding>(),
@@ -33,6 +34,7 @@ pub const DIAGNOSIS: &[&dyn DiagnosisSection] = &[
     &shows::<diagnosis::ReferenceSpeed>(),
     &shows::<diagnosis::InconclusiveChanges>(),
     &diagnosis::EffortError,
+    &shows::<diagnosis::PositionFit>(),
     &shows::<diagnosis::ReplayPair>(),
     &shows::<diagnosis::MinimalSetEstimate>(),
     &shows::<diagnosis::PlaceboTest>(),

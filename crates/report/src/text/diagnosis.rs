@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::{Diagnosis, Errors, NextMotion};
+use armident_diagnose::{Diagnosis, Errors, NextMotion, ServoDiagnosis};
 use armident_kinematics::DrivingAxisChain;
 
 use crate::layout::{Bars, render};
@@ -11,7 +11,7 @@ use crate::results::{
     DiagnoseInputs, DiagnoseReport, FindingRow, Fits, InputCheckRows, JointResiduals,
 };
 use crate::section::{DiagnosisSection, Source};
-use crate::sections::{self, NextMotionResult, PlaceboTest, ReplayPair};
+use crate::sections::{self, NextMotionResult, PlaceboTest, PositionFit, ReplayPair};
 
 impl Fits {
     /// Of the errors of a diagnosis.
@@ -67,6 +67,18 @@ impl DiagnoseReport {
             report.set(&PlaceboTest::from(placebo.clone()));
         }
         report.with_input_checks(&diagnosis.input_checks)
+    }
+
+    /// From a diagnosis of commands and positions.
+    pub fn of_commands(found: &ServoDiagnosis, inputs: DiagnoseInputs) -> Self {
+        let ServoDiagnosis { findings, identification } = found;
+        let mut report = Self {
+            findings: findings.iter().map(FindingRow::of).collect(),
+            ..Self::empty(&identification.model.chain, inputs)
+        };
+        report.set(&PositionFit::of(&identification.joints, &identification.magnitudes));
+        report.judge();
+        report
     }
 
     /// Of recordings whose columns fail the input checks, so that there is no diagnosis.

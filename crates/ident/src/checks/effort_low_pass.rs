@@ -1,0 +1,207 @@
+//! A low-pass through which the drives report their efforts, one for the robot.
+//!
+//! Method: likelihood of the free model of each joint with the efforts before a low-pass of first order, `e + T de/dt`, over the
+//! time constant `T`. The correction amplifies noise by `sqrt(1 + (wT)^2)` at the frequency `w`; the logarithm of that, averaged
+//! over the band of the fit, makes the likelihoods of two time constants comparable (the Jacobian of the correction). Interval: by
+//! the curvature, and by how the joints disagree, as of a [delay](super::delay).
+//! References: L. Ljung, System Identification, 2nd ed. (1999), section 7.4, for prefilters and their likelihood.
+
+use armident_effects::ReversalModel;
+use armident_inference::student_t_975;
+use armident_motion::{Motion, differentiate};
+use armident_numeric::{AccumulatedQr, NumericError};
+
+use super::excitation::activity;
+use super::rows::{ChannelRows, SHIFTS_ASIDE, shifts_s};
+use crate::regression::{BatchProblem, RANK_CUT};
+
+/// Longest time constant that is tried \[s\]: a low-pass of 2 Hz; drives filter at 5 Hz and above.
+const LONGEST_S: f64 = 0.08;
+/// Time constants that are tried.
+const TRIED: usize = 161;
+/// Time constants that are tried beside presliding friction.
+const TRIED_BESIDE: usize = 41;
+/// `2 ln` of a thousand to one: by so much a low-pass must explain more than a delay, and than nothing.
+const CLEARLY: f64 = 13.8;
+
+/// A low-pass of first order of all efforts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EffortLowPass {
+    /// Time constant \[s\].
+    pub time_constant_s: f64,
+    /// 95 % interval \[s\].
+    pub interval_95_s: [f64; 2],
+    /// `2 ln` of the likelihood of it over that of no low-pass.
+    pub evidence: f64,
+}
+
+impl EffortLowPass {
+    /// Cut-off frequency \[Hz\].
+    pub fn cutoff_hz(&self) -> f64 {
+        1.0 / (std::f64::consts::TAU * self.time_constant_s)
+    }
+}
+
+/// Mean of `ln sqrt(1 + (wT)^2)` over the frequencies up to a cut-off.
+fn mean_log_gain(time_constant_s: f64, cutoff_hz: f64) -> f64 {
+    let u = std::f64::consts::TAU * cutoff_hz * time_constant_s;
+    if u < 1e-6 { 0.0 } else { 0.5 * u.mul_add(u, 1.0).ln() - 1.0 + u.atan() / u }
+}
+
+/// The columns that are none of those before them: a triangle whose leading columns depend on one another leaves parts of the
+/// later ones in their rows.
+fn independent(rows: &AccumulatedQr, columns: &[usize]) -> Vec<usize> {
+    let r = rows.reordered(columns);
+    let is_own = |k: &usize| {
+        let size = (0..=*k).map(|i| r[(i, *k)].powi(2)).sum::<f64>().sqrt();
+        r[(*k, *k)].abs() > RANK_CUT * size
+    };
+    (0..columns.len()).filter(is_own).map(|k| columns[k]).collect()
+}
+
+/// The low-pass that explains the efforts clearly better than nothing and than any delay; none where there is none.
+/// `cutoff_hz`: that of the fit \[Hz\].
+pub(super) fn effort_low_pass(
+    rows: &[ChannelRows],
+    is_silent: &[bool],
+    cutoff_hz: f64,
+) -> Option<EffortLowPass> {
+    let shifts = shifts_s();
+    let step_s = shifts[SHIFTS_ASIDE + 1] - shifts[SHIFTS_ASIDE - 1];
+    let tried: Vec<f64> = (0..TRIED).map(|k| LONGEST_S * k as f64 / (TRIED - 1) as f64).collect();
+    let mut log_likelihood: Vec<Vec<f64>> = Vec::new();
+    let mut of_delays = vec![0.0; shifts.len()];
+    for (joint, _) in rows.iter().zip(is_silent).filter(|(_, silent)| !**silent) {
+        let own: Vec<usize> = (0..joint.terms).collect();
+        let own = independent(&joint.triangle, &own);
+        let first = own.len();
+        let order: Vec<usize> =
+            own.into_iter().chain((0..shifts.len()).map(|k| joint.shifted(k))).collect();
+        let r = joint.triangle.reordered(&order);
+        let freedom = (joint.effective - first as f64).max(1.0);
+        // what the terms leave of the effort and of its rate, beside them
+        let left = |k: usize| -> Vec<f64> {
+            (first..first + shifts.len()).map(|i| r[(i, first + k)]).collect()
+        };
+        let squares = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let effort = left(SHIFTS_ASIDE);
+        let (later, earlier) = (left(SHIFTS_ASIDE + 1), left(SHIFTS_ASIDE - 1));
+        let with = |time_constant_s: &f64| -> f64 {
+            let share = time_constant_s / step_s;
+            let changed = effort.iter().zip(later.iter().zip(&earlier));
+            let before: Vec<f64> = changed.map(|(e, (l, s))| e + share * (l - s)).collect();
+            let gain = mean_log_gain(*time_constant_s, cutoff_hz);
+            freedom * (gain - 0.5 * squares(&before).ln())
+        };
+        let own: Vec<f64> = tried.iter().map(with).collect();
+        if own.iter().any(|l| !l.is_finite()) {
+            continue;
+        }
+        for (k, sum) in of_delays.iter_mut().enumerate() {
+            *sum -= 0.5 * freedom * (squares(&left(k)) / squares(&effort)).ln();
+        }
+        log_likelihood.push(own);
+    }
+    let joints = log_likelihood.len();
+    let total: Vec<f64> = (0..TRIED).map(|k| log_likelihood.iter().map(|l| l[k]).sum()).collect();
+    let best = (0..TRIED).max_by(|&a, &b| total[a].total_cmp(&total[b]))?;
+    // one joint alone has no other to agree with
+    if joints < 2 || best == 0 || best + 1 == TRIED {
+        return None;
+    }
+    let step = tried[1];
+    let slope = |l: &[f64]| (l[best + 1] - l[best - 1]) / (2.0 * step);
+    let curvature = |l: &[f64]| (l[best + 1] - 2.0 * l[best] + l[best - 1]) / (step * step);
+    let steepness = -curvature(&total);
+    if steepness.is_nan() || steepness <= 0.0 {
+        return None;
+    }
+    let off = slope(&total) / steepness;
+    let disagreement: f64 =
+        log_likelihood.iter().map(|l| (slope(l) + curvature(l) * off).powi(2)).sum();
+    let of_mean = joints as f64 / (joints - 1) as f64;
+    let by_joints =
+        student_t_975((joints - 1) as f64) * (of_mean * disagreement).sqrt() / steepness;
+    let half = (1.96 / steepness.sqrt()).max(by_joints);
+    let time_constant_s = tried[best] + off;
+    let evidence = 2.0 * (total[best] - total[0]);
+    let of_best_delay = 2.0 * of_delays.iter().copied().fold(0.0, f64::max);
+    let is_clear = evidence > CLEARLY && evidence - of_best_delay > CLEARLY;
+    (is_clear && time_constant_s > half).then_some(EffortLowPass {
+        time_constant_s,
+        interval_95_s: [time_constant_s - half, time_constant_s + half],
+        evidence,
+    })
+}
+
+/// `2 ln` of the likelihood of a low-pass over that of none, where dry friction of every joint may build up after each reversal over
+/// any of some travels, or not at all: presliding friction comes late too, but only after reversals.
+pub(super) fn evidence_beside_presliding(
+    problem: &BatchProblem,
+    motions: &[Motion],
+    is_silent: &[bool],
+    cutoff_hz: f64,
+) -> Result<f64, NumericError> {
+    let tried: Vec<f64> =
+        (0..TRIED_BESIDE).map(|k| LONGEST_S * k as f64 / (TRIED_BESIDE - 1) as f64).collect();
+    let mut total = vec![0.0; tried.len()];
+    for joint in (0..problem.arm().dof()).filter(|&j| !is_silent[j]) {
+        let deviation = activity(motions, joint).range / 4.0;
+        let reversals =
+            ReversalModel::TRAVEL_SHARES.map(|share| ReversalModel::presliding(share * deviation));
+        let terms = problem.terms_of_joint(joint).len();
+        let [rate, own] = [0, 1].map(|k| terms + reversals.len() + k);
+        let mut rows = AccumulatedQr::new(own + 1);
+        let mut samples = 0.0;
+        for motion in motions {
+            let Some(effort) = &motion.effort_filtered else { continue };
+            let mut columns = problem.columns(joint, motion);
+            columns.extend(problem.direction_columns(joint, motion, &reversals));
+            columns.push(differentiate(&effort[joint], motion.rate_hz));
+            columns.push(effort[joint].clone());
+            rows.push_columns(&columns, &effort[joint]);
+            samples += motion.independent_share() * motion.len() as f64;
+        }
+        let freedom = (samples - terms as f64).max(1.0);
+        // what a set of columns leaves of the rate, and of the effort beside and along it
+        let sharp: Vec<usize> = (0..terms).collect();
+        let soft = (0..reversals.len()).map(|k| [&sharp[..], &[terms + k]].concat());
+        let left = std::iter::once(sharp.clone()).chain(soft).map(|set| {
+            let set = independent(&rows, &set);
+            let count = set.len();
+            let r = rows.reordered(&[&set[..], &[rate, own]].concat());
+            [r[(count, count)], r[(count, count + 1)], r[(count + 1, count + 1)]]
+        });
+        let left: Vec<[f64; 3]> = left.collect();
+        for (sum, time_constant_s) in total.iter_mut().zip(&tried) {
+            let gain = mean_log_gain(*time_constant_s, cutoff_hz);
+            let of = |[of_rate, along, beside]: &[f64; 3]| {
+                let squares = (along + time_constant_s * of_rate).powi(2) + beside * beside;
+                freedom * (gain - 0.5 * squares.ln())
+            };
+            *sum += left.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        }
+    }
+    let best = total.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Ok(2.0 * (best - total[0]))
+}
+
+/// Whether it stands beside presliding friction.
+pub(super) fn is_clear_beside_presliding(evidence: f64) -> bool {
+    evidence > CLEARLY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mean_log_gain;
+
+    /// Against a sum over the frequencies.
+    #[test]
+    fn mean_gain_is_that_of_its_frequencies() {
+        let (time_constant_s, cutoff_hz) = (0.03, 6.0);
+        let w = |k: i32| std::f64::consts::TAU * cutoff_hz * (f64::from(k) + 0.5) / 10_000.0;
+        let sum: f64 =
+            (0..10_000).map(|k| 0.5 * (1.0 + (w(k) * time_constant_s).powi(2)).ln()).sum();
+        assert!((mean_log_gain(time_constant_s, cutoff_hz) - sum / 10_000.0).abs() < 1e-6);
+    }
+}
