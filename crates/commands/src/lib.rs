@@ -24,8 +24,10 @@ mod export;
 mod failure;
 mod identify;
 mod params;
+mod planned_motion;
 mod predict;
 mod recordings;
+mod rivals;
 mod robot;
 mod simulate;
 mod suite;
@@ -43,8 +45,10 @@ pub use identify::{
     has_commands_only, identify, identify_planned, identify_servos, plan_in,
 };
 pub use params::params;
+pub use planned_motion::MotionFormat;
 pub use predict::{PredictReport, Predicted, predict};
 pub use recordings::{ReadingOptions, expand, quality_notes, read_all};
+pub use rivals::read_rivals;
 pub use robot::{ChainOptions, GivenRobot, chain_notes, chain_warnings};
 pub use simulate::{NoiseLevel, SimulateOptions, SimulatedDirection, Simulator};
 pub use suite::{SUITE_FILE, SplitRecordings, SuiteEntry, SuiteFile, split_recordings};
