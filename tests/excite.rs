@@ -125,3 +125,92 @@ fn recordings_are_split_as_the_suite_says() {
     assert_eq!(names("recordings"), ["runs/train.csv"]);
     assert_eq!(names("holdout_recordings"), ["runs/validation.csv"]);
 }
+
+/// A rotating column with two arms of boxes.
+fn boxes() -> String {
+    let link = |name: &str, length: f64| {
+        let half = 0.5 * length;
+        format!(
+            r#"<link name="{name}"><inertial><origin xyz="0 0 {half}"/><mass value="4"/>
+            <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.01"/></inertial>
+            <collision><origin xyz="0 0 {half}"/><geometry><box size="0.08 0.08 {length}"/></geometry></collision>
+            <collision><geometry><mesh filename="{name}.stl"/></geometry></collision></link>"#
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str, z: f64, axis: &str, most: f64| {
+        format!(
+            r#"<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
+            <origin xyz="0 0 {z}"/><axis xyz="{axis}"/>
+            <limit lower="-{most}" upper="{most}" velocity="2" effort="120"/></joint>"#
+        )
+    };
+    let links = [link("column", 0.4), link("upper_arm", 0.5), link("forearm", 0.4)].concat();
+    let joints = [
+        joint("turn", "base", "column", 0.0, "0 0 1", 3.0),
+        joint("shoulder", "column", "upper_arm", 0.4, "0 1 0", 2.0),
+        joint("elbow", "upper_arm", "forearm", 0.5, "0 1 0", 2.6),
+    ]
+    .concat();
+    format!(r#"<robot name="boxes"><link name="base"/>{links}{joints}</robot>"#)
+}
+
+/// Regions are read, kept clear of, and written down; formats beside CSV hold the same motion.
+#[test]
+fn keep_outs_and_formats_are_written() {
+    let folder = scratch("excite_keep_out");
+    std::fs::write(folder.join("boxes.urdf"), boxes()).unwrap();
+    let table = "[table]\ncentre = [0.45, 0.0, 0.25]\nsize = [0.6, 2.0, 0.1]\n";
+    std::fs::write(folder.join("cell.toml"), table).unwrap();
+    let design = ["excite", "boxes.urdf", "-o", "suite", "--budget", "1", "--seconds", "6"];
+    let with = ["--keep-out", "cell.toml", "--only", "train", "--format", "csv,ros2,json"];
+    let ran = run_in(&folder, &[&design[..], &with, &["--json", "suite.json"]].concat()).fine();
+    assert!(ran.stderr.contains("not considered"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("forearm (mesh)"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("and keep-outs keep 10 mm apart"), "{}", ran.stderr);
+    for motion in list(&read_json(&folder.join("suite.json"))["motions"]) {
+        assert!(number(&motion["clearance_m"]) >= 0.01, "{motion}");
+    }
+    let json = read_json(&folder.join("suite/train.json"));
+    let samples = list(&json["time_s"]).len();
+    assert_eq!(list(&json["joints"]).len(), 3);
+    assert_eq!(list(&list(&json["position"])[2]).len(), samples);
+    let yaml = std::fs::read_to_string(folder.join("suite/train.yaml")).unwrap();
+    assert!(yaml.contains("joint_names: [\"turn\", \"shoulder\", \"elbow\"]"), "{yaml}");
+    assert_eq!(yaml.matches("time_from_start: {sec: ").count(), samples);
+    let csv = std::fs::read_to_string(folder.join("suite/train.csv")).unwrap();
+    assert_eq!(csv.lines().count(), samples + 1);
+
+    let failed =
+        run_in(&folder, &[&design[..], &["--only", "train", "--format", "urscript"]].concat());
+    assert_eq!(failed.code, 1);
+    assert!(
+        failed.stderr.contains("expected six rotational joints, found RRR"),
+        "{}",
+        failed.stderr
+    );
+}
+
+/// What leaves no motion names itself, the region and by how much; a region that is none names its key.
+#[test]
+fn impossible_keep_outs_are_refused() {
+    let folder = scratch("excite_impossible");
+    std::fs::write(folder.join("boxes.urdf"), boxes()).unwrap();
+    let refused = |urdf: &str, region: &str, expected: &str| {
+        std::fs::write(folder.join("cell.toml"), region).unwrap();
+        let args = ["excite", urdf, "-o", "s", "--budget", "0.2", "-q", "--keep-out", "cell.toml"];
+        let ran = run_in(&folder, &args);
+        assert_eq!(ran.code, 1, "{}", ran.stdout);
+        assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+        assert!(ran.stderr.contains(" hint: "), "{}", ran.stderr);
+    };
+    let cell = "[cell]\ncentre = [0.0, 0.0, 0.0]\nsize = [5.0, 5.0, 5.0]\n";
+    refused(
+        "boxes.urdf",
+        cell,
+        "no pose inside the limits keeps clear: keep-out `cell` and link `",
+    );
+    refused("boxes.urdf", "[cell]\ncentre = [0.0, 0.0, 0.0]\n", "keep-out `cell`, keys: expected");
+    refused("boxes.urdf", "[cell]\nsize = [1.0, 0.0]\n", "cell.toml");
+    let urdf = project("urdf/irb140.urdf");
+    refused(text(&urdf), cell, "no link has a `<collision>`");
+}

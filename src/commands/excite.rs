@@ -21,6 +21,7 @@ pub(crate) fn run(args: &ExciteArgs) -> Result<Outcome, Failure> {
     let read = [Some(args.robot.as_path()), args.diagnosis.as_deref()];
     output::protect(read.into_iter().flatten(), [args.output.json.as_ref()])?;
     let model = robot::open(&args.robot, &args.chain)?.arm(None)?;
+    args.format.iter().try_for_each(|format| format.check(&model.chain))?;
     let limits = table(args.limits.as_deref(), LIMITS_HINT)?;
     let keep_out = table(args.keep_out.as_deref(), KEEP_OUT_HINT)?;
     let rivals = match &args.diagnosis {

@@ -63,6 +63,21 @@ impl MotionFormat {
         }
     }
 
+    /// Whether motions of an arm can be written, before they are designed.
+    ///
+    /// # Errors
+    /// URScript of an arm that does not have six rotational joints.
+    pub fn check(self, chain: &DrivingAxisChain) -> Result<(), Failure> {
+        if self != Self::Urscript || chain.types() == "RRRRRR" {
+            return Ok(());
+        }
+        Err(Failure::new(
+            format!("URScript: expected six rotational joints, found {}", chain.types()),
+            &chain.source,
+            Some("choose another --format: csv, ros2, json"),
+        ))
+    }
+
     /// The file of a motion.
     ///
     /// # Errors
@@ -134,13 +149,7 @@ fn ros2(motion: &Recording) -> String {
 fn urscript(motion: &Recording, chain: &DrivingAxisChain) -> Result<String, Failure> {
     /// Speed \[rad/s\] and acceleration \[rad/s²\] of the move to the start: slow beside a robot.
     const TO_START: [f64; 2] = [0.3, 0.3];
-    if chain.types() != "RRRRRR" {
-        return Err(Failure::new(
-            format!("URScript: expected six rotational joints, found {}", chain.types()),
-            &chain.source,
-            Some("choose another --format: csv, ros2, json"),
-        ));
-    }
+    MotionFormat::Urscript.check(chain)?;
     let [position, ..] = channels(motion);
     let samples = motion.time_s.len();
     let step_s = match motion.time_s.as_slice() {

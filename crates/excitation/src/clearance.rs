@@ -201,7 +201,7 @@ impl<'a> Clearance<'a> {
         all
     }
 
-    /// Leaves out pairs of links that touch in every pose: shapes that are wider than their links, which no motion can part.
+    /// Removes pairs of links that touch in every pose: shapes that are wider than their links, which no motion can part.
     fn without_lasting_contacts(&mut self, limits: &[MotionLimits]) {
         let frames: Vec<Vec<Isometry3<f64>>> =
             poses(limits, POSES).iter().map(|q| self.frames(q)).collect();
@@ -418,7 +418,7 @@ mod tests {
         motion_limits(chain, &BTreeMap::new()).unwrap().0
     }
 
-    /// A plane below an arm that points up, its elbow free: as far as the shapes say.
+    /// A plane below an arm that points up, its elbow free: as far as the shapes are.
     #[test]
     fn distances_are_those_of_the_shapes() {
         let chain = boxes();

@@ -629,8 +629,8 @@ mod tests {
         }
     }
 
-    /// An effort delay and viscous friction: the same on slow swings of one pace. The motion found separates them, a finding
-    /// that is fitted anyway is separated by none, and what needs a simulation is listed with its reason.
+    /// Stribeck and presliding friction are alike on the training motion. A finding that is fitted anyway is separated by no
+    /// motion, and what needs a simulation is listed with its reason.
     #[test]
     fn separating_motion_is_better_than_the_training_motion() {
         let chain = chain();

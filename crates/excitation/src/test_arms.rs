@@ -22,7 +22,7 @@ pub(crate) fn stanford() -> RigidArm {
     RigidArm::from_chain(&of(include_str!("../../../urdf/stanford.urdf")))
 }
 
-/// A turning column with two arms of boxes; the column stands on the origin.
+/// A rotating column with two arms of boxes; the column stands on the origin.
 pub(crate) fn boxes() -> DrivingAxisChain {
     let link = |name: &str, length: f64| {
         format!(
