@@ -214,3 +214,60 @@ fn impossible_keep_outs_are_refused() {
     let urdf = project("urdf/irb140.urdf");
     refused(text(&urdf), cell, "no link has a `<collision>`");
 }
+
+/// Swings of one joint leave a gain of the effort channel and a rotor inertia open, and so do the same swings again. The
+/// motion designed for the diagnosis decides it.
+#[test]
+fn separating_motion_decides_between_look_alikes() {
+    let folder = scratch("excite_for");
+    let urdf = project("urdf/planar_3r.urdf");
+    let mut first = "t,joint_1/position,joint_2/position,joint_3/position\n".to_owned();
+    for k in 0..=1200 {
+        let t = f64::from(k) / 100.0;
+        let rise = 0.5 - 0.5 * (std::f64::consts::PI * t.min(12.0 - t).min(1.0)).cos();
+        let swing = 0.4 + rise * 0.8 * (0.8 * std::f64::consts::PI * t).sin();
+        first += &format!("{t:.3},0.2,{swing:.9},0.3\n");
+    }
+    std::fs::write(folder.join("first.csv"), first).unwrap();
+    let record = |motion: &str, out: &str, seed: &str| {
+        let simulate = ["simulate", text(&urdf), motion, "-o", out, "--torque-noise", "0.1"];
+        let more =
+            ["--encoder-bits", "20", "--seed", seed, "--effect", "torque_scale:joint_2=1.15", "-q"];
+        run_in(&folder, &[&simulate[..], &more].concat()).fine();
+    };
+    let diagnosed = |recordings: &[&str], out: &str| {
+        let all = [&["diagnose", text(&urdf)], recordings, &["--json", out, "-q"]].concat();
+        run_in(&folder, &all).fine();
+        read_json(&folder.join(out))
+    };
+    record("first.csv", "a.csv", "1");
+    record("first.csv", "again.csv", "2");
+    let is_open = |found: &serde_json::Value| {
+        list(&found["findings"]).iter().any(|f| !list(&f["alternatives"]).is_empty())
+    };
+    assert!(is_open(&diagnosed(&["a.csv"], "open.json")));
+    assert!(is_open(&diagnosed(&["a.csv", "again.csv"], "again.json")));
+
+    let design = ["excite", text(&urdf), "-o", "next", "--for", "open.json", "--seconds", "10"];
+    let ran = run_in(&folder, &[&design[..], &["--budget", "3", "--json", "next.json"]].concat());
+    let ran = ran.fine();
+    assert!(ran.stdout.contains("residual after the best imitation"), "{}", ran.stdout);
+    let designed = read_json(&folder.join("next.json"));
+    let names: Vec<&str> = list(&designed["motions"]).iter().map(|m| string(&m["name"])).collect();
+    assert_eq!(names, ["separation_rehearsal", "separation"]);
+    for pair in list(&designed["separations"]) {
+        assert!(number(&pair["standard_errors"]) > 4.0, "{pair}");
+    }
+    record("next/separation.csv", "b.csv", "3");
+    let found = diagnosed(&["a.csv", "b.csv"], "decided.json");
+    let findings = list(&found["findings"]);
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    assert_eq!(findings[0]["effect"], "torque_scale");
+    assert!(!is_open(&found), "{findings:?}");
+
+    // a diagnosis without alternatives leaves nothing to separate
+    let design = ["excite", text(&urdf), "-o", "none", "--for", "decided.json", "-q"];
+    let refused = run_in(&folder, &design);
+    assert_eq!(refused.code, 1);
+    assert!(refused.stderr.contains("found 1 finding without one"), "{}", refused.stderr);
+}

@@ -88,8 +88,8 @@ def efforts(urdf, joints, motion):
 
 def study(arm, seed, budget, folder):
     urdf = ROOT / f"urdf/{arm}.urdf"
-    params = json.loads(armident("params", urdf, "--json", "-", "-q", cwd=folder))
-    names = [joint["name"] for joint in params["joints"]]
+    armident("excite", urdf, "-o", "names", "--only", "slow_reversals", "--json", "names.json", "-q", cwd=folder)
+    names = [row["joint"] for row in json.loads((folder / "names.json").read_text())["limits"]]
     limits = "".join(f'["{name}"]\nnoise = {NOISE}\n' for name in names)
     (folder / "limits.toml").write_text(limits)
     armident(
