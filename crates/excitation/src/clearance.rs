@@ -433,9 +433,10 @@ mod tests {
         // the column goes down to 0, the arms are above it
         let found = clearance.nearest(&[0.0, 0.0, 0.0]);
         assert!((found.distance_m - 0.3).abs() < 1e-6, "{found:?}");
-        // the lower arm folded back onto the upper one is as near to the column as the column's lid
-        let folded = clearance.nearest(&[0.0, 0.0, 3.0]);
-        assert!(folded.distance_m < 0.0 && folded.names[1].contains("forearm"), "{folded:?}");
+        // the forearm folded back ends 0.4 m below the elbow at 0.9 m, and the column at 0.4 m
+        let folded = clearance.nearest(&[0.0, 0.0, std::f64::consts::PI]);
+        assert!((folded.distance_m - 0.1).abs() < 1e-6, "{folded:?}");
+        assert!(folded.names[1].contains("forearm"), "{folded:?}");
     }
 
     /// The slope of the penalty is its derivative.
