@@ -56,6 +56,8 @@ pub struct FourierMotion {
     pub period_s: f64,
     /// Motion of each joint.
     pub joints: Vec<FourierJoint>,
+    /// Share of its shape about the free pose that is clear; 1 where nothing was in the way.
+    pub clear_share: f64,
     /// `log det F` with the samples of the search.
     pub log_determinant: f64,
     /// Starts of the search.
@@ -375,7 +377,7 @@ impl<'a> Search<'a> {
         }
         let found = drawn(clear);
         let log_determinant = self.log_determinant(&found);
-        FourierMotion { log_determinant, ..found }
+        FourierMotion { log_determinant, clear_share: clear, ..found }
     }
 
     /// `log det F` with the samples of the search.
@@ -447,7 +449,13 @@ impl<'a> Search<'a> {
                 FourierJoint { start, ..rough.scaled(factor) }
             })
             .collect();
-        FourierMotion { period_s: self.period_s, joints, log_determinant: value, starts: 1 }
+        FourierMotion {
+            period_s: self.period_s,
+            joints,
+            clear_share: 1.0,
+            log_determinant: value,
+            starts: 1,
+        }
     }
 
     /// The best motion that random starts find until the time is over; at least one start a thread.

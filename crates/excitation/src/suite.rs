@@ -28,6 +28,8 @@ use crate::visibility::{Seen, Visibility};
 const BUDGET: [f64; 3] = [0.6, 0.2, 0.2];
 /// Speed of the warm-up over that of the training motion.
 const WARM_UP: f64 = 0.5;
+/// Share of a motion about the free pose below which contacts leave too little of it: errors grow by its inverse and more.
+const SMALL_SHARE: f64 = 0.3;
 /// Random motions whose condition numbers are compared with that of the training motion.
 const RANDOM_MOTIONS: u64 = 21;
 
@@ -185,13 +187,15 @@ pub fn excite(request: &ExciteRequest<'_>) -> Result<Suite, ExcitationError> {
         pairs => Some(Rivals::of(chain, &parameters, pairs)?),
     };
 
-    let mut planning = Planning { design: &design, settings, motions: Vec::new(), starts: 0 };
+    let mut planning =
+        Planning { design: &design, settings, motions: Vec::new(), starts: 0, notes: Vec::new() };
     let mut separations = Vec::new();
     if let Some(rivals) = &rivals {
         separations = planning.separating(rivals)?;
     }
-    planning.parts(rivals.is_some(), &mut notes)?;
-    let Planning { motions, starts, .. } = planning;
+    planning.parts(rivals.is_some())?;
+    let Planning { motions, starts, notes: of_motions, .. } = planning;
+    notes.extend(of_motions);
     notes.extend(clearance.iter().flat_map(|clearance| clearance.notes.iter().cloned()));
     notes.push(match clearance {
         Some(_) => format!(
@@ -253,6 +257,7 @@ struct Planning<'a> {
     settings: &'a SuiteSettings,
     motions: Vec<SuiteMotion>,
     starts: usize,
+    notes: Vec<String>,
 }
 
 impl Planning<'_> {
@@ -273,7 +278,7 @@ impl Planning<'_> {
     }
 
     /// All wanted parts; those of rivals alone where none is named.
-    fn parts(&mut self, has_rivals: bool, notes: &mut Vec<String>) -> Result<(), ExcitationError> {
+    fn parts(&mut self, has_rivals: bool) -> Result<(), ExcitationError> {
         let settings = self.settings;
         let wanted = |part: &Part| match settings.parts.is_empty() {
             true => !has_rivals,
@@ -300,13 +305,13 @@ impl Planning<'_> {
             match planned {
                 Ok(planned) => {
                     if !self.add(part, &planned)? {
-                        notes.push(format!(
+                        self.notes.push(format!(
                             "{} is left out: the rigid body alone exceeds an effort limit on it",
                             part.name()
                         ));
                     }
                 }
-                Err(contact) => notes.push(format!(
+                Err(contact) => self.notes.push(format!(
                     "{} is left out: {} and {} come within {:.0} mm of each other on it, however small its moves",
                     part.name(),
                     contact.names[0],
@@ -332,6 +337,14 @@ impl Planning<'_> {
         if part.has_rehearsal()
             && let Planned::Waves(waves) = planned
         {
+            if waves.clear_share < SMALL_SHARE {
+                self.notes.push(format!(
+                    "{}: {:.0} % of the motion found is clear, so that errors are large; more of it would be with \
+                     keep-outs further away, or with `lower` and `upper` about poses that are free",
+                    part.name(),
+                    100.0 * waves.clear_share
+                ));
+            }
             let slow = Planned::Waves(waves.slower(1.0 / REHEARSAL));
             self.motions.extend(self.design.motion(part, true, &slow)?);
         }
