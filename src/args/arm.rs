@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use armident_commands::NoiseLevel;
+use armident_commands::{MotionFormat, NoiseLevel};
 use armident_excitation::Part;
 use armident_recording::Formats;
 use clap::{Args, ValueEnum};
 
 use super::value::{
-    parse_amplitude, parse_effect, parse_named_number, parse_pair, parse_positive, parse_rate,
-    parse_seconds, parse_sigma, parts,
+    motion_formats, parse_amplitude, parse_effect, parse_named_number, parse_pair, parse_positive,
+    parse_rate, parse_seconds, parse_sigma, parts,
 };
 use super::{ChainArgs, OutputArgs, ReadingArgs};
 
@@ -100,11 +100,14 @@ Examples:
   armident excite robot.urdf -o suite/ --limits limits.toml --seconds 30 --budget 60
   armident excite robot.urdf -o suite/ --only train,validation
   armident excite robot.urdf -o suite/ --given log.csv
+  armident excite robot.urdf -o suite/ --keep-out cell.toml --format csv,ros2
+  armident excite robot.urdf -o suite/ --for diagnosis.json
 
 Writes a CSV file for each motion (position, velocity and acceleration of every joint) and suite.toml,
 their list in the order of recording. All motions begin and end at rest and keep to the limits of
-position, speed, acceleration, jerk and effort between samples too. Collisions are not part of it:
-rehearsals follow the same paths at a fifth of the speed.
+position, speed, acceleration, jerk and effort between samples too. Boxes, cylinders and spheres of the
+URDF keep 10 mm apart and out of the regions of --keep-out; meshes are not considered. Rehearsals follow the
+same paths at a fifth of the speed: watch them.
 
 limits.toml holds what differs from the URDF, in rad, m, s, N m and N:
   [elbow]
@@ -114,7 +117,16 @@ limits.toml holds what differs from the URDF, in rad, m, s, N m and N:
   acceleration = 5.0
   jerk = 50.0
   effort = 60.0
-  noise = 0.1        (standard deviation of one recorded effort)")]
+  noise = 0.1        (standard deviation of one recorded effort)
+
+cell.toml holds boxes and planes in m, in the axes of the base link:
+  [table]
+  centre = [0.5, 0.0, -0.05]
+  size = [1.0, 1.0, 0.1]
+  rpy = [0.0, 0.0, 0.0]     (optional, rad)
+  [wall]
+  point = [0.0, -0.6, 0.0]
+  normal = [0.0, 1.0, 0.0]  (to the side where the arm moves)")]
 pub(crate) struct ExciteArgs {
     /// URDF, or a model written by identify or diagnose
     pub(crate) robot: PathBuf,
@@ -124,6 +136,15 @@ pub(crate) struct ExciteArgs {
     /// Limits of joints that differ from those of the URDF (TOML)
     #[arg(long, value_name = "FILE")]
     pub(crate) limits: Option<PathBuf>,
+    /// Boxes and planes that the arm keeps out of (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) keep_out: Option<PathBuf>,
+    /// Diagnosis (JSON): a motion that separates its findings from their alternatives
+    #[arg(long = "for", value_name = "DIAGNOSIS.json")]
+    pub(crate) diagnosis: Option<PathBuf>,
+    /// Formats of the motions
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv", value_parser = motion_formats())]
+    pub(crate) format: Vec<MotionFormat>,
     /// Recordings that exist already: the training motion adds most to these
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub(crate) given: Vec<PathBuf>,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use armident_commands::MotionFormat;
 use armident_excitation::Part;
 use armident_ident::estimators::{self, Estimator};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -38,6 +39,13 @@ pub(super) fn parts() -> impl TypedValueParser<Value = Part> {
     let values = Part::ALL.map(|part| PossibleValue::new(part.name()).help(part.purpose()));
     PossibleValuesParser::new(values).try_map(|name| {
         Part::ALL.into_iter().find(|part| part.name() == name).ok_or("there is no such part")
+    })
+}
+
+pub(super) fn motion_formats() -> impl TypedValueParser<Value = MotionFormat> {
+    PossibleValuesParser::new(MotionFormat::ALL.map(MotionFormat::name)).try_map(|name| {
+        let mut all = MotionFormat::ALL.into_iter();
+        all.find(|format| format.name() == name).ok_or("there is no such format")
     })
 }
 

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use armident_commands::{Failure, SUITE_FILE, SuiteEntry, SuiteFile, chain_notes, expand};
-use armident_excitation::{ExciteRequest, GivenLimits, SuiteSettings, excite};
-use armident_recording::write_csv_to;
+use armident_commands::{
+    Failure, MotionFormat, SUITE_FILE, SuiteEntry, SuiteFile, chain_notes, expand, read_rivals,
+};
+use armident_excitation::{ExciteRequest, SuiteSettings, excite};
 use armident_report::{ExciteReport, MotionRow};
+use serde::de::DeserializeOwned;
 
 use super::recordings;
 use crate::args::ExciteArgs;
@@ -16,9 +18,16 @@ use crate::progress::Progress;
 use crate::{output, robot};
 
 pub(crate) fn run(args: &ExciteArgs) -> Result<Outcome, Failure> {
-    output::protect([args.robot.as_path()], [args.output.json.as_ref()])?;
+    let read = [Some(args.robot.as_path()), args.diagnosis.as_deref()];
+    output::protect(read.into_iter().flatten(), [args.output.json.as_ref()])?;
     let model = robot::open(&args.robot, &args.chain)?.arm(None)?;
-    let limits = args.limits.as_deref().map_or_else(|| Ok(BTreeMap::new()), read_limits)?;
+    args.format.iter().try_for_each(|format| format.check(&model.chain))?;
+    let limits = table(args.limits.as_deref(), LIMITS_HINT)?;
+    let keep_out = table(args.keep_out.as_deref(), KEEP_OUT_HINT)?;
+    let rivals = match &args.diagnosis {
+        Some(path) => read_rivals(path, &model.chain)?,
+        None => Vec::new(),
+    };
     let settings = SuiteSettings {
         seconds: args.seconds,
         rate_hz: args.rate_hz,
@@ -28,21 +37,30 @@ pub(crate) fn run(args: &ExciteArgs) -> Result<Outcome, Failure> {
     };
     let files = expand(&args.given)?;
     let given = recordings::read_all(&files, &args.reading, &args.output)?;
-    let request =
-        ExciteRequest { chain: &model.chain, limits: &limits, given: &given, settings: &settings };
+    let request = ExciteRequest {
+        chain: &model.chain,
+        limits: &limits,
+        given: &given,
+        keep_out: &keep_out,
+        rivals: &rivals,
+        settings: &settings,
+    };
     let suite = {
         let _progress = Progress::of(&args.output, "designing motions");
         excite(&request).map_err(|error| Failure::excitation(&error, args.limits.as_deref()))?
     };
     output::create_folder(&args.output_folder)?;
     for motion in &suite.motions {
-        let mut bytes = Vec::new();
-        write_csv_to(&mut bytes, &motion.motion)?;
-        output::write_file(&args.output_folder.join(format!("{}.csv", motion.name)), &bytes)?;
+        for format in &args.format {
+            let bytes = format.bytes(&motion.motion, &model.chain)?;
+            let name = format!("{}.{}", motion.name, format.extension());
+            output::write_file(&args.output_folder.join(name), &bytes)?;
+        }
     }
     let joints: Vec<String> = model.chain.joints.iter().map(|j| j.name.clone()).collect();
     let report = ExciteReport::new(&model.chain.robot, &joints, &suite);
-    let document = list(&model.chain.robot, report.motions())?;
+    let first = args.format.first().map_or("csv", |format| MotionFormat::extension(*format));
+    let document = list(&model.chain.robot, report.motions(), first)?;
     output::write_file(&args.output_folder.join(SUITE_FILE), document.as_bytes())?;
     let notes = [chain_notes(&model), report.notes().to_vec()].concat();
     output::say_all(&args.output, "note", &notes);
@@ -50,8 +68,15 @@ pub(crate) fn run(args: &ExciteArgs) -> Result<Outcome, Failure> {
     output::write_result(&args.output, &report.text(), &report, &warnings)
 }
 
-/// The limits of a file, by joint.
-fn read_limits(path: &Path) -> Result<BTreeMap<String, GivenLimits>, Failure> {
+const LIMITS_HINT: &str = "a table for each joint with lower, upper, velocity, acceleration, jerk, effort or noise, all numbers";
+const KEEP_OUT_HINT: &str = "a table for each region: centre and size (and rpy) of a box, or point and normal of a plane, three numbers each";
+
+/// Tables of a file by their names; none without a file.
+fn table<T: DeserializeOwned>(
+    path: Option<&Path>,
+    hint: &str,
+) -> Result<BTreeMap<String, T>, Failure> {
+    let Some(path) = path else { return Ok(BTreeMap::new()) };
     let text = std::fs::read_to_string(path).map_err(|error| {
         Failure::new(
             format!("cannot read: {error}"),
@@ -59,13 +84,12 @@ fn read_limits(path: &Path) -> Result<BTreeMap<String, GivenLimits>, Failure> {
             Some("`armident excite --help` shows an example"),
         )
     })?;
-    let hint = "a table for each joint with lower, upper, velocity, acceleration, jerk, effort or noise, all numbers";
     toml::from_str(&text).map_err(|error| Failure::of_toml(&error, &text, path, hint))
 }
 
-fn list(robot: &str, motions: &[MotionRow]) -> Result<String, Failure> {
+fn list(robot: &str, motions: &[MotionRow], extension: &str) -> Result<String, Failure> {
     let entry = |motion: &MotionRow| SuiteEntry {
-        file: format!("{}.csv", motion.name),
+        file: format!("{}.{extension}", motion.name),
         split: motion.split,
         seconds: motion.seconds,
         purpose: motion.purpose.to_owned(),

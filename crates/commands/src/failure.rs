@@ -207,6 +207,22 @@ impl Failure {
                 let hint = "raise `effort` of this joint with --limits FILE, or narrow `lower` and `upper` to poses it can hold";
                 (limits, hint.to_owned())
             }
+            ExcitationError::NoFreePose { .. } => {
+                let hint = "make the keep-out smaller or move it away, or widen `lower` and `upper` with --limits FILE to poses that are free";
+                return Self::new(error, "keep-outs and shapes of the links", Some(hint));
+            }
+            ExcitationError::KeepOut { .. } => {
+                let hint = "`armident excite --help` shows a box and a plane";
+                return Self::new(error, "the keep-outs", Some(hint));
+            }
+            ExcitationError::NoShapes => {
+                let hint = "add `<collision>` boxes, cylinders or spheres to the links of the URDF";
+                return Self::new(error, "the URDF", Some(hint));
+            }
+            ExcitationError::Rival { .. } => {
+                let hint = "pass the robot and the diagnosis of the same arm";
+                return Self::new(error, "the diagnosis", Some(hint));
+            }
             _ => (None, "choose another value".to_owned()),
         };
         let place = place.map_or("the limits".to_owned(), |path| path.display().to_string());

@@ -24,8 +24,10 @@ mod export;
 mod failure;
 mod identify;
 mod params;
+mod planned_motion;
 mod predict;
 mod recordings;
+mod rivals;
 mod robot;
 mod servos;
 mod simulate;
@@ -44,8 +46,10 @@ pub use identify::{
     identify_planned, plan_in,
 };
 pub use params::params;
+pub use planned_motion::MotionFormat;
 pub use predict::{PredictReport, Predicted, predict};
 pub use recordings::{ReadingOptions, expand, quality_notes, read_all};
+pub use rivals::read_rivals;
 pub use robot::{ChainOptions, GivenRobot, chain_notes, chain_warnings};
 pub use servos::{
     DiagnosedServos, IdentifiedServos, diagnose_servos, has_commands_only, identify_servos,

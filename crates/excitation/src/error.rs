@@ -52,6 +52,40 @@ pub enum ExcitationError {
         /// Motions that were tried.
         tried: usize,
     },
+    /// A region to keep out of is none.
+    #[error("keep-out `{name}`, {key}: expected {expected}, found {found}")]
+    KeepOut {
+        /// Name of the region.
+        name: String,
+        /// Which key.
+        key: &'static str,
+        /// What is there.
+        found: String,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// Regions are given for an arm without shapes.
+    #[error("keep-outs are given, but no link has a `<collision>` of a box, cylinder or sphere")]
+    NoShapes,
+    /// No pose inside the limits is free.
+    #[error(
+        "no pose inside the limits keeps clear: {} and {} are {missing_m:.3} m too near in the best of {tried} poses",
+        names[0], names[1]
+    )]
+    NoFreePose {
+        /// What touches.
+        names: [String; 2],
+        /// By how much the margin is missed \[m\].
+        missing_m: f64,
+        /// Poses that were tried.
+        tried: usize,
+    },
+    /// Findings and alternatives that no motion can be designed for.
+    #[error("no motion can be designed for the diagnosis: {found}")]
+    Rival {
+        /// What is wrong.
+        found: String,
+    },
     /// Linear algebra failed.
     #[error(transparent)]
     Numeric(#[from] NumericError),

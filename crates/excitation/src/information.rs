@@ -24,7 +24,10 @@ pub(crate) const JOINT_LAWS: [&dyn Effect; 3] = [&ViscousFriction, &CoulombFrict
 const STEP: f64 = 1e-6;
 
 /// Speed below which dry friction has no direction \[rad/s or m/s\]: rounding at the ends, where the motion rests.
-const REST_SPEED: f64 = 1e-9;
+pub(crate) const REST_SPEED: f64 = 1e-9;
+
+/// Of each joint, the parameter of each column and the columns `[column][sample]`.
+pub(crate) type Regressors = Vec<(Vec<usize>, Vec<Vec<f64>>)>;
 
 /// Positions, velocities and accelerations of all joints: `[derivative][joint][sample]`.
 pub(crate) type Columns = [Vec<Vec<f64>>; 3];
@@ -93,6 +96,18 @@ impl<'a> Parameters<'a> {
     /// Efforts of the rigid body `[joint][sample]`.
     pub(crate) fn efforts(&self, [q, dq, ddq]: &Columns) -> Vec<Vec<f64>> {
         ArmMotion::new(self.arm, q, dq, ddq).efforts(self.arm)
+    }
+
+    /// Columns of all parameters on each joint `[joint][column][sample]`, with the parameter of each.
+    pub(crate) fn regressors(&self, columns: &Columns) -> Regressors {
+        let [q, dq, ddq] = columns;
+        let motion = ArmMotion::new(self.arm, q, dq, ddq);
+        (0..self.arm.dof())
+            .map(|joint| {
+                let own = [0, 1, 2].map(|k| columns[k][joint].as_slice());
+                (self.places(joint), self.columns(joint, &motion, own))
+            })
+            .collect()
     }
 
     /// Information of a motion, each sample as one recorded effort of each joint.

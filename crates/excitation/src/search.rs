@@ -2,7 +2,8 @@
 //!
 //! Method: D-optimal design, ascent of `log det F` by Adam from random starts. A motion keeps to the limits of position,
 //! velocity, acceleration and jerk because its shape is scaled to them; the derivative of that scale is part of the gradient.
-//! What exceeds an effort limit is punished, and refused at the end ([`crate::effort_bound`]).
+//! What exceeds an effort limit is punished, and refused at the end ([`crate::effort_bound`]). What comes near to a contact is
+//! punished too, and drawn towards a free pose at the end until it is clear ([`crate::clearance`]).
 //!
 //! References: D. P. Kingma, J. Ba, Adam: a method for stochastic optimization, ICLR 2015; the parametrisation is own.
 
@@ -14,10 +15,11 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
+use crate::clearance::{Clearance, MARGIN_M, Nearest};
 use crate::effort_bound::{Rates, effort_rates};
 use crate::error::ExcitationError;
 use crate::fourier::{FourierJoint, to_rest};
-use crate::information::{Columns, Parameters};
+use crate::information::{Ascent, Columns, Parameters};
 use crate::limits::MotionLimits;
 
 /// Samples of the shortest wave during the search.
@@ -31,6 +33,18 @@ const DECAY: [f64; 2] = [0.9, 0.99];
 const EFFORT_PENALTY: f64 = 4000.0;
 /// Share of an effort limit that the search uses: the bound between samples is some per cent wide.
 const BETWEEN_SAMPLES: f64 = 0.96;
+/// Nats for a pair of shapes that is nearer than the margin by [`NEAR_M`], on every sample.
+const CONTACT_PENALTY: f64 = 1000.0;
+/// Distance to the margin in which a contact begins to be punished, and its unit \[m\]: samples of the search are coarse.
+const NEAR_M: f64 = 0.02;
+/// Step of the check for contacts before intervals are halved \[s\].
+const CONTACT_STEP_S: f64 = 0.05;
+/// Bisections of how far a motion is drawn towards the free pose.
+const DRAWN: usize = 12;
+/// Random steps from one start of a climb, the size of the first, and the power of ten of the smallest travel.
+const WALK: usize = 60;
+const FIRST_STEP: f64 = 0.3;
+const SMALLEST_TRAVEL: f64 = -1.7;
 /// Step of the check between samples \[s\], and most samples: a slower motion changes less between them.
 const CHECK_STEP_S: f64 = 5e-4;
 const MOST_CHECKED: usize = 40_000;
@@ -42,6 +56,8 @@ pub struct FourierMotion {
     pub period_s: f64,
     /// Motion of each joint.
     pub joints: Vec<FourierJoint>,
+    /// Share of its shape about the free pose that is clear; 1 where nothing was in the way.
+    pub clear_share: f64,
     /// `log det F` with the samples of the search.
     pub log_determinant: f64,
     /// Starts of the search.
@@ -67,11 +83,19 @@ impl FourierMotion {
     }
 }
 
+/// Samples of a search among motions of so many waves.
+pub(crate) fn samples_of(harmonics: usize) -> usize {
+    SAMPLES_OF_A_WAVE * harmonics
+}
+
 /// Search for motions of one length.
 pub(crate) struct Search<'a> {
     pub(crate) parameters: &'a Parameters<'a>,
     pub(crate) limits: &'a [MotionLimits],
     pub(crate) names: &'a [String],
+    pub(crate) clearance: Option<&'a Clearance<'a>>,
+    /// a pose that is free; used where there is something to touch
+    pub(crate) home: &'a [f64],
     pub(crate) period_s: f64,
     pub(crate) harmonics: usize,
 }
@@ -99,8 +123,8 @@ struct Shaped {
 
 impl<'a> Search<'a> {
     /// Samples of the search.
-    pub(crate) fn samples(&self) -> usize {
-        SAMPLES_OF_A_WAVE * self.harmonics
+    fn samples(&self) -> usize {
+        samples_of(self.harmonics)
     }
 
     /// Derivative `k` of `sin(l ω t)` and `cos(l ω t) - 1` at each sample.
@@ -231,10 +255,10 @@ impl<'a> Search<'a> {
         self.parameters.efforts(&Self::motion(&shaped)).iter().map(mean).collect()
     }
 
-    /// A random motion inside the limits of position, velocity, acceleration and jerk.
+    /// A random motion that is clear and inside the limits of position, velocity, acceleration and jerk.
     pub(crate) fn random_motion(&self, seed: u64) -> FourierMotion {
         let point = self.random(&mut Pcg64::seed_from_u64(seed));
-        self.finished(&self.basis(), &point, f64::NAN)
+        self.cleared(self.finished(&self.basis(), &point, f64::NAN))
     }
 
     /// The best of one start.
@@ -248,9 +272,9 @@ impl<'a> Search<'a> {
         for step in 0..STEPS {
             let shaped: Vec<Shaped> =
                 (0..joints).map(|joint| self.shaped(&basis, &point, joint)).collect();
-            let Some(found) = self.parameters.ascent(&Self::motion(&shaped), self.excess()) else {
-                break;
-            };
+            let columns = Self::motion(&shaped);
+            let Some(mut found) = self.parameters.ascent(&columns, self.excess()) else { break };
+            self.punish_contacts(&columns[0], &mut found);
             if found.value > best.0 {
                 best = (found.value, point.clone());
             }
@@ -291,7 +315,78 @@ impl<'a> Search<'a> {
                 to_rest(&mut point.sine[joint], &mut point.cosine[joint]);
             }
         }
-        self.finished(&basis, &best.1, best.0)
+        self.cleared(self.finished(&basis, &best.1, best.0))
+    }
+
+    fn punish_contacts(&self, position: &[Vec<f64>], found: &mut Ascent) {
+        let Some(clearance) = self.clearance else { return };
+        let samples = self.samples();
+        let weight = CONTACT_PENALTY / samples as f64;
+        let penalty = |distance: f64| {
+            let x = ((MARGIN_M + NEAR_M - distance) / NEAR_M).max(0.0);
+            (weight * (x + x * x), -weight * (1.0 + 2.0 * x) / NEAR_M)
+        };
+        for t in 0..samples {
+            let pose: Vec<f64> = position.iter().map(|q| q[t]).collect();
+            let (sum, slope) = clearance.penalty(&pose, penalty);
+            found.value -= sum;
+            for (gradient, slope) in found.gradient[0].iter_mut().zip(slope) {
+                gradient[t] -= slope;
+            }
+        }
+    }
+
+    /// The smallest distance of a motion, between samples too, or the contact; none where nothing can touch.
+    pub(crate) fn clear(&self, motion: &FourierMotion) -> Result<Option<f64>, Nearest> {
+        let Some(clearance) = self.clearance else { return Ok(None) };
+        let bounds = motion.joints.iter().map(|j| j.bounds(motion.period_s).derivatives[1]);
+        let most: Vec<f64> = bounds.collect();
+        let state = |t: f64| {
+            let of = |k: usize| motion.joints.iter().map(|j| j.at(t, motion.period_s)[k]).collect();
+            [of(0), of(1)]
+        };
+        clearance.along(motion.period_s, CONTACT_STEP_S, &most, state).map(Some)
+    }
+
+    /// The motion if it is clear, else as much of it about the free pose as is: limits hold on the way, for they hold at both
+    /// ends of it.
+    fn cleared(&self, motion: FourierMotion) -> FourierMotion {
+        if self.clear(&motion).is_ok() {
+            return motion;
+        }
+        let drawn = |share: f64| FourierMotion {
+            joints: motion
+                .joints
+                .iter()
+                .zip(self.home)
+                .map(|(joint, home)| FourierJoint {
+                    start: home + share * (joint.start - home),
+                    ..joint.scaled(share)
+                })
+                .collect(),
+            ..motion.clone()
+        };
+        let (mut clear, mut met) = (0.0, 1.0);
+        for _ in 0..DRAWN {
+            let share = 0.5 * (clear + met);
+            if self.clear(&drawn(share)).is_ok() {
+                clear = share;
+            } else {
+                met = share;
+            }
+        }
+        let found = drawn(clear);
+        let log_determinant = self.log_determinant(&found);
+        FourierMotion { log_determinant, clear_share: clear, ..found }
+    }
+
+    /// `log det F` with the samples of the search.
+    fn log_determinant(&self, motion: &FourierMotion) -> f64 {
+        let step_s = motion.period_s / self.samples() as f64;
+        let time_s: Vec<f64> = (0..self.samples()).map(|k| k as f64 * step_s).collect();
+        let new = self.parameters.information(&motion.columns(&time_s));
+        let all = self.parameters.given.as_ref().map_or_else(|| new.clone(), |g| g.with(&new));
+        all.log_determinant().unwrap_or(f64::NEG_INFINITY)
     }
 
     /// Derivatives of the objective in the coefficients and the place of a joint, from those in its samples.
@@ -354,7 +449,13 @@ impl<'a> Search<'a> {
                 FourierJoint { start, ..rough.scaled(factor) }
             })
             .collect();
-        FourierMotion { period_s: self.period_s, joints, log_determinant: value, starts: 1 }
+        FourierMotion {
+            period_s: self.period_s,
+            joints,
+            clear_share: 1.0,
+            log_determinant: value,
+            starts: 1,
+        }
     }
 
     /// The best motion that random starts find until the time is over; at least one start a thread.
@@ -397,16 +498,123 @@ impl<'a> Search<'a> {
         let tried = starts as usize;
         match (best, nearest) {
             (Some(best), _) => Ok(FourierMotion { starts: tried, ..best }),
-            (None, nearest) => {
-                let (ratio, joint) = nearest.unwrap_or((f64::INFINITY, 0));
-                let limit = self.limits[joint].effort.unwrap_or(f64::INFINITY);
-                Err(ExcitationError::Effort {
-                    joint: self.names.get(joint).cloned().unwrap_or_default(),
-                    effort: ratio * limit,
-                    limit,
-                    tried,
-                })
+            (None, nearest) => Err(self.too_weak(nearest, tried)),
+        }
+    }
+
+    /// The motion with the largest worth that random starts find until the time is over: each goes on by random steps that are
+    /// kept where they are better, and whose size follows how many are (a (1+1) evolution strategy). Starts differ in travel
+    /// and pace, because some effects show on small and slow motions.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Effort`] where all exceed an effort limit.
+    pub(crate) fn climb(
+        &self,
+        seed: u64,
+        budget: Duration,
+        step_s: f64,
+        worth: impl Fn(&Columns) -> f64 + Sync,
+    ) -> Result<FourierMotion, ExcitationError> {
+        let end = Instant::now() + budget;
+        let steps = (self.period_s / step_s).round().max(1.0) as usize;
+        let time_s: Vec<f64> = (0..=steps).map(|k| k as f64 * step_s).collect();
+        let basis = self.basis();
+        let walk = |seed: u64| -> FourierMotion {
+            let mut random = Pcg64::seed_from_u64(seed);
+            let mut point = self.random(&mut random);
+            let paced = random.random_range(1..=self.harmonics).max(3);
+            for joint in 0..self.limits.len() {
+                let travel = 10.0_f64.powf(random.random_range(SMALLEST_TRAVEL..0.0));
+                for wave in [&mut point.sine[joint], &mut point.cosine[joint]] {
+                    wave.iter_mut().for_each(|x| *x *= travel);
+                    wave[paced.min(self.harmonics)..].fill(0.0);
+                }
+                to_rest(&mut point.sine[joint], &mut point.cosine[joint]);
             }
+            let value = |point: &Point| {
+                let motion = self.finished(&basis, point, 0.0);
+                let columns = motion.columns(&time_s);
+                let efforts = self.parameters.efforts(&columns);
+                let within = efforts.iter().zip(self.limits).all(|(effort, limits)| {
+                    let most = limits.effort.map_or(f64::INFINITY, |e| BETWEEN_SAMPLES * e);
+                    effort.iter().all(|e| e.abs() <= most)
+                });
+                if within { worth(&columns) } else { f64::NEG_INFINITY }
+            };
+            let mut best = (value(&point), point);
+            let mut size = FIRST_STEP;
+            for _ in 0..WALK {
+                if Instant::now() >= end {
+                    break;
+                }
+                let mut moved = best.1.clone();
+                for joint in 0..self.limits.len() {
+                    let waves = [&mut moved.sine[joint], &mut moved.cosine[joint]];
+                    for wave in waves {
+                        let scale = wave.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+                        for (l, x) in wave.iter_mut().enumerate() {
+                            let step: f64 = random.sample(StandardNormal);
+                            *x += size * scale * step / (1.0 + l as f64).sqrt();
+                        }
+                    }
+                    let step: f64 = random.sample(StandardNormal);
+                    moved.place[joint] += size * step;
+                    to_rest(&mut moved.sine[joint], &mut moved.cosine[joint]);
+                }
+                let found = value(&moved);
+                // a fifth of the steps succeed at the best size (Rechenberg 1973)
+                if found > best.0 {
+                    best = (found, moved);
+                    size *= 1.5;
+                } else {
+                    size *= 1.5_f64.powf(-0.25);
+                }
+            }
+            self.cleared(self.finished(&basis, &best.1, best.0))
+        };
+        let at_a_time = rayon::current_num_threads().max(1) as u64;
+        let mut best: Option<(f64, FourierMotion)> = None;
+        let mut nearest: Option<(f64, usize)> = None;
+        let mut starts = 0;
+        loop {
+            let found: Vec<FourierMotion> = (0..at_a_time)
+                .into_par_iter()
+                .map(|k| walk(seed.wrapping_add(starts + k)))
+                .collect();
+            starts += at_a_time;
+            for motion in found {
+                let (ratio, joint) = self.effort_ratio(&motion);
+                if ratio > 1.0 {
+                    if nearest.is_none_or(|(least, _)| ratio < least) {
+                        nearest = Some((ratio, joint));
+                    }
+                    continue;
+                }
+                let value = worth(&motion.columns(&time_s));
+                if best.as_ref().is_none_or(|(most, _)| value > *most) {
+                    best = Some((value, motion));
+                }
+            }
+            if Instant::now() >= end {
+                break;
+            }
+        }
+        let tried = starts as usize;
+        match best {
+            Some((_, best)) => Ok(FourierMotion { starts: tried, ..best }),
+            None => Err(self.too_weak(nearest, tried)),
+        }
+    }
+
+    /// The error for motions that all exceed an effort limit.
+    fn too_weak(&self, nearest: Option<(f64, usize)>, tried: usize) -> ExcitationError {
+        let (ratio, joint) = nearest.unwrap_or((f64::INFINITY, 0));
+        let limit = self.limits[joint].effort.unwrap_or(f64::INFINITY);
+        ExcitationError::Effort {
+            joint: self.names.get(joint).cloned().unwrap_or_default(),
+            effort: ratio * limit,
+            limit,
+            tried,
         }
     }
 
@@ -462,23 +670,43 @@ mod tests {
     use super::*;
     use crate::limits::motion_limits;
     use crate::test_arms::{arm, chain};
+    use armident_dynamics::RigidArm;
     use armident_ident::MinimalSet;
     use std::collections::BTreeMap;
+
+    /// A UR5 inside its limits.
+    struct Case {
+        arm: RigidArm,
+        set: MinimalSet,
+        limits: Vec<MotionLimits>,
+    }
+
+    impl Case {
+        fn new() -> Self {
+            let arm = arm();
+            let set = MinimalSet::of(&arm).unwrap();
+            let (limits, _) = motion_limits(&chain(), &BTreeMap::new()).unwrap();
+            Self { arm, set, limits }
+        }
+
+        fn parameters(&self) -> Parameters<'_> {
+            Parameters::new(&self.arm, &self.set, vec![0.5; self.arm.dof()])
+        }
+
+        fn search<'a>(&'a self, parameters: &'a Parameters<'a>, harmonics: usize) -> Search<'a> {
+            let (period_s, names, home) = (10.0, &[], &[]);
+            let (limits, clearance) = (&self.limits, None);
+            Search { parameters, limits, names, clearance, home, period_s, harmonics }
+        }
+    }
 
     /// The best of a few steps keeps to the limits on a finer grid, and tells more than the random motion it began with.
     #[test]
     fn found_motion_keeps_to_limits_and_tells_more() {
-        let (chain, arm) = (chain(), arm());
-        let set = MinimalSet::of(&arm).unwrap();
-        let (limits, _) = motion_limits(&chain, &BTreeMap::new()).unwrap();
-        let parameters = Parameters::new(&arm, &set, vec![0.5; arm.dof()]);
-        let search = Search {
-            parameters: &parameters,
-            limits: &limits,
-            names: &[],
-            period_s: 10.0,
-            harmonics: 5,
-        };
+        let case = Case::new();
+        let parameters = case.parameters();
+        let search = case.search(&parameters, 5);
+        let limits = &case.limits;
         let best = search.best(3, Duration::from_millis(1500)).unwrap();
         let time_s: Vec<f64> = (0..=20_000).map(|k| f64::from(k) / 2000.0).collect();
         let [q, v, a] = best.columns(&time_s);
@@ -491,7 +719,7 @@ mod tests {
             assert!(within(&a[j], -limits.acceleration, limits.acceleration));
         }
         let mut sampled = 0.0_f64;
-        for (effort, limits) in parameters.efforts(&[q, v, a]).iter().zip(&limits) {
+        for (effort, limits) in parameters.efforts(&[q, v, a]).iter().zip(limits) {
             let largest = effort.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
             sampled = sampled.max(largest / limits.effort.unwrap());
         }
@@ -510,21 +738,13 @@ mod tests {
     /// The gradient in the coefficients is that of the objective.
     #[test]
     fn slopes_are_those_of_the_objective() {
-        let (chain, arm) = (chain(), arm());
-        let set = MinimalSet::of(&arm).unwrap();
-        let (limits, _) = motion_limits(&chain, &BTreeMap::new()).unwrap();
-        let parameters = Parameters::new(&arm, &set, vec![0.5; arm.dof()]);
-        let search = Search {
-            parameters: &parameters,
-            limits: &limits,
-            names: &[],
-            period_s: 10.0,
-            harmonics: 4,
-        };
+        let case = Case::new();
+        let parameters = case.parameters();
+        let search = case.search(&parameters, 4);
         let basis = search.basis();
         let point = search.random(&mut Pcg64::seed_from_u64(8));
         let shaped = |point: &Point| -> Vec<Shaped> {
-            (0..arm.dof()).map(|joint| search.shaped(&basis, point, joint)).collect()
+            (0..case.arm.dof()).map(|joint| search.shaped(&basis, point, joint)).collect()
         };
         let ascent = |point: &Point| {
             parameters.ascent(&Search::motion(&shaped(point)), search.excess()).unwrap()

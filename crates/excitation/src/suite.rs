@@ -8,42 +8,30 @@ use armident_ident::MinimalSet;
 use armident_kinematics::DrivingAxisChain;
 use armident_motion::{Motion, MotionSettings};
 use armident_recording::{JointChannels, Recording};
-use serde::{Deserialize, Serialize};
 
+use crate::clearance::{Clearance, MARGIN_M};
+use crate::designer::{
+    Designer, HARMONICS, Planned, REHEARSAL, SuiteMotion, period_and_waves, times,
+};
 use crate::error::ExcitationError;
-use crate::information::{Columns, Information, JOINT_LAWS, Parameters};
+use crate::information::{Columns, Information, Parameters};
+use crate::keep_out::KeepOut;
+use crate::law_columns::PlannedMotion;
 use crate::limits::{GivenLimits, MotionLimits, motion_limits};
-use crate::search::{FourierMotion, Search, effort_ratio};
-use crate::sweep::Sweep;
+use crate::part::{Part, Split};
+use crate::predicted::{PredictedError, errors};
+use crate::search::{FourierMotion, Search, samples_of};
+use crate::separation::{COMPARED_HZ, RivalEffects, Rivals, Separation};
+use crate::visibility::{Seen, Visibility};
 
-/// Frequency of the fastest wave of the training motion and of the fast one \[Hz\]: links turn back in about a second, and
-/// at the pace of a fast pick.
-const HIGHEST_HZ: [f64; 2] = [0.6, 1.5];
-/// Fewest and most waves of a joint.
-const HARMONICS: [usize; 2] = [5, 16];
 /// Shares of the time for the training motion, the fast one and the validation.
 const BUDGET: [f64; 3] = [0.6, 0.2, 0.2];
-/// Speed of a rehearsal over that of the motion, and of the warm-up.
-const REHEARSAL: f64 = 0.2;
+/// Speed of the warm-up over that of the training motion.
 const WARM_UP: f64 = 0.5;
-/// Speeds of the friction ladder over the speed limit.
-const LADDER: [f64; 5] = [0.02, 0.1, 0.3, 0.55, 0.8];
-/// Length of one rung of the ladder at most \[s\], and share of the range it takes at most.
-const RUNG_S: f64 = 2.0;
-const RUNG_RANGE: f64 = 0.5;
-/// Poses of the static holds, and how long each is held \[s\].
-const POSES: usize = 12;
-const HOLD_S: f64 = 1.5;
-/// Slow reversals of a joint: how many, over which share of its range, at which share of its speed limit.
-const REVERSALS: usize = 3;
-const REVERSAL_RANGE: f64 = 0.04;
-const REVERSAL_SPEED: f64 = 0.02;
-/// Moves between the parts, over the speed limit.
-const APPROACH: f64 = 0.3;
-/// Still time before and after each part \[s\].
-const STILL_S: f64 = 0.5;
-/// Speed of moves between poses over the speed limit.
-const BETWEEN_POSES: f64 = 0.5;
+/// Share of a motion about the free pose below which contacts leave too little of it: errors grow by its inverse and more.
+const SMALL_SHARE: f64 = 0.3;
+/// Random motions whose condition numbers are compared with that of the training motion.
+const RANDOM_MOTIONS: u64 = 21;
 
 /// What a suite is designed for.
 #[derive(Debug, Clone)]
@@ -56,7 +44,7 @@ pub struct SuiteSettings {
     pub budget: Duration,
     /// Seed of the random starts.
     pub seed: u64,
-    /// Parts to design; all where empty.
+    /// Parts to design; where empty all, or the separating motion alone where there are rivals.
     pub parts: Vec<Part>,
 }
 
@@ -72,130 +60,6 @@ impl Default for SuiteSettings {
     }
 }
 
-/// A part of the suite, in the order in which it is recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Part {
-    /// The training motion at half its speed.
-    WarmUp,
-    /// Each joint at five constant speeds in both directions.
-    FrictionLadder,
-    /// The motion with the largest information.
-    Train,
-    /// The same at the speed limits.
-    Fast,
-    /// Poses that are held.
-    StaticHolds,
-    /// Small slow movements back and forth.
-    SlowReversals,
-    /// An independent motion, for the test of what was identified.
-    Validation,
-}
-
-impl Part {
-    /// All parts, in order.
-    pub const ALL: [Self; 7] = [
-        Self::WarmUp,
-        Self::FrictionLadder,
-        Self::Train,
-        Self::Fast,
-        Self::StaticHolds,
-        Self::SlowReversals,
-        Self::Validation,
-    ];
-
-    /// Its name, in files and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::WarmUp => "warm_up",
-            Self::FrictionLadder => "friction_ladder",
-            Self::Train => "train",
-            Self::Fast => "fast",
-            Self::StaticHolds => "static_holds",
-            Self::SlowReversals => "slow_reversals",
-            Self::Validation => "validation",
-        }
-    }
-
-    /// What it is for.
-    pub fn purpose(self) -> &'static str {
-        match self {
-            Self::WarmUp => "warms the drives; not for a fit",
-            Self::FrictionLadder => "friction over speed",
-            Self::Train => "link inertias and friction",
-            Self::Fast => "link inertias at high acceleration, friction at high speed",
-            Self::StaticHolds => "gravity, offsets, stiction",
-            Self::SlowReversals => "friction at reversal, backlash",
-            Self::Validation => "test of the model, never for a fit",
-        }
-    }
-
-    /// Whether a fit uses it, a test, or neither.
-    pub fn split(self) -> Split {
-        match self {
-            Self::WarmUp => Split::Neither,
-            Self::Validation => Split::Holdout,
-            _ => Split::Train,
-        }
-    }
-
-    fn has_rehearsal(self) -> bool {
-        matches!(self, Self::Train | Self::Fast | Self::Validation)
-    }
-}
-
-/// What a recording of a motion is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Split {
-    /// The fit.
-    Train,
-    /// The test of the fit.
-    Holdout,
-    /// Neither.
-    Neither,
-}
-
-/// One motion of the suite.
-#[derive(Debug, Clone)]
-pub struct SuiteMotion {
-    /// Name of its file.
-    pub name: String,
-    /// What it is for.
-    pub purpose: &'static str,
-    /// Whether a fit uses it.
-    pub split: Split,
-    /// The part; rehearsals have that of their motion.
-    pub part: Part,
-    /// Whether it is the slow rehearsal of the part.
-    pub is_rehearsal: bool,
-    /// Positions, velocities and accelerations of all joints.
-    pub motion: Recording,
-    /// Largest effort of the rigid body over what may be used of its limit, between samples too; and its joint.
-    pub effort_share: (f64, String),
-    /// Condition number of its regressor with columns of unit length.
-    pub condition: f64,
-}
-
-/// What the suite will tell about one parameter.
-#[derive(Debug, Clone, Serialize)]
-pub struct PredictedError {
-    /// Label of the constant, or slug of the law.
-    pub name: String,
-    /// Its joint.
-    pub joint: String,
-    /// Unit.
-    pub unit: String,
-    /// Value of the given model; none for a law of the joint.
-    pub value: Option<f64>,
-    /// Standard error from the given recordings alone.
-    pub from_given: Option<f64>,
-    /// Standard error from the training motion alone.
-    pub from_train: Option<f64>,
-    /// Standard error from the given recordings and all motions of the fit.
-    pub from_suite: f64,
-}
-
 /// A designed suite.
 #[derive(Debug)]
 pub struct Suite {
@@ -207,6 +71,10 @@ pub struct Suite {
     pub noise: Vec<f64>,
     /// What the fit will know.
     pub errors: Vec<PredictedError>,
+    /// Which effects the fit will show.
+    pub visibilities: Vec<Visibility>,
+    /// How well the separating motion separates findings from alternatives.
+    pub separations: Vec<Separation>,
     /// Condition number over all motions of the fit.
     pub condition: f64,
     /// Condition numbers of random motions inside the limits that are as long as the training motion: their median.
@@ -217,9 +85,6 @@ pub struct Suite {
     pub notes: Vec<String>,
 }
 
-/// Random motions whose condition numbers are compared with that of the training motion.
-const RANDOM_MOTIONS: u64 = 21;
-
 /// An arm and what a suite is designed for.
 #[derive(Debug)]
 pub struct ExciteRequest<'a> {
@@ -229,6 +94,10 @@ pub struct ExciteRequest<'a> {
     pub limits: &'a BTreeMap<String, GivenLimits>,
     /// Recordings that are there already: the training motion adds most to these. None of them need efforts.
     pub given: &'a [Recording],
+    /// Regions in the axes of the base link that the arm keeps out of, by name.
+    pub keep_out: &'a BTreeMap<String, KeepOut>,
+    /// Findings and their alternatives that a motion is to separate.
+    pub rivals: &'a [RivalEffects],
     /// Lengths, rate, time and parts.
     pub settings: &'a SuiteSettings,
 }
@@ -258,17 +127,25 @@ pub struct ExciteRequest<'a> {
 ///     ..SuiteSettings::default()
 /// };
 /// let limits = BTreeMap::new();
-/// let request =
-///     ExciteRequest { chain: &chain, limits: &limits, given: &[], settings: &settings };
+/// let keep_out = BTreeMap::new();
+/// let request = ExciteRequest {
+///     chain: &chain,
+///     limits: &limits,
+///     given: &[],
+///     keep_out: &keep_out,
+///     rivals: &[],
+///     settings: &settings,
+/// };
 /// let suite = excite(&request)?;
 /// assert!(suite.errors.iter().all(|error| error.from_suite.is_finite()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`ExcitationError`]: impossible limits or settings, or limits that leave no motion.
+/// [`ExcitationError`]: impossible limits, settings or regions, limits or regions that leave no motion, or rivals that no
+/// motion can be designed for.
 pub fn excite(request: &ExciteRequest<'_>) -> Result<Suite, ExcitationError> {
-    let ExciteRequest { chain, limits, given, settings } = *request;
+    let ExciteRequest { chain, limits, given, keep_out, rivals, settings } = *request;
     for (setting, value, low, high, expected) in [
         ("length of the training motion [s]", settings.seconds, 2.0, 600.0, "2 to 600"),
         ("rate [Hz]", settings.rate_hz, 10.0, 10_000.0, "10 to 10000"),
@@ -283,80 +160,199 @@ pub fn excite(request: &ExciteRequest<'_>) -> Result<Suite, ExcitationError> {
     let (limits, mut notes) = motion_limits(chain, limits)?;
     let mut parameters = Parameters::new(&arm, &set, vec![1.0; arm.dof()]);
     parameters.noise = noise(&parameters, &limits, &names, settings, &mut notes);
+    if !keep_out.is_empty() && !Clearance::has_shapes(chain) {
+        return Err(ExcitationError::NoShapes);
+    }
+    let clearance = Clearance::of(chain, &limits, keep_out)?;
+    let home = match &clearance {
+        Some(clearance) => clearance.free_pose(&limits)?,
+        None => limits.iter().map(MotionLimits::middle).collect(),
+    };
     let of_given = given_information(&parameters, given, &names)?;
-    let search = Search {
+    // a sample of the search stands for several of the motion
+    let (_, waves) = period_and_waves(Part::Train, settings.seconds);
+    let share = samples_of(waves) as f64 / (settings.seconds * settings.rate_hz);
+    parameters.given = of_given.as_ref().map(|given| given.times(share));
+    let design = Designer {
         parameters: &parameters,
         limits: &limits,
         names: &names,
-        period_s: settings.seconds,
-        harmonics: waves(settings.seconds, HIGHEST_HZ[0]),
+        clearance: clearance.as_ref(),
+        home: &home,
+        seconds: settings.seconds,
+        rate_hz: settings.rate_hz,
     };
-    // a sample of the search stands for several of the motion
-    let share = search.samples() as f64 / (settings.seconds * settings.rate_hz);
-    parameters.given = of_given.as_ref().map(|given| given.times(share));
-    let design = Designer { parameters: &parameters, limits: &limits, names: &names, settings };
-    let wanted = |part: Part| settings.parts.is_empty() || settings.parts.contains(&part);
+    let rivals = match rivals {
+        [] => None,
+        pairs => Some(Rivals::of(chain, &parameters, pairs)?),
+    };
 
-    let mut motions: Vec<SuiteMotion> = Vec::new();
-    let mut starts = 0;
-    let train =
-        design.search(Part::Train).best(settings.seed, settings.budget.mul_f64(BUDGET[0]))?;
-    starts += train.starts;
-    for part in Part::ALL.into_iter().filter(|part| wanted(*part)) {
-        let found = match part {
-            Part::WarmUp => Planned::Waves(train.slower(1.0 / WARM_UP)),
-            Part::Train => Planned::Waves(train.clone()),
-            Part::Fast | Part::Validation => {
-                let which = usize::from(part == Part::Validation);
-                let seed = settings.seed.wrapping_add(1_000_003 * (which as u64 + 1));
-                let found =
-                    design.search(part).best(seed, settings.budget.mul_f64(BUDGET[1 + which]))?;
-                starts += found.starts;
-                Planned::Waves(found)
-            }
-            Part::FrictionLadder => Planned::Moves(design.ladder()),
-            Part::StaticHolds => Planned::Moves(design.holds()),
-            Part::SlowReversals => Planned::Moves(design.reversals()),
-        };
-        if part.has_rehearsal()
-            && let Planned::Waves(waves) = &found
-        {
-            motions.extend(design.motion(
-                part,
-                true,
-                &Planned::Waves(waves.slower(1.0 / REHEARSAL)),
-            )?);
-        }
-        match design.motion(part, false, &found)? {
-            Some(motion) => motions.push(motion),
-            None => notes.push(format!(
-                "{} is left out: the rigid body alone exceeds an effort limit on it",
-                part.name()
-            )),
-        }
+    let mut planning =
+        Planning { design: &design, settings, motions: Vec::new(), starts: 0, notes: Vec::new() };
+    let mut separations = Vec::new();
+    if let Some(rivals) = &rivals {
+        separations = planning.separating(rivals)?;
     }
-    notes.push(
-        "not part of the design: collisions of the arm with itself and with its surroundings; watch the rehearsals, which \
-         follow the same paths at a fifth of the speed"
+    planning.parts(rivals.is_some())?;
+    let Planning { motions, starts, notes: of_motions, .. } = planning;
+    notes.extend(of_motions);
+    notes.extend(clearance.iter().flat_map(|clearance| clearance.notes.iter().cloned()));
+    notes.push(match clearance {
+        Some(_) => format!(
+            "contacts: boxes, cylinders and spheres of the URDF{} keep {:.0} mm apart; watch the rehearsals, which follow the \
+             same paths at a fifth of the speed",
+            if keep_out.is_empty() { "" } else { " and keep-outs" },
+            1000.0 * MARGIN_M
+        ),
+        None => "not part of the design: collisions of the arm with itself and with its surroundings (the links have no boxes, \
+             cylinders or spheres that could touch); watch the rehearsals, which follow the same paths at a fifth of the speed"
             .to_owned(),
-    );
-    let of = |wanted: &dyn Fn(&SuiteMotion) -> bool| -> Option<Information> {
-        let all = motions.iter().filter(|m| wanted(m));
-        all.map(|m| parameters.information(&columns_of(&m.motion))).reduce(|a, b| a.with(&b))
+    });
+    let columns: Vec<Columns> = motions.iter().map(|m| columns_of(&m.motion)).collect();
+    let fitted: Vec<usize> = (0..motions.len())
+        .filter(|&k| motions[k].split == Split::Train && !motions[k].is_rehearsal)
+        .collect();
+    let is_train = |k: &usize| motions[*k].part == Part::Train;
+    let of = |which: &[usize]| -> Option<Information> {
+        let all = which.iter().map(|&k| parameters.information(&columns[k]));
+        all.reduce(|a, b| a.with(&b))
     };
-    let fitted = |m: &SuiteMotion| m.split == Split::Train && !m.is_rehearsal;
-    let add = |new: Option<Information>| match (&of_given, new) {
+    let of_train = of(&fitted.iter().copied().filter(is_train).collect::<Vec<_>>());
+    let suite = match (&of_given, of(&fitted)) {
         (Some(given), Some(new)) => Some(given.with(&new)),
         (given, new) => new.or_else(|| given.clone()),
     };
-    let suite = add(of(&fitted));
-    let of_train = of(&|m: &SuiteMotion| m.part == Part::Train && !m.is_rehearsal);
     let condition = suite.as_ref().map_or(Ok(f64::INFINITY), Information::condition)?;
     let errors =
         errors(&parameters, &names, [of_given.as_ref(), of_train.as_ref()], suite.as_ref());
-    let random_condition = design.random_condition()?;
+    let planned: Vec<PlannedMotion<'_>> = fitted
+        .iter()
+        .map(|&k| {
+            let efforts = parameters.efforts(&columns[k]);
+            PlannedMotion::new(&columns[k], efforts, settings.rate_hz)
+        })
+        .collect();
+    let train = fitted.iter().position(is_train);
+    let seen = Seen { chain, parameters: &parameters, motions: &planned, train };
+    let visibilities = seen.effects();
+    let random_condition = design.random_condition(settings.seed, RANDOM_MOTIONS)?;
     let noise = parameters.noise.clone();
-    Ok(Suite { motions, limits, noise, errors, condition, random_condition, starts, notes })
+    Ok(Suite {
+        motions,
+        limits,
+        noise,
+        errors,
+        visibilities,
+        separations,
+        condition,
+        random_condition,
+        starts,
+        notes,
+    })
+}
+
+/// Motions as they are planned, part by part.
+struct Planning<'a> {
+    design: &'a Designer<'a>,
+    settings: &'a SuiteSettings,
+    motions: Vec<SuiteMotion>,
+    starts: usize,
+    notes: Vec<String>,
+}
+
+impl Planning<'_> {
+    fn budget(&self, share: f64) -> Duration {
+        self.settings.budget.mul_f64(share)
+    }
+
+    /// The motion that separates rivals.
+    fn separating(&mut self, rivals: &Rivals<'_>) -> Result<Vec<Separation>, ExcitationError> {
+        let search = self.design.search(Part::Separation);
+        let worth = |columns: &Columns| rivals.worth(columns);
+        let budget = self.budget(1.0);
+        let found = search.climb(self.settings.seed, budget, 1.0 / COMPARED_HZ, worth)?;
+        self.starts += found.starts;
+        let columns = found.columns(&times(found.period_s, self.settings.rate_hz));
+        self.add(Part::Separation, &Planned::Waves(found))?;
+        Ok(rivals.separations(&columns, self.settings.rate_hz))
+    }
+
+    /// All wanted parts; those of rivals alone where none is named.
+    fn parts(&mut self, has_rivals: bool) -> Result<(), ExcitationError> {
+        let settings = self.settings;
+        let wanted = |part: &Part| match settings.parts.is_empty() {
+            true => !has_rivals,
+            false => settings.parts.contains(part),
+        };
+        let mut train: Option<FourierMotion> = None;
+        for part in Part::ALL.into_iter().filter(wanted) {
+            if matches!(part, Part::WarmUp | Part::Train) && train.is_none() {
+                let search = self.design.search(Part::Train);
+                train = Some(self.searched(search.best(settings.seed, self.budget(BUDGET[0])))?);
+            }
+            let planned = match (part, &train) {
+                (Part::WarmUp, Some(train)) => Ok(Planned::Waves(train.slower(1.0 / WARM_UP))),
+                (Part::Train, Some(train)) => Ok(Planned::Waves(train.clone())),
+                (Part::Fast | Part::Validation, _) => {
+                    let which = usize::from(part == Part::Validation);
+                    let seed = settings.seed.wrapping_add(1_000_003 * (which as u64 + 1));
+                    let search = self.design.search(part);
+                    let found = search.best(seed, self.budget(BUDGET[1 + which]));
+                    Ok(Planned::Waves(self.searched(found)?))
+                }
+                _ => self.design.moves(part).map(Planned::Moves),
+            };
+            match planned {
+                Ok(planned) => {
+                    if !self.add(part, &planned)? {
+                        self.notes.push(format!(
+                            "{} is left out: the rigid body alone exceeds an effort limit on it",
+                            part.name()
+                        ));
+                    }
+                }
+                Err(contact) => self.notes.push(format!(
+                    "{} is left out: {} and {} come within {:.0} mm of each other on it, however small its moves",
+                    part.name(),
+                    contact.names[0],
+                    contact.names[1],
+                    1000.0 * contact.distance_m.max(0.0)
+                )),
+            }
+        }
+        Ok(())
+    }
+
+    fn searched(
+        &mut self,
+        found: Result<FourierMotion, ExcitationError>,
+    ) -> Result<FourierMotion, ExcitationError> {
+        let found = found?;
+        self.starts += found.starts;
+        Ok(found)
+    }
+
+    /// Adds a motion and its rehearsal before it; false where it exceeds an effort limit.
+    fn add(&mut self, part: Part, planned: &Planned) -> Result<bool, ExcitationError> {
+        if part.has_rehearsal()
+            && let Planned::Waves(waves) = planned
+        {
+            if waves.clear_share < SMALL_SHARE {
+                self.notes.push(format!(
+                    "{}: {:.0} % of the motion found is clear, so that errors are large; more of it would be with \
+                     keep-outs further away, or with `lower` and `upper` about poses that are free",
+                    part.name(),
+                    100.0 * waves.clear_share
+                ));
+            }
+            let slow = Planned::Waves(waves.slower(1.0 / REHEARSAL));
+            self.motions.extend(self.design.motion(part, true, &slow)?);
+        }
+        let motion = self.design.motion(part, false, planned)?;
+        let is_within = motion.is_some();
+        self.motions.extend(motion);
+        Ok(is_within)
+    }
 }
 
 /// Noise of each joint's effort: given, or a share of its usual effort.
@@ -370,7 +366,15 @@ fn noise(
     /// Share of the root mean square effort of a random motion.
     const OF_USUAL: f64 = 0.01;
     let period_s = settings.seconds;
-    let search = Search { parameters, limits, names, period_s, harmonics: HARMONICS[0] };
+    let search = Search {
+        parameters,
+        limits,
+        names,
+        clearance: None,
+        home: &[],
+        period_s,
+        harmonics: HARMONICS[0],
+    };
     let usual = search.usual_efforts(settings.seed);
     let largest = usual.iter().copied().fold(0.0, f64::max);
     let without: Vec<&str> = limits
@@ -396,11 +400,6 @@ fn noise(
         .collect()
 }
 
-/// Waves of a motion of this length up to this frequency.
-fn waves(period_s: f64, highest_hz: f64) -> usize {
-    ((highest_hz * period_s).round() as usize).clamp(HARMONICS[0], HARMONICS[1])
-}
-
 /// Information of the motions of recordings; none without one.
 fn given_information(
     parameters: &Parameters<'_>,
@@ -416,42 +415,6 @@ fn given_information(
         sum = Some(sum.map_or_else(|| new.clone(), |sum| sum.with(&new)));
     }
     Ok(sum)
-}
-
-/// Predicted standard errors of all parameters.
-fn errors(
-    parameters: &Parameters<'_>,
-    names: &[String],
-    parts: [Option<&Information>; 2],
-    suite: Option<&Information>,
-) -> Vec<PredictedError> {
-    let Some(suite) = suite.map(Information::standard_errors) else { return Vec::new() };
-    let [of_given, of_train] = parts.map(|part| part.map(Information::standard_errors));
-    let constants =
-        parameters.set.constants.iter().zip(parameters.values()).map(|(constant, value)| {
-            let unit = constant.unit().to_owned();
-            (constant.label(), constant.joint, unit, Some(*value))
-        });
-    let laws = (0..names.len()).flat_map(|joint| {
-        JOINT_LAWS.iter().map(move |law| {
-            let kind = parameters.arm.joints[joint].kind;
-            let unit = law.law().parameters.first().map_or("", |p| p.unit(kind)).to_owned();
-            (law.law().slug.to_owned(), joint, unit, None)
-        })
-    });
-    constants
-        .chain(laws)
-        .enumerate()
-        .map(|(k, (name, joint, unit, value))| PredictedError {
-            name,
-            joint: names[joint].clone(),
-            unit,
-            value,
-            from_given: of_given.as_ref().map(|of| of[k]),
-            from_train: of_train.as_ref().map(|of| of[k]),
-            from_suite: suite[k],
-        })
-        .collect()
 }
 
 /// Positions, velocities and accelerations of a planned motion.
@@ -470,237 +433,11 @@ fn columns_of(motion: &Recording) -> Columns {
     [of(0), of(1), of(2)]
 }
 
-/// A motion of waves, or one of moves.
-enum Planned {
-    Waves(FourierMotion),
-    Moves(Vec<Segment>),
-}
-
-/// Moves of some joints at one time, and how long all are held afterwards.
-struct Segment {
-    moves: Vec<(usize, Sweep)>,
-    hold_s: f64,
-}
-
-impl Segment {
-    fn duration_s(&self) -> f64 {
-        self.moves.iter().map(|(_, sweep)| sweep.duration_s()).fold(0.0, f64::max) + self.hold_s
-    }
-}
-
-struct Designer<'a> {
-    parameters: &'a Parameters<'a>,
-    limits: &'a [MotionLimits],
-    names: &'a [String],
-    settings: &'a SuiteSettings,
-}
-
-impl<'a> Designer<'a> {
-    fn search(&self, part: Part) -> Search<'a> {
-        // the fast motion repeats the pace of half the length; a validation has other frequencies
-        let (period_s, highest_hz) = match part {
-            Part::Fast => (0.5 * self.settings.seconds, HIGHEST_HZ[1]),
-            Part::Validation => (0.8 * self.settings.seconds, HIGHEST_HZ[0]),
-            _ => (self.settings.seconds, HIGHEST_HZ[0]),
-        };
-        Search {
-            parameters: self.parameters,
-            limits: self.limits,
-            names: self.names,
-            period_s,
-            harmonics: waves(period_s, highest_hz),
-        }
-    }
-
-    /// Median condition number of random motions as long as the training motion.
-    fn random_condition(&self) -> Result<f64, ExcitationError> {
-        let search = self.search(Part::Train);
-        let mut all = Vec::new();
-        for k in 0..RANDOM_MOTIONS {
-            let motion = search.random_motion(self.settings.seed.wrapping_add(7919 * (k + 1)));
-            let columns = motion.columns(&times(motion.period_s, self.settings.rate_hz));
-            all.push(self.parameters.information(&columns).condition()?);
-        }
-        all.sort_by(f64::total_cmp);
-        Ok(all[all.len() / 2])
-    }
-
-    /// The motion as a recording; none where the rigid body exceeds an effort limit.
-    fn motion(
-        &self,
-        part: Part,
-        is_rehearsal: bool,
-        planned: &Planned,
-    ) -> Result<Option<SuiteMotion>, ExcitationError> {
-        let rate_hz = self.settings.rate_hz;
-        let (time_s, columns) = match planned {
-            Planned::Waves(waves) => {
-                let time_s = times(waves.period_s, rate_hz);
-                let columns = waves.columns(&time_s);
-                (time_s, columns)
-            }
-            Planned::Moves(segments) => self.sampled(segments, rate_hz),
-        };
-        let effort_share = match planned {
-            Planned::Waves(waves) => self.search(part).effort_ratio(waves),
-            Planned::Moves(segments) => {
-                const CHECKED_HZ: f64 = 500.0;
-                let (time_s, columns) = self.sampled(segments, CHECKED_HZ);
-                let jerks: Vec<f64> = self.limits.iter().map(|l| l.jerk).collect();
-                effort_ratio(self.parameters, self.limits, &time_s, &columns, &jerks)
-            }
-        };
-        if effort_share.0 > 1.0 {
-            return Ok(None);
-        }
-        let condition = self.parameters.information(&columns).condition()?;
-        let [q, v, a] = columns;
-        let joints = self.names.iter().zip(q.into_iter().zip(v.into_iter().zip(a)));
-        let joints = joints
-            .map(|(name, (position, (velocity, acceleration)))| JointChannels {
-                position: Some(position),
-                velocity: Some(velocity),
-                acceleration: Some(acceleration),
-                ..JointChannels::new(name)
-            })
-            .collect();
-        let name = match is_rehearsal {
-            true => format!("{}_rehearsal", part.name()),
-            false => part.name().to_owned(),
-        };
-        let motion = Recording::new(&name, time_s, joints)?;
-        let (purpose, split) = match is_rehearsal {
-            true => ("the same path at a fifth of the speed: watch for collisions", Split::Neither),
-            false => (part.purpose(), part.split()),
-        };
-        let effort_share = (effort_share.0, self.names[effort_share.1].clone());
-        let made = SuiteMotion {
-            name,
-            purpose,
-            split,
-            part,
-            is_rehearsal,
-            motion,
-            effort_share,
-            condition,
-        };
-        Ok(Some(made))
-    }
-
-    /// Samples of moves from the middle of all ranges.
-    fn sampled(&self, segments: &[Segment], rate_hz: f64) -> (Vec<f64>, Columns) {
-        let n = self.limits.len();
-        let total_s: f64 = segments.iter().map(Segment::duration_s).sum();
-        let time_s = times(total_s, rate_hz);
-        let mut columns: Columns = [0, 1, 2].map(|_| vec![Vec::with_capacity(time_s.len()); n]);
-        let mut held: Vec<f64> = self.limits.iter().map(MotionLimits::middle).collect();
-        let (mut which, mut begin_s) = (0, 0.0);
-        for &t in &time_s {
-            while which + 1 < segments.len() && t >= begin_s + segments[which].duration_s() {
-                begin_s += segments[which].duration_s();
-                for (joint, sweep) in &segments[which].moves {
-                    held[*joint] = sweep.at(f64::INFINITY)[0];
-                }
-                which += 1;
-            }
-            let moves = segments.get(which).map_or(&[][..], |s| &s.moves);
-            for (joint, held) in held.iter().enumerate() {
-                let moved = moves.iter().find(|(j, _)| *j == joint);
-                let state = moved.map_or([*held, 0.0, 0.0], |(_, s)| s.at(t - begin_s));
-                for (column, x) in columns.iter_mut().zip(state) {
-                    column[joint].push(x);
-                }
-            }
-        }
-        (time_s, columns)
-    }
-
-    fn sweep(&self, joint: usize, from: f64, to: f64, share: f64) -> (usize, Sweep) {
-        let limits = &self.limits[joint];
-        (joint, Sweep::new(from, to, share * limits.velocity, limits))
-    }
-
-    fn ladder(&self) -> Vec<Segment> {
-        let mut segments = vec![Segment { moves: Vec::new(), hold_s: STILL_S }];
-        for (joint, limits) in self.limits.iter().enumerate() {
-            let middle = limits.middle();
-            let mut at = middle;
-            let mut go = |to: f64, share: f64| {
-                let moves = vec![self.sweep(joint, at, to, share)];
-                segments.push(Segment { moves, hold_s: STILL_S });
-                at = to;
-            };
-            for share in LADDER {
-                let travel = (RUNG_RANGE * limits.range()).min(share * limits.velocity * RUNG_S);
-                go(middle - 0.5 * travel, APPROACH);
-                go(middle + 0.5 * travel, share);
-                go(middle - 0.5 * travel, share);
-            }
-            go(middle, APPROACH);
-        }
-        segments
-    }
-
-    fn holds(&self) -> Vec<Segment> {
-        let n = self.limits.len();
-        let mut at: Vec<f64> = self.limits.iter().map(MotionLimits::middle).collect();
-        let mut segments = vec![Segment { moves: Vec::new(), hold_s: STILL_S }];
-        // the root of x^(n+1) = x + 1 spreads points evenly in n dimensions (M. Roberts, 2018)
-        let mut root = 2.0_f64;
-        for _ in 0..50 {
-            root = (1.0 + root).powf(1.0 / (n as f64 + 1.0));
-        }
-        for pose in 1..=POSES + 1 {
-            let moves = (0..n)
-                .map(|joint| {
-                    let limits = &self.limits[joint];
-                    let share = (0.5 + pose as f64 / root.powi(joint as i32 + 1)).fract();
-                    let to = match pose > POSES {
-                        true => limits.middle(),
-                        false => limits.lower + share * limits.range(),
-                    };
-                    let sweep = self.sweep(joint, at[joint], to, BETWEEN_POSES);
-                    at[joint] = to;
-                    sweep
-                })
-                .collect();
-            segments.push(Segment { moves, hold_s: HOLD_S });
-        }
-        segments
-    }
-
-    fn reversals(&self) -> Vec<Segment> {
-        let mut segments = vec![Segment { moves: Vec::new(), hold_s: STILL_S }];
-        for (joint, limits) in self.limits.iter().enumerate() {
-            let (middle, half) = (limits.middle(), 0.5 * REVERSAL_RANGE * limits.range());
-            let mut at = middle;
-            for k in 0..=2 * REVERSALS {
-                let to = match k {
-                    _ if k == 2 * REVERSALS => middle,
-                    _ if k % 2 == 0 => middle + half,
-                    _ => middle - half,
-                };
-                let moves = vec![self.sweep(joint, at, to, REVERSAL_SPEED)];
-                segments.push(Segment { moves, hold_s: 0.0 });
-                at = to;
-            }
-        }
-        segments.push(Segment { moves: Vec::new(), hold_s: STILL_S });
-        segments
-    }
-}
-
-/// Even times from zero to the end.
-fn times(end_s: f64, rate_hz: f64) -> Vec<f64> {
-    let steps = (end_s * rate_hz).round().max(1.0) as usize;
-    (0..=steps).map(|k| k as f64 / rate_hz).collect()
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a failed test may panic")]
 mod tests {
     use super::*;
-    use crate::test_arms::chain;
+    use crate::test_arms::{boxes, chain};
 
     fn designed(
         limits: &BTreeMap<String, GivenLimits>,
@@ -708,7 +445,15 @@ mod tests {
         given: &[Recording],
     ) -> Result<Suite, ExcitationError> {
         let chain = chain();
-        excite(&ExciteRequest { chain: &chain, limits, given, settings })
+        let keep_out = BTreeMap::new();
+        excite(&ExciteRequest {
+            chain: &chain,
+            limits,
+            given,
+            keep_out: &keep_out,
+            rivals: &[],
+            settings,
+        })
     }
 
     /// Recordings of the first joint alone leave the others to the new motion.
@@ -795,5 +540,178 @@ mod tests {
         let error = designed(&BTreeMap::from([(name.clone(), weak)]), &settings, &[]);
         let text = error.unwrap_err().to_string();
         assert!(text.contains(&name), "{text}");
+    }
+
+    fn table() -> BTreeMap<String, KeepOut> {
+        let table = KeepOut {
+            centre: Some([0.45, 0.0, 0.25]),
+            size: Some([0.6, 2.0, 0.1]),
+            ..KeepOut::default()
+        };
+        BTreeMap::from([("table".to_owned(), table)])
+    }
+
+    fn beside_table(keep_out: &BTreeMap<String, KeepOut>) -> Result<Suite, ExcitationError> {
+        let chain = boxes();
+        let settings = SuiteSettings {
+            seconds: 6.0,
+            budget: Duration::from_millis(1500),
+            ..SuiteSettings::default()
+        };
+        let limits = BTreeMap::new();
+        excite(&ExciteRequest {
+            chain: &chain,
+            limits: &limits,
+            given: &[],
+            keep_out,
+            rivals: &[],
+            settings: &settings,
+        })
+    }
+
+    /// No sample of a grid finer than the controller's comes nearer than what is promised, and what is promised is kept.
+    #[test]
+    fn suite_beside_a_table_is_clear() {
+        let keep_out = table();
+        let suite = beside_table(&keep_out).unwrap();
+        assert_eq!(suite.motions.len(), 10, "{:?}", suite.notes);
+        let chain = boxes();
+        let clearance = Clearance::of(&chain, &suite.limits, &keep_out).unwrap().unwrap();
+        for motion in &suite.motions {
+            let promised = motion.clearance_m.unwrap();
+            assert!(promised >= MARGIN_M, "{} {promised}", motion.name);
+            let columns = columns_of(&motion.motion);
+            for k in (0..motion.motion.time_s.len() - 1).step_by(3) {
+                // cubic between two samples: exact to the fourth power of 10 ms
+                let h = 1.0 / 100.0;
+                for x in [0.0, 0.5] {
+                    let pose: Vec<f64> = (0..3)
+                        .map(|j| {
+                            let [q, v] = [0, 1].map(|d| [columns[d][j][k], columns[d][j][k + 1]]);
+                            let middle = 0.5 * (q[0] + q[1]) + h / 8.0 * (v[0] - v[1]);
+                            if x == 0.0 { q[0] } else { middle }
+                        })
+                        .collect();
+                    let nearest = clearance.nearest(&pose);
+                    assert!(nearest.distance_m > promised - 1e-5, "{} {nearest:?}", motion.name);
+                }
+            }
+        }
+        // the table costs information, not all of it
+        let free = beside_table(&BTreeMap::new()).unwrap();
+        let condition = |suite: &Suite| {
+            suite.motions.iter().find(|m| m.name == "train").map(|m| m.condition).unwrap()
+        };
+        assert!(condition(&suite) < 10.0 * condition(&free));
+    }
+
+    #[test]
+    fn regions_without_room_are_refused() {
+        let all = KeepOut { centre: Some([0.0; 3]), size: Some([9.0; 3]), ..KeepOut::default() };
+        let error = beside_table(&BTreeMap::from([("cell".to_owned(), all)])).unwrap_err();
+        assert!(error.to_string().contains("keep-out `cell` and link"), "{error}");
+        let chain = chain();
+        let settings = SuiteSettings::default();
+        let (limits, keep_out) = (BTreeMap::new(), table());
+        let request = ExciteRequest {
+            chain: &chain,
+            limits: &limits,
+            given: &[],
+            keep_out: &keep_out,
+            rivals: &[],
+            settings: &settings,
+        };
+        assert!(matches!(excite(&request), Err(ExcitationError::NoShapes)));
+    }
+
+    /// Link constants imitate a payload; slow rungs show Stribeck friction that the training motion alone does not.
+    #[test]
+    fn effects_are_visible_on_motions_that_show_them() {
+        use crate::visibility::Sight;
+        let suite = suite();
+        let of = |effect: &str, k: usize| {
+            suite.visibilities.iter().filter(|seen| seen.effect == effect).nth(k).unwrap()
+        };
+        assert_eq!(of("payload", 0).suite, Sight::Imitated);
+        assert_eq!(of("asymmetric_coulomb_friction", 0).suite, Sight::Imitated);
+        assert_eq!(of("torque_scale", 1).suite, Sight::Visible);
+        for joint in 0..6 {
+            let seen = of("stribeck_friction", joint);
+            let [train, suite] = [seen.least_from_train, seen.least_from_suite].map(Option::unwrap);
+            assert!(suite < 0.5 * train, "{seen:?}");
+        }
+    }
+
+    /// Stribeck and presliding friction are alike on the training motion. A finding that is fitted anyway is separated by no
+    /// motion, and what needs a simulation is listed with its reason.
+    #[test]
+    fn separating_motion_is_better_than_the_training_motion() {
+        let chain = chain();
+        let joint = chain.joints[1].name.clone();
+        let pair = |effect: &str, parameters: &[f64], alternative: &str| RivalEffects {
+            finding: armident_effects::EffectOnJoint::new(effect, joint.clone(), parameters),
+            alternative: alternative.to_owned(),
+            alternative_joint: joint.clone(),
+        };
+        let rivals = [
+            pair("stribeck_friction", &[6.0, 5.0, 0.1], "presliding_hysteresis"),
+            pair("coulomb_friction", &[3.0], "stribeck_friction"),
+            pair("backlash", &[0.01, 1e4, 10.0, 1.0], "coulomb_friction"),
+        ];
+        let (limits, keep_out) = (BTreeMap::new(), BTreeMap::new());
+        let settings = SuiteSettings {
+            seconds: 10.0,
+            budget: Duration::from_millis(2500),
+            ..SuiteSettings::default()
+        };
+        let request = ExciteRequest {
+            chain: &chain,
+            limits: &limits,
+            given: &[],
+            keep_out: &keep_out,
+            rivals: &rivals,
+            settings: &settings,
+        };
+        let suite = excite(&request).unwrap();
+        let names: Vec<&str> = suite.motions.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["separation_rehearsal", "separation"]);
+        let found = suite.separations;
+        assert_eq!(found[1].standard_errors, Some(0.0));
+        assert!(found[2].standard_errors.is_none() && found[2].note.is_some());
+        let train = designed(&limits, &SuiteSettings { parts: vec![Part::Train], ..settings }, &[]);
+        let train = train.unwrap().motions.into_iter().find(|m| m.name == "train").unwrap();
+        let arm = RigidArm::from_chain(&chain);
+        let set = MinimalSet::of(&arm).unwrap();
+        let parameters = Parameters::new(&arm, &set, suite.noise);
+        let rivals = Rivals::of(&chain, &parameters, &rivals).unwrap();
+        let before = rivals.separations(&columns_of(&train.motion), 100.0);
+        let [new, old] = [&found[0], &before[0]].map(|pair| pair.standard_errors.unwrap());
+        assert!(new > 1.5 * old, "{new} {old}");
+    }
+
+    #[test]
+    fn rivals_of_another_arm_are_refused() {
+        let chain = chain();
+        let arm = RigidArm::from_chain(&chain);
+        let set = MinimalSet::of(&arm).unwrap();
+        let parameters = Parameters::new(&arm, &set, vec![1.0; 6]);
+        let good = RivalEffects {
+            finding: armident_effects::EffectOnJoint::new(
+                "torque_scale",
+                chain.joints[0].name.clone(),
+                [1.1],
+            ),
+            alternative: "coulomb_friction".to_owned(),
+            alternative_joint: chain.joints[0].name.clone(),
+        };
+        assert!(Rivals::of(&chain, &parameters, std::slice::from_ref(&good)).is_ok());
+        let wrong = [
+            RivalEffects { alternative: "gremlins".to_owned(), ..good.clone() },
+            RivalEffects { alternative_joint: "axis_9".to_owned(), ..good },
+        ];
+        for pair in wrong {
+            assert!(Rivals::of(&chain, &parameters, &[pair]).is_err());
+        }
+        assert!(Rivals::of(&chain, &parameters, &[]).is_err());
     }
 }

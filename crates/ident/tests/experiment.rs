@@ -182,6 +182,7 @@ fn chain_of(arm: &RigidArm) -> DrivingAxisChain {
             child_link: format!("l{}", i + 1),
             body_links: vec![format!("l{}", i + 1)],
             child_link_in_e: nalgebra::Isometry3::identity(),
+            shapes: Vec::new(),
             limits: JointLimits::default(),
             dynamics: None,
         })
@@ -192,6 +193,7 @@ fn chain_of(arm: &RigidArm) -> DrivingAxisChain {
         base_link: "l0".to_owned(),
         tip_link: format!("l{}", joints.len()),
         tip_in_e: nalgebra::Isometry3::identity(),
+        base_shapes: Vec::new(),
         locked: std::collections::BTreeMap::new(),
         base_from_e0: nalgebra::Isometry3::identity(),
         gravity_base: arm.gravity_e0,

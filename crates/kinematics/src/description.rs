@@ -1,6 +1,8 @@
 //! The checked content of a URDF file: a tree of links and joints, before any chain is chosen.
 
-use crate::Warning;
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
+
+use crate::{CollisionShape, Warning};
 
 /// A URDF that has been read and checked: one root, unique names, every number finite.
 ///
@@ -30,6 +32,8 @@ pub struct LinkDescription {
     pub name: String,
     /// The `<inertial>` element; `None` when the file has none (the link then has no mass).
     pub inertial: Option<InertialDescription>,
+    /// Shapes for collisions, in the frame of the link.
+    pub collisions: Vec<CollisionShape>,
     /// Line in the file, from 1.
     pub line: u32,
 }
@@ -140,4 +144,13 @@ pub struct IgnoredElement {
     pub tag: String,
     /// Line in the file, from 1.
     pub line: u32,
+}
+
+/// Fixed-axis roll, pitch, yaw as in URDF: `Rz(yaw) Ry(pitch) Rx(roll)`.
+pub(crate) fn pose(xyz: [f64; 3], rpy: [f64; 3]) -> Isometry3<f64> {
+    let rotation = Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]);
+    Isometry3::from_parts(
+        Translation3::new(xyz[0], xyz[1], xyz[2]),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    )
 }

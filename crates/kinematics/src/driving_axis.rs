@@ -17,7 +17,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 
 use crate::serial_chain::{NEARLY, nearest_twelfth, snapped};
 use crate::{
-    IgnoredElement, InertialParameters, JointDynamics, JointKind, JointLimits, SerialChain, Warning,
+    CollisionShape, IgnoredElement, InertialParameters, JointDynamics, JointKind, JointLimits,
+    SerialChain, Warning,
 };
 
 /// Two directions are parallel when `|z_i × z_j|` is at most this \[rad\].
@@ -82,6 +83,8 @@ pub struct DrivingAxisJoint {
     pub body_links: Vec<String>,
     /// Pose of that link's URDF frame in `E_i`.
     pub child_link_in_e: Isometry3<f64>,
+    /// Shapes of those links, in `E_i`; none in a chain that was not read from a URDF.
+    pub shapes: Vec<CollisionShape>,
     /// Limits of the URDF.
     pub limits: JointLimits,
     /// Damping and friction of the URDF.
@@ -103,6 +106,8 @@ pub struct DrivingAxisChain {
     pub tip_link: String,
     /// Pose of the tip link frame in `E_n` (all joints before it at 0).
     pub tip_in_e: Isometry3<f64>,
+    /// Shapes of the links that do not move, in the base link frame.
+    pub base_shapes: Vec<CollisionShape>,
     /// Locked movable joints and their positions \[rad or m\].
     pub locked: BTreeMap<String, f64>,
     /// Pose of `E_0` in the base link.
@@ -167,6 +172,7 @@ impl DrivingAxisChain {
                     child_link: joint.child_link.clone(),
                     body_links: joint.body_links.clone(),
                     child_link_in_e,
+                    shapes: joint.shapes.iter().map(|s| s.moved(&child_link_in_e)).collect(),
                     limits: joint.limits,
                     dynamics: joint.dynamics,
                 }
@@ -178,6 +184,7 @@ impl DrivingAxisChain {
             base_link: chain.base_link.clone(),
             tip_link: chain.tip_link.clone(),
             tip_in_e: placed.poses[n - 1].inverse() * chain.base_from_tip,
+            base_shapes: chain.base_shapes.clone(),
             locked: chain.locked.clone(),
             base_from_e0,
             gravity_base: chain.gravity_base,

@@ -14,6 +14,7 @@
 //! ```
 
 mod chain_error;
+mod collision;
 mod description;
 mod driving_axis;
 mod error;
@@ -24,6 +25,7 @@ mod urdf;
 mod warning;
 
 pub use chain_error::ChainError;
+pub use collision::{CollisionGeometry, CollisionShape};
 pub use description::{
     IgnoredElement, InertialDescription, JointDescription, JointDynamics, JointLimits,
     LinkDescription, Mimic, RobotDescription, UrdfJointType,

@@ -4,11 +4,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
+use crate::description::pose;
 use crate::{
-    ChainError, IgnoredElement, InertialParameters, JointDynamics, JointLimits, RobotDescription,
-    UrdfJointType, Warning,
+    ChainError, CollisionShape, IgnoredElement, InertialParameters, JointDynamics, JointLimits,
+    RobotDescription, UrdfJointType, Warning,
 };
 
 /// Part of the robot that is the arm, and positions of the locked joints.
@@ -86,6 +87,8 @@ pub struct ChainJoint {
     pub body_in_child: InertialParameters,
     /// Names of those links, file order.
     pub body_links: Vec<String>,
+    /// Shapes of those links, in the child link frame.
+    pub shapes: Vec<CollisionShape>,
     /// Limits of the URDF.
     pub limits: JointLimits,
     /// Damping and friction of the URDF.
@@ -107,6 +110,8 @@ pub struct SerialChain {
     pub base_from_tip: Isometry3<f64>,
     /// Movable joints from base to tip; never empty.
     pub joints: Vec<ChainJoint>,
+    /// Shapes of the links that do not move, in the base link frame.
+    pub base_shapes: Vec<CollisionShape>,
     /// Locked movable joints and their positions \[rad or m\].
     pub locked: BTreeMap<String, f64>,
     /// Gravity acceleration in the base link frame \[m/s2\].
@@ -130,6 +135,13 @@ impl SerialChain {
     ) -> Result<Self, ChainError> {
         Builder::new(robot, selection)?.build()
     }
+}
+
+/// Links that move as one: inertia and shapes in the frame of the first, and their indices.
+struct Glued {
+    body: InertialParameters,
+    links: Vec<usize>,
+    shapes: Vec<CollisionShape>,
 }
 
 struct Builder<'a> {
@@ -235,6 +247,7 @@ impl<'a> Builder<'a> {
         }
 
         let joints = self.lumped(&chain_joints, &locked);
+        let base_shapes = self.glued(self.base, &chain_joints, &locked).shapes;
         let base_from_tip = self.base_from_link(tip, &locked);
         self.warn_about_missed_snaps();
         for joint in &joints {
@@ -265,6 +278,7 @@ impl<'a> Builder<'a> {
             tip_link: robot.links[tip].name.clone(),
             base_from_tip,
             joints,
+            base_shapes,
             locked,
             gravity_base: Vector3::from(self.selection.gravity_base),
             ignored: robot.ignored.clone(),
@@ -436,7 +450,8 @@ impl<'a> Builder<'a> {
                 let description = &self.robot.joints[joint];
                 let base_from_joint =
                     self.base_from_link(description.parent, locked) * self.parent_from_joint(joint);
-                let (body, mut links) = self.glued(description.child, chain, locked);
+                let Glued { body, mut links, shapes } =
+                    self.glued(description.child, chain, locked);
                 links.sort_unstable();
                 ChainJoint {
                     name: description.name.clone(),
@@ -454,6 +469,7 @@ impl<'a> Builder<'a> {
                         .into_iter()
                         .map(|link| self.robot.links[link].name.clone())
                         .collect(),
+                    shapes,
                     limits: description.limits,
                     dynamics: description.dynamics,
                 }
@@ -461,18 +477,15 @@ impl<'a> Builder<'a> {
             .collect()
     }
 
-    /// Inertia of a link and all links fixed to it, in its frame, with the links' indices.
-    fn glued(
-        &self,
-        link: usize,
-        chain: &[usize],
-        locked: &BTreeMap<String, f64>,
-    ) -> (InertialParameters, Vec<usize>) {
+    /// A link and all links fixed to it.
+    fn glued(&self, link: usize, chain: &[usize], locked: &BTreeMap<String, f64>) -> Glued {
+        let mut shapes = Vec::new();
         let mut body = InertialParameters::zero();
         let mut links = Vec::new();
         let mut stack = vec![(link, Isometry3::identity())];
         while let Some((at, pose_in_link)) = stack.pop() {
             links.push(at);
+            shapes.extend(self.robot.links[at].collisions.iter().map(|s| s.moved(&pose_in_link)));
             if let Some(inertial) = &self.robot.links[at].inertial {
                 let i = inertial.inertia_kgm2;
                 let tensor = Matrix3::new(i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]);
@@ -490,7 +503,7 @@ impl<'a> Builder<'a> {
                 ));
             }
         }
-        (body, links)
+        Glued { body, links, shapes }
     }
 
     /// Warns about angles near a multiple of π/12 but outside the snapping tolerance.
@@ -527,15 +540,6 @@ pub(crate) fn nearest_twelfth(angle: f64) -> f64 {
 pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     let nearest = nearest_twelfth(angle);
     if (angle - nearest).abs() <= tolerance { nearest } else { angle }
-}
-
-/// Fixed-axis roll, pitch, yaw as in URDF: `Rz(yaw) Ry(pitch) Rx(roll)`.
-fn pose(xyz: [f64; 3], rpy: [f64; 3]) -> Isometry3<f64> {
-    let rotation = Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]);
-    Isometry3::from_parts(
-        Translation3::new(xyz[0], xyz[1], xyz[2]),
-        UnitQuaternion::from_rotation_matrix(&rotation),
-    )
 }
 
 fn turn(axis: Vector3<f64>, angle: f64) -> UnitQuaternion<f64> {

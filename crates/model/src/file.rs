@@ -325,6 +325,7 @@ impl ModelFile {
                 child_link: entry.child_link,
                 body_links: entry.body_links,
                 child_link_in_e: entry.child_link_in_e.isometry(),
+                shapes: Vec::new(),
                 limits: JointLimits {
                     lower: entry.lower,
                     upper: entry.upper,
@@ -423,6 +424,7 @@ impl ModelFile {
                 base_link: self.base_link,
                 tip_link: self.tip_link,
                 tip_in_e: self.tip_in_e.isometry(),
+                base_shapes: Vec::new(),
                 locked: self.locked,
                 base_from_e0: self.base_from_e0.isometry(),
                 gravity_base: Vector3::from(self.gravity_base),

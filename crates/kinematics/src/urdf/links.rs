@@ -5,6 +5,7 @@ use roxmltree::Node;
 
 use super::notes::{Concerned, Notes, four_digits};
 use super::pose::{UrdfVersion, read_pose};
+use super::shapes::read_shapes;
 use super::tree::{Tree, child};
 use super::xml::UrdfText;
 use crate::error::UrdfError;
@@ -48,7 +49,8 @@ pub(super) fn read_link(
             Some(inertial)
         }
     };
-    Ok(LinkDescription { name: name.to_owned(), inertial, line })
+    let collisions = read_shapes(node, name);
+    Ok(LinkDescription { name: name.to_owned(), inertial, collisions, line })
 }
 
 fn note_inertia(inertial: &InertialDescription, note: &mut impl FnMut(&'static str, String)) {

@@ -11,6 +11,7 @@ mod joints;
 mod links;
 mod notes;
 mod pose;
+mod shapes;
 mod tree;
 mod xml;
 
@@ -70,7 +71,8 @@ pub fn parse_urdf_bytes(bytes: &[u8], source: &str) -> Result<RobotDescription, 
 
 /// Reads a URDF from its text; `source` is its label in messages.
 ///
-/// Not used, and therefore not checked: shapes, materials, calibration, safety controllers.
+/// Shapes for collisions are read where they are primitives, and not checked ([`crate::CollisionGeometry::NotRead`]).
+/// Not used, and therefore not checked: visual shapes, materials, calibration, safety controllers.
 /// Elements outside links and joints are listed in [`RobotDescription::ignored`]; doubtful
 /// but usable values give [`RobotDescription::warnings`].
 ///

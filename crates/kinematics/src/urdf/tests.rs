@@ -1,4 +1,7 @@
-use crate::{JointDynamics, JointLimits, Mimic, RobotDescription, UrdfJointType, parse_urdf};
+use crate::{
+    ChainSelection, CollisionGeometry, DrivingAxisChain, JointDynamics, JointLimits, Mimic,
+    RobotDescription, SerialChain, UrdfJointType, parse_urdf,
+};
 
 const ARM: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 <!-- a joint before its links, and links not in the order of the chain -->
@@ -141,4 +144,39 @@ fn printed_numbers_parse_exactly() {
     let boom = read(&text).links[0].inertial.unwrap();
     assert_eq!(boom.mass_kg, 0.123_456_789_012_345_68);
     assert_eq!(boom.inertia_kgm2[1], -f64::MAX);
+}
+
+/// Primitives are read with their pose in the body that moves; all else is listed, and does not make the file wrong.
+#[test]
+fn collision_primitives_follow_their_link() {
+    let text = r#"<robot name="arm"><link name="base">
+        <collision><geometry><box size="2 1 0.5"/></geometry></collision></link>
+      <link name="rod">
+        <collision><origin xyz="0 0 1"/><geometry><cylinder radius="0.1" length="2"/></geometry></collision>
+        <collision><geometry><mesh filename="rod.stl"/></geometry></collision>
+        <collision><geometry><sphere radius="-1"/></geometry></collision></link>
+      <link name="tool"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+      <joint name="swing" type="continuous"><parent link="base"/><child link="rod"/>
+        <origin xyz="0 0 3"/><axis xyz="0 1 0"/></joint>
+      <joint name="flange" type="fixed"><parent link="rod"/><child link="tool"/>
+        <origin xyz="0 0 2"/></joint></robot>"#;
+    let chain = SerialChain::from_description(&read(text), &ChainSelection::default()).unwrap();
+    assert_eq!(
+        chain.base_shapes[0].geometry,
+        CollisionGeometry::Cuboid { half_edges_m: [1.0, 0.5, 0.25] }
+    );
+    let chain = DrivingAxisChain::from_chain(&chain);
+    let joint = &chain.joints[0];
+    // back in the base at q = 0
+    let place = |k: usize| {
+        let pose = chain.base_from_e0 * chain.parent_from_e(0, 0.0) * joint.shapes[k].pose;
+        pose.translation.vector.z
+    };
+    let found: Vec<(&str, &CollisionGeometry)> =
+        joint.shapes.iter().map(|s| (s.link.as_str(), &s.geometry)).collect();
+    assert_eq!(found[0], ("rod", &CollisionGeometry::Cylinder { radius_m: 0.1, length_m: 2.0 }));
+    assert_eq!(found[1], ("rod", &CollisionGeometry::NotRead("mesh".to_owned())));
+    assert_eq!(found[2], ("rod", &CollisionGeometry::NotRead("sphere".to_owned())));
+    assert_eq!(found[3], ("tool", &CollisionGeometry::Sphere { radius_m: 0.2 }));
+    assert!((place(0) - 4.0).abs() < 1e-12 && (place(3) - 5.0).abs() < 1e-12);
 }
