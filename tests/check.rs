@@ -290,6 +290,40 @@ fn low_pass_of_drives_is_no_delay() {
     assert!(string(&topic(&late, "delay")["message"]).contains("effort lag"), "{late}");
 }
 
+/// A diagnosis undoes the low-pass: it names what it names without, and predicts efforts as the drive shows them.
+#[test]
+fn diagnosis_sees_through_the_low_pass_of_drives() {
+    let case = bundled("low_pass_diagnosis");
+    let holdout = Table::read(&project("examples/ur5/holdout.csv"));
+    let diagnosed = |name: &str, change: &dyn Fn(&Table) -> Table| -> Value {
+        let files = [("train", &case.table), ("holdout", &holdout)].map(|(part, table)| {
+            let path = case.folder.join(format!("{part}_{name}.csv"));
+            change(table).write(&path);
+            path
+        });
+        let [train, holdout] = &files;
+        let args = ["diagnose", text(&case.urdf), text(train), "--holdout", text(holdout)];
+        run(&[&args[..], &["--no-replay", "--json", "-", "-q"]].concat()).fine().json()
+    };
+    let names = |found: &Value| -> Vec<String> {
+        let name = |f: &Value| format!("{} {}", string(&f["effect"]), f["joints"]);
+        let mut names: Vec<String> = list(&found["findings"]).iter().map(name).collect();
+        names.sort();
+        names
+    };
+    let as_it_is = diagnosed("as_it_is", &Table::clone);
+    let found = diagnosed("low_passed", &|table| table.low_passed(0.03));
+    assert!(as_it_is["effort_low_pass"].is_null());
+    let time_constant_s = number(&found["effort_low_pass"]["time_constant_s"]);
+    assert!((time_constant_s - 0.03).abs() < 3e-3, "{}", found["effort_low_pass"]);
+    assert_eq!(names(&found), names(&as_it_is));
+    // noise is filtered too
+    for (joint, before) in as_it_is["fit"]["holdout"]["after"].as_object().unwrap() {
+        let after = number(&found["fit"]["holdout"]["after"][joint]);
+        assert!(after < 1.1 * number(before), "{joint}: {before} to {after}");
+    }
+}
+
 /// Joints that rest or move one way, and what they leave open, are named.
 #[test]
 fn reports_poor_excitation() {

@@ -29,19 +29,21 @@ use armident_motion::BAND_HZ;
 use armident_recording::Recording;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-/// What recordings show that a model lacks, and what the selection makes of so many placebo terms.
+
+/// What recordings show that a model lacks, and what the selection makes of so many placebo terms. Efforts are those before a
+/// low-pass of the drives of this time constant \[s\]; 0 where there is none.
 ///
 /// # Errors
 /// [`DiagnoseError`].
 pub(crate) fn against_model(
-    model: &ArmModel,
-    known: Option<&KnownModel>,
+    (model, known): (&ArmModel, Option<&KnownModel>),
     recordings: &[Recording],
+    low_pass_s: f64,
     placebo_terms: Option<usize>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let compared = known.map_or(model, KnownModel::body);
     let names = names_of(compared);
-    let mut selected = selected(known, compared, &names, recordings)?;
+    let mut selected = selected(known, compared, &names, (recordings, low_pass_s))?;
     let mut diagnosis = selected.diagnosis(compared, &names)?;
     let Selected { design, selection, .. } = &mut selected;
     diagnosis.placebo = placebo_terms.map(|terms| placebo(design, selection, terms));
@@ -60,8 +62,9 @@ pub(crate) fn against_reference(
     model: &ArmModel,
     reference: &[Recording],
     recordings: &[Recording],
+    low_pass_s: f64,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let (before, narrowed_to_hz) = model_of(model, reference)?;
+    let (before, narrowed_to_hz) = model_of(model, reference, low_pass_s)?;
     let known = KnownModel::of(before);
     let body = known.body();
     let names = names_of(body);
@@ -69,7 +72,8 @@ pub(crate) fn against_reference(
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
     let all = [reference, recordings].concat();
     let (design, beyond_reference) =
-        design_of(Some(&known), body, &names, &all, band_hz)?.against_reference(reference.len());
+        design_of(Some(&known), body, &names, (&all, low_pass_s), band_hz)?
+            .against_reference(reference.len());
     let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.estimate);
     let (selection, best, errors) = with_size(&design, selection, best);
@@ -85,8 +89,9 @@ pub(crate) fn against_reference(
 fn model_of(
     model: &ArmModel,
     train: &[Recording],
+    low_pass_s: f64,
 ) -> Result<(ArmModel, Option<f64>), DiagnoseError> {
-    let selected = selected(None, model, &names_of(model), train)?;
+    let selected = selected(None, model, &names_of(model), (train, low_pass_s))?;
     let Selected { design, selection, narrowed_to_hz, .. } = &selected;
     let (problem, predicting) = selected.predicting();
     let rigid = rigid_model(model, design)?;
@@ -121,7 +126,7 @@ fn selected<'a>(
     known: Option<&'a KnownModel>,
     compared: &'a ArmModel,
     names: &[String],
-    train: &[Recording],
+    train: (&[Recording], f64),
 ) -> Result<Selected<'a>, DiagnoseError> {
     let design = design_of(known, compared, names, train, BAND_HZ)?;
     let (selection, narrow) =
@@ -356,10 +361,14 @@ fn design_of<'a>(
     known: Option<&'a KnownModel>,
     compared: &'a ArmModel,
     names: &[String],
-    recordings: &[Recording],
+    (recordings, low_pass_s): (&[Recording], f64),
     band_hz: f64,
 ) -> Result<Design<'a>, DiagnoseError> {
     let mut signals = usable_signals(names, recordings, band_hz)?;
+    if low_pass_s > 0.0 {
+        let before = signals.into_iter().map(|s| s.before_low_pass(low_pass_s));
+        signals = before.collect::<Result<_, _>>()?;
+    }
     let design = |signals| Design::new(&compared.chain, signals).with_library(&compared.library);
     let Some(known) = known else { return Ok(design(signals)) };
     signals = signals.into_iter().map(|s| known.taken_out_of(s)).collect::<Result<_, _>>()?;

@@ -3,8 +3,7 @@
 use armident_effects::{Effect, TorqueScale};
 use armident_ident::checks::Topic;
 use armident_model::ArmModel;
-use armident_motion::{BAND_HZ, before_low_pass};
-use armident_recording::{Recording, RecordingError};
+use armident_recording::Recording;
 
 use crate::checks::effort_columns::InputChecks;
 use crate::checks::usable::without_constant_efforts;
@@ -18,9 +17,6 @@ use crate::pipeline::{against_model, against_reference};
 
 /// Relative error of all links beyond which they may be anything.
 const MOST_BELIEVED: f64 = 0.2;
-
-/// Frequency up to which a low-pass of the drives is undone \[Hz\]: beyond the band in which efforts are compared.
-const CORRECTED_HZ: f64 = 1.5 * BAND_HZ;
 
 /// What a diagnosis is asked.
 #[derive(Debug, Clone, Copy)]
@@ -100,22 +96,12 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
         (Some(found), 0.0) => found.time_constant_s,
         _ => 0.0,
     };
-    let before_low_pass = |recordings: &[Recording]| -> Result<Vec<Recording>, RecordingError> {
-        recordings.iter().map(|r| before_low_pass(r, low_pass_s, CORRECTED_HZ)).collect()
-    };
-    let of = |recordings: &[Recording], reference: &[Recording]| {
-        let true_efforts = match low_pass_s {
-            0.0 => None,
-            _ => Some((before_low_pass(recordings)?, before_low_pass(reference)?)),
-        };
-        let (recordings, reference) = match &true_efforts {
-            Some((recordings, reference)) => (&recordings[..], &reference[..]),
-            None => (recordings, reference),
-        };
-        match reference {
-            [] => against_model(model, known.as_ref(), recordings, request.placebo_terms),
-            _ => against_reference(model, reference, recordings),
+    let of = |recordings: &[Recording], reference: &[Recording]| match reference {
+        [] => {
+            let given = (model, known.as_ref());
+            against_model(given, recordings, low_pass_s, request.placebo_terms)
         }
+        _ => against_reference(model, reference, recordings, low_pass_s),
     };
     let mut found = of(&recordings, &reference);
     if let Ok(diagnosis) = &found {

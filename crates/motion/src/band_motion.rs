@@ -84,7 +84,7 @@ pub struct BandMotion {
     /// The band in which efforts are compared.
     pub band: Band,
     /// below which all is compared, if the rate allows it
-    band_hz: f64,
+    pub(crate) band_hz: f64,
 }
 
 /// Noise of a recorded velocity \[rad/s or m/s\] and of its derivative in the band.

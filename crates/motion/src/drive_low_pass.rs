@@ -1,10 +1,12 @@
 //! The low-pass through which a drive reports its effort, `T dy/dt + y = effort`, and back.
 
-use armident_recording::{Recording, RecordingError};
+use std::f64::consts::TAU;
 
+use armident_recording::RecordingError;
+
+use crate::band_motion::BandMotion;
 use crate::decimate::low_pass;
 use crate::differentiate::differentiate;
-use crate::grid::EvenGrid;
 
 /// What a drive reports of an effort on an even grid, by a low-pass of first order with this time constant \[s\]; exact for an
 /// effort that is linear between its samples, and at rest before the first.
@@ -26,32 +28,33 @@ pub fn reported(effort: &[f64], rate_hz: f64, time_constant_s: f64) -> Vec<f64> 
     all
 }
 
-/// A recording with its efforts as they were before a low-pass of first order with this time constant \[s\]. Only what is below
-/// `band_hz` is corrected: above, the correction would be noise times the frequency.
-///
-/// # Errors
-/// Stamps that give no grid, a rate that allows no low-pass.
-pub fn before_low_pass(
-    recording: &Recording,
-    time_constant_s: f64,
-    band_hz: f64,
-) -> Result<Recording, RecordingError> {
-    let grid = EvenGrid::of(recording)?;
-    let filter = low_pass(band_hz, grid.rate_hz())?;
-    let mut before = recording.clone();
-    for effort in before.joints.iter_mut().filter_map(|joint| joint.effort.as_mut()) {
-        let slow = filter.filter(&grid.resample(effort));
-        let rate = grid.at_stamps(&differentiate(&slow, grid.rate_hz()));
-        effort.iter_mut().zip(&rate).for_each(|(e, rate)| *e += time_constant_s * rate);
+impl BandMotion {
+    /// With its efforts as they were before a low-pass of first order with this time constant \[s\]. Only what the comparison
+    /// sees is corrected, up to one and a half times its band: above, the correction would be noise times the frequency.
+    ///
+    /// # Errors
+    /// A rate that allows no low-pass.
+    pub fn before_low_pass(mut self, time_constant_s: f64) -> Result<Self, RecordingError> {
+        /// Where the correction ends, over the end of the band.
+        const CORRECTED: f64 = 1.5;
+        let filter = low_pass(CORRECTED * self.band_hz, self.rate_hz)?;
+        for effort in self.effort.iter_mut().filter(|effort| !effort.is_empty()) {
+            let rate = differentiate(&filter.filter(effort), self.rate_hz);
+            effort.iter_mut().zip(&rate).for_each(|(e, rate)| *e += time_constant_s * rate);
+        }
+        // the noise in the band grows with the correction, at each frequency by the same factor as the effort
+        let gain = |f_hz: f64| (TAU * f_hz * time_constant_s).powi(2) + 1.0;
+        let over = (self.band.mean_power(gain) / self.band.mean_power(|_| 1.0)).sqrt();
+        for noise in self.effort_noise.iter_mut().chain(&mut self.effort_noise_in_band) {
+            *noise *= over;
+        }
+        Ok(self)
     }
-    Ok(before)
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
-    use armident_recording::JointChannels;
+    use armident_recording::{JointChannels, Recording};
 
     use super::*;
 
@@ -76,13 +79,21 @@ mod tests {
         let rate_hz = 100.0;
         let time_s: Vec<f64> = (0..1200).map(|k| f64::from(k) / rate_hz).collect();
         let effort: Vec<f64> = time_s.iter().map(|t| (5.0 * t).sin() + (13.0 * t).cos()).collect();
-        let shown = reported(&effort, rate_hz, TIME_CONSTANT_S);
-        let joint = JointChannels { effort: Some(shown), ..JointChannels::new("elbow") };
+        let joint = JointChannels {
+            effort: Some(reported(&effort, rate_hz, TIME_CONSTANT_S)),
+            position: Some(time_s.iter().map(|t| (2.0 * t).sin()).collect()),
+            ..JointChannels::new("elbow")
+        };
         let recording = Recording::new("run", time_s, vec![joint]).unwrap();
-        let before = before_low_pass(&recording, TIME_CONSTANT_S, 15.0).unwrap();
-        let found = before.joints[0].effort.as_ref().unwrap();
+        let shown = BandMotion::below(&recording, &["elbow".to_owned()], 10.0).unwrap();
+        let noise = shown.effort_noise_in_band[0];
+        let before = shown.before_low_pass(TIME_CONSTANT_S).unwrap();
         for k in 100..1100 {
-            assert!((found[k] - effort[k]).abs() < 0.01, "{k}: {} {}", found[k], effort[k]);
+            let found = before.effort[0][k];
+            assert!((found - effort[k]).abs() < 0.01, "{k}: {found} {}", effort[k]);
         }
+        // at 10 Hz the correction is a factor of 2.1, at 0 Hz none
+        let over = before.effort_noise_in_band[0] / noise;
+        assert!((1.2..2.0).contains(&over), "{over}");
     }
 }

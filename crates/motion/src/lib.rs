@@ -76,7 +76,7 @@ pub use cutoff::{
 };
 pub use decimate::{kinematics_filter, later, low_pass};
 pub use differentiate::differentiate;
-pub use drive_low_pass::{before_low_pass, reported};
+pub use drive_low_pass::reported;
 pub use end_extension::{EndExtension, QUARTIC_TERMS, Quartics};
 pub use grid::EvenGrid;
 pub use low_pass::{

@@ -43,8 +43,8 @@ pub use results::{
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};
 pub use sections::{
-    InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult, PlaceboTest,
-    PositionErrors, PositionFit, ReferenceSpeed, ReplayPair,
+    ErrorWithoutLaw, InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult,
+    PlaceboTest, PositionErrors, PositionFit, ReferenceSpeed, ReplayPair,
 };
 pub use text::text_of_sections;
 pub use words::{capital, counted, effect_at, effect_label, location, parameter_label, sentence};

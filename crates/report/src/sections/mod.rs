@@ -8,8 +8,8 @@ mod model;
 mod validate;
 
 pub use diagnosis::{
-    InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult, PlaceboTest,
-    PositionErrors, PositionFit, ReferenceSpeed, ReplayPair,
+    ErrorWithoutLaw, InconclusiveChange, InconclusiveChanges, MinimalSetEstimate, NextMotionResult,
+    PlaceboTest, PositionErrors, PositionFit, ReferenceSpeed, ReplayPair,
 };
 
 use crate::results::{CheckReport, IdentifyReport, ValidateReport};

@@ -21,7 +21,7 @@ pub use inconclusive_changes::{InconclusiveChange, InconclusiveChanges};
 pub use minimal_set::MinimalSetEstimate;
 pub use next_motion::NextMotionResult;
 pub use placebo::PlaceboTest;
-pub use position_error::{PositionErrors, PositionFit};
+pub use position_error::{ErrorWithoutLaw, PositionErrors, PositionFit};
 pub use reference_speed::ReferenceSpeed;
 pub use replay::ReplayPair;
 pub(super) use residual_map::ResidualMap;

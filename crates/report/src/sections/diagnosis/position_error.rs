@@ -1,6 +1,6 @@
 //! Position errors of a diagnosis from commands.
 
-use armident_ident::ServoJointFit;
+use armident_ident::{ServoJointFit, ServoParameter};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +18,51 @@ pub struct PositionErrors {
     pub after: ByJoint,
 }
 
+/// Position error of a joint without a law, all others fitted again, over that with it. Errors count by their logarithm where they
+/// are large, as in the fit.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct ErrorWithoutLaw {
+    /// Joint.
+    pub joint: String,
+    /// `sag` (weight that no controller carries), `delay`, `damping`, `dry_friction`, `static_friction`, `load_friction`, `offset` or
+    /// `inertia`.
+    pub law: String,
+    /// On the training recordings.
+    pub train: f64,
+    /// On the hold-out; `null` without one.
+    pub holdout: Option<f64>,
+}
+
+const LAWS: [(ServoParameter, &str); 8] = [
+    (ServoParameter::Compliance, "sag"),
+    (ServoParameter::Delay, "delay"),
+    (ServoParameter::Damping, "damping"),
+    (ServoParameter::DryFriction, "dry_friction"),
+    (ServoParameter::StaticExcess, "static_friction"),
+    (ServoParameter::LoadFriction, "load_friction"),
+    (ServoParameter::Offset, "offset"),
+    (ServoParameter::Inertia, "inertia"),
+];
+
+fn without_laws(joints: &[ServoJointFit]) -> Vec<ErrorWithoutLaw> {
+    let mut all = Vec::new();
+    for fit in joints {
+        for (parameter, law) in LAWS {
+            let ablation = fit.ablations.iter().find(|without| without.parameter == parameter);
+            let Some(ablation) = ablation else { continue };
+            let ratio = |[with, without]: [f64; 2]| without / with.max(f64::MIN_POSITIVE);
+            all.push(ErrorWithoutLaw {
+                joint: fit.joint.clone(),
+                law: law.to_owned(),
+                train: ratio(ablation.train),
+                holdout: ablation.holdout.map(ratio),
+            });
+        }
+    }
+    all
+}
+
 /// How positions follow from commands. With commands instead of efforts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -26,6 +71,8 @@ pub struct PositionFit {
     pub train: PositionErrors,
     /// Of the hold-out; `null` without `--holdout`.
     pub holdout: Option<PositionErrors>,
+    /// What each law is worth.
+    pub without: Vec<ErrorWithoutLaw>,
     /// Joints whose recorded current is a magnitude.
     pub currents_without_sign: Vec<String>,
     /// Joints whose stiffness no motion determines: their friction is known over it.
@@ -54,6 +101,7 @@ impl PositionFit {
                 before: all(&|fit| fit.command_error[1].clone()),
                 after: all(&|fit| fit.holdout.clone()),
             }),
+            without: without_laws(joints),
             currents_without_sign: magnitudes.to_vec(),
             stiffness_not_determined: open.map(|fit| fit.joint.clone()).collect(),
         }
@@ -87,6 +135,7 @@ impl SectionData for PositionFit {
             Block::heading_with_note(format!("Position error on the {on}"), note),
             Block::Table(table.with(rows)),
         ];
+        blocks.extend(self.worth(result, on));
         if !self.stiffness_not_determined.is_empty() {
             blocks.push(Block::Paragraph(format!(
                 "The stiffness of {} is not identifiable: the weight on the joint moves it too little, and commands give only \
@@ -101,5 +150,36 @@ impl SectionData for PositionFit {
             )));
         }
         blocks
+    }
+}
+
+impl PositionFit {
+    /// How much larger the error of each joint is without each law.
+    fn worth(&self, result: &DiagnoseReport, on: &str) -> Vec<Block> {
+        if self.without.is_empty() {
+            return Vec::new();
+        }
+        let titles: Vec<String> = LAWS.iter().map(|(_, law)| law.replace('_', " ")).collect();
+        let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
+        let rows = result.joints.iter().map(|joint| {
+            let of = |law: &str| {
+                let one = self.without.iter().find(|one| one.joint == *joint && one.law == law);
+                let percent = one.map(|one| 100.0 * (one.holdout.unwrap_or(one.train) - 1.0));
+                percent.map_or_else(String::new, |p| format!("{p:.0} %"))
+            };
+            std::iter::once(joint.clone()).chain(LAWS.iter().map(|(_, law)| of(law))).collect()
+        });
+        let rows: Vec<Vec<String>> = rows.collect();
+        vec![
+            Block::heading_with_note(
+                "What each law is worth",
+                format!(
+                    "increase of the position error on the {on} without it, all others fitted again"
+                ),
+            ),
+            Block::Table(
+                Table::new("", &["joint"]).numbers(&titles).with(rows).without_empty_columns(),
+            ),
+        ]
     }
 }
