@@ -82,14 +82,18 @@ impl Table {
         table
     }
 
-    /// Efforts through a low-pass of first order; the samples are close beside its time constant \[s\].
+    /// Efforts through a low-pass of first order of this time constant \[s\], on straight lines between the samples.
     fn low_passed(&self, time_constant_s: f64) -> Self {
         let mut table = self.clone();
         for k in self.of("/effort") {
-            let effort = &mut table.columns[k];
+            let (effort, time) = (&self.columns[k], &self.columns[0]);
             for t in 1..effort.len() {
-                let kept = (-(self.columns[0][t] - self.columns[0][t - 1]) / time_constant_s).exp();
-                effort[t] = kept * effort[t - 1] + (1.0 - kept) * effort[t];
+                let steps = (time[t] - time[t - 1]) / time_constant_s;
+                let kept = (-steps).exp();
+                let of_slope = 1.0 - (1.0 - kept) / steps;
+                table.columns[k][t] = kept * table.columns[k][t - 1]
+                    + (1.0 - kept) * effort[t - 1]
+                    + of_slope * (effort[t] - effort[t - 1]);
             }
         }
         table

@@ -18,7 +18,7 @@ pub struct InferredDriveGain {
     pub joint: String,
     /// What was recorded: `current` or `voltage`.
     pub quantity: &'static str,
-    /// Effort over what was recorded \[N m/A, N/A, N m/V or N/V\], as the believed arm's masses ask for.
+    /// Effort over what was recorded \[N m/A, N/A, N m/V or N/V\], by the masses of the given arm.
     pub gain: f64,
     /// Its 95 % interval.
     pub interval_95: [f64; 2],

@@ -73,8 +73,7 @@ struct JointFindings<'a> {
 
 impl JointFindings<'_> {
     fn all(&self) -> Vec<Finding> {
-        let controller = [ServoParameter::Compliance, ServoParameter::Delay];
-        let mut found: Vec<Finding> = self.controller(&controller).into_iter().collect();
+        let mut found: Vec<Finding> = self.controller().into_iter().collect();
         let dry = match self.value(ServoParameter::StaticExcess) {
             Some(_) => ServoParameter::StaticExcess,
             None => ServoParameter::DryFriction,
@@ -96,14 +95,19 @@ impl JointFindings<'_> {
         self.fit.values.iter().find(|value| value.parameter == parameter)
     }
 
-    fn ablation(&self, parameter: ServoParameter) -> Option<&ServoAblation> {
-        self.fit.ablations.iter().find(|without| without.parameter == parameter)
+    fn ablation(&self, parameters: &[ServoParameter]) -> Option<&ServoAblation> {
+        self.fit.ablations.iter().find(|without| without.parameters == parameters)
     }
 
     /// Over two standard errors; none where these are not known.
     fn size(&self, parameter: ServoParameter) -> Option<f64> {
         let value = self.value(parameter)?;
         Some(value.value.abs() / (DEVIATIONS * value.standard_error?))
+    }
+
+    /// Of the parameter that is known best.
+    fn size_of(&self, parameters: &[ServoParameter]) -> Option<f64> {
+        parameters.iter().filter_map(|p| self.size(*p)).max_by(f64::total_cmp)
     }
 
     fn materiality(&self, ablation: &ServoAblation) -> Materiality {
@@ -122,18 +126,18 @@ impl JointFindings<'_> {
     fn finding(
         &self,
         law: &dyn Effect,
-        shown_by: &[ServoParameter],
+        shown_by: &[&[ServoParameter]],
         parameters: BTreeMap<&'static str, Value>,
         alternatives: Vec<Alternative>,
     ) -> Option<Finding> {
-        let judged = |parameter: &ServoParameter| {
-            let ablation = self.ablation(*parameter)?;
+        let judged = |of: &&[ServoParameter]| {
+            let ablation = self.ablation(of)?;
             let gains = &ablation.block_gains;
             let p = student_t_tail(paired_t(gains), gains.len().saturating_sub(1) as f64);
             if p.is_nan() || p > LEVEL {
                 return None;
             }
-            let (materiality, size) = (self.materiality(ablation), self.size(*parameter));
+            let (materiality, size) = (self.materiality(ablation), self.size_of(of));
             let alone =
                 Evidence { materiality: &materiality, size, left: None, behind: Vec::new() };
             let [with, without] = ablation.holdout.unwrap_or([0.0, 1.0]);
@@ -172,7 +176,7 @@ impl JointFindings<'_> {
         })
     }
 
-    fn controller(&self, shown_by: &[ServoParameter]) -> Option<Finding> {
+    fn controller(&self) -> Option<Finding> {
         let mut parameters = BTreeMap::new();
         let term = self.model.model.servos.iter().find(|term| term.joint == self.fit.joint)?;
         let units = PositionControl.law().parameters;
@@ -195,8 +199,15 @@ impl JointFindings<'_> {
             let stderr = lag.interval_95.map(|[low, high]| (high - low) / (2.0 * 1.96));
             put("lag", lag.value_s, stderr, "s");
         }
+        // a lag that the delay or the damping alone explains may be either
+        let lag = [ServoParameter::Delay, ServoParameter::Damping];
+        let alone: [&[ServoParameter]; 2] = [&[ServoParameter::Compliance], &lag[..1]];
+        let by_lag: [&[ServoParameter]; 1] = [&lag];
         let alternatives = self.lag_by(&ViscousFriction);
-        self.finding(&PositionControl, shown_by, parameters, alternatives)
+        self.finding(&PositionControl, &alone, parameters.clone(), alternatives).or_else(|| {
+            let either = vec![self.alternative(&ViscousFriction)];
+            self.finding(&PositionControl, &by_lag, parameters, either)
+        })
     }
 
     /// The other law of a lag, where the recordings do not separate delay and damping.
@@ -232,7 +243,7 @@ impl JointFindings<'_> {
             ServoParameter::Damping => self.lag_by(&PositionControl),
             _ => Vec::new(),
         };
-        self.finding(law, &[parameter], self.parameters(law, parameter)?, alternatives)
+        self.finding(law, &[&[parameter]], self.parameters(law, parameter)?, alternatives)
     }
 
     fn parameters(

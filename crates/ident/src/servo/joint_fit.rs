@@ -91,8 +91,8 @@ pub struct ServoValue {
 /// RMS errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoAblation {
-    /// Without this; of dry friction without its static part too.
-    pub parameter: ServoParameter,
+    /// Without these: one, or delay and damping, which make up a lag together; of dry friction without its static part too.
+    pub parameters: Vec<ServoParameter>,
     /// Training recordings: with it, without it.
     pub train: [f64; 2],
     /// Logarithm of the squared size without it over that with it, in each block of the training recordings.
@@ -370,18 +370,19 @@ pub(super) fn ablations(
     let with = sizes(&found.x);
     let is_own = |p: &&ServoParameter| **p != ServoParameter::StribeckVelocity;
     let own: Vec<ServoParameter> = found.free.iter().filter(is_own).copied().collect();
-    let without = |parameter: &ServoParameter| {
+    let lag = [ServoParameter::Delay, ServoParameter::Damping];
+    let sets: Vec<Vec<ServoParameter>> =
+        own.iter().map(|p| vec![*p]).chain(std::iter::once(lag.to_vec())).collect();
+    let without = |parameters: &Vec<ServoParameter>| {
+        let has = |of: &[ServoParameter]| of.iter().any(|p| parameters.contains(p));
         let static_part = [ServoParameter::StaticExcess, ServoParameter::StribeckVelocity];
         let goes = |p: &ServoParameter| {
-            p == parameter
+            parameters.contains(p)
                 || static_part.contains(p)
-                    && matches!(
-                        parameter,
-                        ServoParameter::DryFriction | ServoParameter::StaticExcess
-                    )
+                    && has(&[ServoParameter::DryFriction, ServoParameter::StaticExcess])
         };
         let mut x = found.x;
-        x[*parameter as usize] = 0.0;
+        parameters.iter().for_each(|p| x[*p as usize] = 0.0);
         if goes(&ServoParameter::StaticExcess) {
             x[ServoParameter::StaticExcess as usize] = 0.0;
         }
@@ -391,13 +392,13 @@ pub(super) fn ablations(
         let gain =
             |(with, without): (&f64, &f64)| 2.0 * (without.max(least) / with.max(least)).ln();
         ServoAblation {
-            parameter: *parameter,
+            parameters: parameters.clone(),
             train: [with.0, train],
             block_gains: with.1.iter().zip(&blocks).map(gain).collect(),
             holdout: with.2.zip(holdout).map(|(with, without)| [with, without]),
         }
     };
-    own.par_iter().map(without).collect()
+    sets.par_iter().map(without).collect()
 }
 
 /// A minimum of the cost.

@@ -25,7 +25,7 @@ pub struct PositionErrors {
 pub struct ErrorWithoutLaw {
     /// Joint.
     pub joint: String,
-    /// `sag` (weight that no controller carries), `delay`, `damping`, `dry_friction`, `static_friction`, `load_friction`, `offset` or
+    /// `sag` (weight that no controller carries), `delay`, `damping`, `lag` (both), `dry_friction`, `static_friction`, `load_friction`, `offset` or
     /// `inertia`.
     pub law: String,
     /// On the training recordings.
@@ -34,22 +34,23 @@ pub struct ErrorWithoutLaw {
     pub holdout: Option<f64>,
 }
 
-const LAWS: [(ServoParameter, &str); 8] = [
-    (ServoParameter::Compliance, "sag"),
-    (ServoParameter::Delay, "delay"),
-    (ServoParameter::Damping, "damping"),
-    (ServoParameter::DryFriction, "dry_friction"),
-    (ServoParameter::StaticExcess, "static_friction"),
-    (ServoParameter::LoadFriction, "load_friction"),
-    (ServoParameter::Offset, "offset"),
-    (ServoParameter::Inertia, "inertia"),
+const LAWS: [(&[ServoParameter], &str); 9] = [
+    (&[ServoParameter::Compliance], "sag"),
+    (&[ServoParameter::Delay, ServoParameter::Damping], "lag"),
+    (&[ServoParameter::Delay], "delay"),
+    (&[ServoParameter::Damping], "damping"),
+    (&[ServoParameter::DryFriction], "dry_friction"),
+    (&[ServoParameter::StaticExcess], "static_friction"),
+    (&[ServoParameter::LoadFriction], "load_friction"),
+    (&[ServoParameter::Offset], "offset"),
+    (&[ServoParameter::Inertia], "inertia"),
 ];
 
 fn without_laws(joints: &[ServoJointFit]) -> Vec<ErrorWithoutLaw> {
     let mut all = Vec::new();
     for fit in joints {
-        for (parameter, law) in LAWS {
-            let ablation = fit.ablations.iter().find(|without| without.parameter == parameter);
+        for (parameters, law) in LAWS {
+            let ablation = fit.ablations.iter().find(|without| without.parameters == parameters);
             let Some(ablation) = ablation else { continue };
             let ratio = |[with, without]: [f64; 2]| without / with.max(f64::MIN_POSITIVE);
             all.push(ErrorWithoutLaw {
