@@ -3,11 +3,12 @@
 //! Method: likelihood of the free model of each joint with the efforts before a low-pass of first order, `e + T de/dt`, over the
 //! time constant `T`. The correction amplifies noise by `sqrt(1 + (wT)^2)` at the frequency `w`; the logarithm of that, averaged
 //! over the band of the fit, makes the likelihoods of two time constants comparable (the Jacobian of the correction). Interval: by
-//! the curvature, and by how the joints disagree, as of a [delay](super::delay).
+//! the curvature, and by how the joints disagree, as of a [delay](super::delay). It must explain clearly more than any delay, on the
+//! joints together and by the paired t over the joints.
 //! References: L. Ljung, System Identification, 2nd ed. (1999), section 7.4, for prefilters and their likelihood.
 
 use armident_effects::ReversalModel;
-use armident_inference::student_t_975;
+use armident_inference::{paired_t, student_t_975};
 use armident_motion::{Motion, differentiate};
 use armident_numeric::{AccumulatedQr, NumericError};
 
@@ -59,6 +60,38 @@ fn independent(rows: &AccumulatedQr, columns: &[usize]) -> Vec<usize> {
     (0..columns.len()).filter(is_own).map(|k| columns[k]).collect()
 }
 
+/// What the terms of a joint leave of its effort at each shift.
+struct DelayedJoint {
+    freedom: f64,
+    left: Vec<Vec<f64>>,
+}
+
+impl DelayedJoint {
+    /// Logarithm of the likelihood at a place between the shifts over that without a delay; the effort between three shifts is the
+    /// parabola through them.
+    fn log_likelihood(&self, place: f64) -> f64 {
+        let middle = (place.round() as usize).clamp(1, self.left.len() - 2);
+        let x = place - middle as f64;
+        let weights = [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)];
+        let squares: f64 = (0..self.left[middle].len())
+            .map(|i| (0..3).map(|k| weights[k] * self.left[middle + k - 1][i]).sum::<f64>().powi(2))
+            .sum();
+        let without: f64 = self.left[SHIFTS_ASIDE].iter().map(|x| x * x).sum();
+        -0.5 * self.freedom * (squares / without).ln()
+    }
+}
+
+/// Logarithm of the likelihood of each joint at the delay that is best for all, over that without a delay.
+fn best_delay(joints: &[DelayedJoint]) -> Vec<f64> {
+    /// Places between two shifts that are tried: of 0.1 ms, beside noise nothing.
+    const PLACES: usize = 38;
+    let at = |k: usize| k as f64 / PLACES as f64;
+    let total = |k: &usize| joints.iter().map(|joint| joint.log_likelihood(at(*k))).sum::<f64>();
+    let most = 2 * SHIFTS_ASIDE * PLACES;
+    let best = (0..=most).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or_default();
+    joints.iter().map(|joint| joint.log_likelihood(at(best))).collect()
+}
+
 /// The low-pass that explains the efforts clearly better than nothing and than any delay; none where there is none.
 /// `cutoff_hz`: that of the fit \[Hz\].
 pub(super) fn effort_low_pass(
@@ -70,7 +103,7 @@ pub(super) fn effort_low_pass(
     let step_s = shifts[SHIFTS_ASIDE + 1] - shifts[SHIFTS_ASIDE - 1];
     let tried: Vec<f64> = (0..TRIED).map(|k| LONGEST_S * k as f64 / (TRIED - 1) as f64).collect();
     let mut log_likelihood: Vec<Vec<f64>> = Vec::new();
-    let mut of_delays = vec![0.0; shifts.len()];
+    let mut of_delays: Vec<DelayedJoint> = Vec::new();
     for (joint, _) in rows.iter().zip(is_silent).filter(|(_, silent)| !**silent) {
         let own: Vec<usize> = (0..joint.terms).collect();
         let own = independent(&joint.triangle, &own);
@@ -97,9 +130,7 @@ pub(super) fn effort_low_pass(
         if own.iter().any(|l| !l.is_finite()) {
             continue;
         }
-        for (k, sum) in of_delays.iter_mut().enumerate() {
-            *sum -= 0.5 * freedom * (squares(&left(k)) / squares(&effort)).ln();
-        }
+        of_delays.push(DelayedJoint { freedom, left: (0..shifts.len()).map(left).collect() });
         log_likelihood.push(own);
     }
     let joints = log_likelihood.len();
@@ -125,8 +156,16 @@ pub(super) fn effort_low_pass(
     let half = (1.96 / steepness.sqrt()).max(by_joints);
     let time_constant_s = tried[best] + off;
     let evidence = 2.0 * (total[best] - total[0]);
-    let of_best_delay = 2.0 * of_delays.iter().copied().fold(0.0, f64::max);
-    let is_clear = evidence > CLEARLY && evidence - of_best_delay > CLEARLY;
+    let delayed = best_delay(&of_delays);
+    // what one joint alone shows is its own physics: the joints must agree that it is no delay
+    let over_delay: Vec<f64> = log_likelihood
+        .iter()
+        .zip(&delayed)
+        .map(|(own, delayed)| own[best] - own[0] - delayed)
+        .collect();
+    let agree = paired_t(&over_delay) > student_t_975((joints - 1) as f64);
+    let of_best_delay = 2.0 * delayed.iter().sum::<f64>();
+    let is_clear = agree && evidence > CLEARLY && evidence - of_best_delay > CLEARLY;
     (is_clear && time_constant_s > half).then_some(EffortLowPass {
         time_constant_s,
         interval_95_s: [time_constant_s - half, time_constant_s + half],
