@@ -96,6 +96,7 @@ class DiagnoseReport:
     comparison_bandwidth_hz: ComparisonBandwidth
     constants: MinimalSetEstimate
     coulomb_regularised_below: RegularisedCoulomb
+    effort_low_pass: LowPassedEfforts
     effort_noise: dict[str, float | None]
     """Standard deviation of one recorded effort sample, by joint [N m or N]."""
     findings: list[FindingRow]
@@ -114,6 +115,7 @@ class DiagnoseReport:
     next_motion: NextMotionResult
     placebo: PlaceboTest
     placeholder_links: PlaceholderLinks
+    position_fit: PositionFit
     presliding_travel: Presliding
     prior_scale: float
     """Relative standard deviation of the given model's inertias that makes the recordings most likely."""
@@ -240,7 +242,7 @@ class CheckRow(Fields):
     verdict: CheckVerdict
     """The verdict."""
 
-CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["order"] | Literal["gravity"] | Literal["joint_sign"] | Literal["delay"] | Literal["excitation"] | Literal["quality"]
+CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["order"] | Literal["gravity"] | Literal["joint_sign"] | Literal["delay"] | Literal["excitation"] | Literal["quality"] | Literal["command"]
 
 CheckVerdict = Literal["ok"] | Literal["cannot_tell"] | Literal["doubtful"] | Literal["wrong"]
 
@@ -408,6 +410,18 @@ class EndogeneityRow(Fields):
     term: str
     """Parameter with the largest shift."""
 
+class ErrorWithoutLaw(Fields):
+    """Position error of a joint without a law, all others fitted again, over that with it. Errors count by their logarithm where they are large, as in the fit."""
+
+    holdout: float | None
+    """On the hold-out; `null` without one."""
+    joint: str
+    """Joint."""
+    law: str
+    """`sag` (weight that no controller carries), `delay`, `damping`, `lag` (both), `dry_friction`, `static_friction`, `load_friction`, `offset` or `inertia`."""
+    train: float
+    """On the training recordings."""
+
 class EstimateRow(Fields):
     """A parameter with its standard error."""
 
@@ -528,6 +542,16 @@ class JointResiduals(Fields):
     whiteness_p: float
     """p-value of the Ljung-Box test of the diagnosed model's residual; `null` where it could not be determined."""
 
+class LowPassedEfforts(Fields):
+    """Low-pass of first order of all recorded efforts: it is undone before the fit, and predictions go through it."""
+
+    cutoff_hz: float
+    """Cut-off [Hz]."""
+    interval_95_s: list[float]
+    """95 % interval of the time constant [s]."""
+    time_constant_s: float
+    """Time constant [s]."""
+
 class MergedRow(Fields):
     """A parameter that is not separately identifiable on this arm."""
 
@@ -577,6 +601,28 @@ class PlaceboTest(Fields):
     """Wrong terms tried."""
 
 PlaceholderLinks = list[str]
+
+class PositionErrors(Fields):
+    """Root mean square position errors over all recordings of a kind, by joint [rad or m]."""
+
+    after: dict[str, float | None]
+    """Simulated from the commands by the diagnosed model."""
+    before: dict[str, float | None]
+    """Command minus position."""
+
+class PositionFit(Fields):
+    """How positions follow from commands. With commands instead of efforts."""
+
+    currents_without_sign: list[str]
+    """Joints whose recorded current is a magnitude."""
+    holdout: PositionErrors | None
+    """Of the hold-out; `null` without `--holdout`."""
+    stiffness_not_determined: list[str]
+    """Joints whose stiffness no motion determines: their friction is known over it."""
+    train: PositionErrors
+    """Of the training recordings."""
+    without: list[ErrorWithoutLaw]
+    """What each law is worth."""
 
 Presliding = dict[str, float | None]
 
