@@ -6,13 +6,13 @@
 use std::collections::BTreeMap;
 
 use armident_effects::ReversalModel;
-use armident_inference::student_t_975;
 use armident_motion::{Motion, MotionSettings};
 use armident_numeric::{AccumulatedQr, NumericError};
 use armident_recording::{Quantity, Recording, Timing};
 
 use super::arm_columns::JointMap;
 use super::excitation::activity;
+use super::likelihood_top::Top;
 use super::rows::{self, ChannelRows, SHIFTS_ASIDE, shifts_s};
 use crate::regression::{BatchProblem, RANK_CUT};
 
@@ -169,12 +169,7 @@ impl Delay {
 }
 
 /// Finds the shift of the efforts at which the free model of each joint, friction included, has the smallest
-/// residual; the likelihood of all joints together is a parabola near its maximum. None where it has no maximum
-/// within the range of shifts.
-///
-/// The half-width of the interval is the larger one of that by the curvature, and of that by how the
-/// joints disagree (sandwich over joints, quantile of Student's t): unmodelled physics pulls each joint
-/// its own way, a delay pulls all of them.
+/// residual. None where the likelihood of all joints together has no maximum within the range of shifts.
 pub(super) fn delay(rows: &[ChannelRows], is_silent: &[bool]) -> Option<Delay> {
     let shifts = shifts_s();
     let step = shifts[1] - shifts[0];
@@ -195,35 +190,10 @@ pub(super) fn delay(rows: &[ChannelRows], is_silent: &[bool]) -> Option<Delay> {
         }
         log_likelihood.push(left.iter().map(|l| -0.5 * freedom * l.ln()).collect());
     }
-    let joints = log_likelihood.len();
-    let total: Vec<f64> =
-        (0..shifts.len()).map(|k| log_likelihood.iter().map(|l| l[k]).sum()).collect();
-    let best = (0..shifts.len()).max_by(|&a, &b| total[a].total_cmp(&total[b]))?;
-    if joints == 0 || best == 0 || best + 1 == shifts.len() {
-        return None;
-    }
-    let slope = |l: &[f64]| (l[best + 1] - l[best - 1]) / (2.0 * step);
-    let curvature = |l: &[f64]| (l[best + 1] - 2.0 * l[best] + l[best - 1]) / (step * step);
-    let steepness = -curvature(&total);
-    if steepness.is_nan() || steepness <= 0.0 {
-        return None;
-    }
-    let off = slope(&total) / steepness;
-    let top = total[best] + 0.5 * steepness * off * off;
-    // slopes of the joints at the common top add up to zero
-    let disagreement: f64 =
-        log_likelihood.iter().map(|l| (slope(l) + curvature(l) * off).powi(2)).sum();
-    let by_curvature = 1.96 / steepness.sqrt();
-    let by_joints = if joints > 1 {
-        let of_mean = joints as f64 / (joints - 1) as f64;
-        student_t_975((joints - 1) as f64) * (of_mean * disagreement).sqrt() / steepness
-    } else {
-        0.0
-    };
-    let half = by_curvature.max(by_joints);
+    let Top { best, off, half, total, height } = Top::of(&log_likelihood, step)?;
     let delay_s = shifts[best] + off;
     let freedom: f64 = rows.iter().map(|r| (r.effective - r.terms as f64).max(1.0)).sum::<f64>();
-    let evidence = 2.0 * (top - total[SHIFTS_ASIDE]);
+    let evidence = 2.0 * (height - total[SHIFTS_ASIDE]);
     Some(Delay {
         delay_s,
         interval_95_s: [delay_s - half, delay_s + half],

@@ -3,16 +3,15 @@
 //! Method: likelihood of the free model of each joint with the efforts before a low-pass of first order, `e + T de/dt`, over the
 //! time constant `T`. The correction amplifies noise by `sqrt(1 + (wT)^2)` at the frequency `w`; the logarithm of that, averaged
 //! over the band of the fit, makes the likelihoods of two time constants comparable (the Jacobian of the correction). Interval: by
-//! the curvature, and by how the joints disagree, as of a [delay](super::delay). It must explain clearly more than any delay, on the
-//! joints together and by the paired t over the joints.
+//! the curvature, and by how the joints disagree, as of a [delay](super::delay). It must explain clearly more than any delay.
 //! References: L. Ljung, System Identification, 2nd ed. (1999), section 7.4, for prefilters and their likelihood.
 
 use armident_effects::ReversalModel;
-use armident_inference::{paired_t, student_t_975};
 use armident_motion::{Motion, differentiate};
 use armident_numeric::{AccumulatedQr, NumericError};
 
 use super::excitation::activity;
+use super::likelihood_top::Top;
 use super::rows::{ChannelRows, SHIFTS_ASIDE, shifts_s};
 use crate::regression::{BatchProblem, RANK_CUT};
 
@@ -81,15 +80,13 @@ impl DelayedJoint {
     }
 }
 
-/// Logarithm of the likelihood of each joint at the delay that is best for all, over that without a delay.
-fn best_delay(joints: &[DelayedJoint]) -> Vec<f64> {
+/// Logarithm of the likelihood of all joints at the delay that is best for them, over that without a delay.
+fn best_delay(joints: &[DelayedJoint]) -> f64 {
     /// Places between two shifts that are tried: of 0.1 ms, beside noise nothing.
     const PLACES: usize = 38;
     let at = |k: usize| k as f64 / PLACES as f64;
-    let total = |k: &usize| joints.iter().map(|joint| joint.log_likelihood(at(*k))).sum::<f64>();
-    let most = 2 * SHIFTS_ASIDE * PLACES;
-    let best = (0..=most).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or_default();
-    joints.iter().map(|joint| joint.log_likelihood(at(best))).collect()
+    let total = |k: usize| joints.iter().map(|joint| joint.log_likelihood(at(k))).sum::<f64>();
+    (0..=2 * SHIFTS_ASIDE * PLACES).map(total).fold(0.0, f64::max)
 }
 
 /// The low-pass that explains the efforts clearly better than nothing and than any delay; none where there is none.
@@ -133,39 +130,15 @@ pub(super) fn effort_low_pass(
         of_delays.push(DelayedJoint { freedom, left: (0..shifts.len()).map(left).collect() });
         log_likelihood.push(own);
     }
-    let joints = log_likelihood.len();
-    let total: Vec<f64> = (0..TRIED).map(|k| log_likelihood.iter().map(|l| l[k]).sum()).collect();
-    let best = (0..TRIED).max_by(|&a, &b| total[a].total_cmp(&total[b]))?;
     // one joint alone has no other to agree with
-    if joints < 2 || best == 0 || best + 1 == TRIED {
+    if log_likelihood.len() < 2 {
         return None;
     }
-    let step = tried[1];
-    let slope = |l: &[f64]| (l[best + 1] - l[best - 1]) / (2.0 * step);
-    let curvature = |l: &[f64]| (l[best + 1] - 2.0 * l[best] + l[best - 1]) / (step * step);
-    let steepness = -curvature(&total);
-    if steepness.is_nan() || steepness <= 0.0 {
-        return None;
-    }
-    let off = slope(&total) / steepness;
-    let disagreement: f64 =
-        log_likelihood.iter().map(|l| (slope(l) + curvature(l) * off).powi(2)).sum();
-    let of_mean = joints as f64 / (joints - 1) as f64;
-    let by_joints =
-        student_t_975((joints - 1) as f64) * (of_mean * disagreement).sqrt() / steepness;
-    let half = (1.96 / steepness.sqrt()).max(by_joints);
+    let Top { best, off, half, total, .. } = Top::of(&log_likelihood, tried[1])?;
     let time_constant_s = tried[best] + off;
     let evidence = 2.0 * (total[best] - total[0]);
-    let delayed = best_delay(&of_delays);
-    // what one joint alone shows is its own physics: the joints must agree that it is no delay
-    let over_delay: Vec<f64> = log_likelihood
-        .iter()
-        .zip(&delayed)
-        .map(|(own, delayed)| own[best] - own[0] - delayed)
-        .collect();
-    let agree = paired_t(&over_delay) > student_t_975((joints - 1) as f64);
-    let of_best_delay = 2.0 * delayed.iter().sum::<f64>();
-    let is_clear = agree && evidence > CLEARLY && evidence - of_best_delay > CLEARLY;
+    let of_best_delay = 2.0 * best_delay(&of_delays);
+    let is_clear = evidence > CLEARLY && evidence - of_best_delay > CLEARLY;
     (is_clear && time_constant_s > half).then_some(EffortLowPass {
         time_constant_s,
         interval_95_s: [time_constant_s - half, time_constant_s + half],

@@ -40,16 +40,7 @@ const GEARS: [f64; 9] = [30.0, 50.0, 80.0, 100.0, 101.0, 120.0, 121.0, 160.0, 16
 const ONE_WAY: f64 = 0.05;
 
 fn robot_wide(topic: Topic, verdict: Verdict, message: String) -> Check {
-    Check {
-        topic,
-        joint: None,
-        verdict,
-        value: None,
-        unit: "",
-        interval_95: None,
-        message,
-        advice: None,
-    }
+    Check::of(topic, None, verdict, message)
 }
 
 /// At most four digits, for sentences.

@@ -26,6 +26,7 @@ mod excitation;
 mod explanations;
 mod gravity;
 mod likelihood;
+mod likelihood_top;
 mod link_errors;
 mod messages;
 mod rows;

@@ -80,3 +80,19 @@ pub struct Check {
     /// What to do.
     pub advice: Option<String>,
 }
+
+impl Check {
+    /// A verdict and its sentence, on a joint or on the robot as a whole.
+    pub(crate) fn of(topic: Topic, joint: Option<&str>, verdict: Verdict, message: String) -> Self {
+        Self {
+            topic,
+            joint: joint.map(ToOwned::to_owned),
+            verdict,
+            value: None,
+            unit: "",
+            interval_95: None,
+            message,
+            advice: None,
+        }
+    }
+}

@@ -67,16 +67,7 @@ pub fn check_commands(
 }
 
 fn of(topic: Topic, joint: &str, verdict: Verdict, message: String) -> Check {
-    Check {
-        topic,
-        joint: Some(joint.to_owned()),
-        verdict,
-        value: None,
-        unit: "",
-        interval_95: None,
-        message,
-        advice: None,
-    }
+    Check::of(topic, Some(joint), verdict, message)
 }
 
 /// Whether the column is a command, and how far the position is behind it.
