@@ -13,7 +13,7 @@ use armident_recording::{Quantity, Recording, Timing};
 use super::arm_columns::JointMap;
 use super::excitation::activity;
 use super::likelihood_top::Top;
-use super::rows::{self, ChannelRows, SHIFTS_ASIDE, shifts_s};
+use super::rows::{self, ChannelRows, SHIFTS_ASIDE, ShiftedResiduals, shifts_s};
 use crate::regression::{BatchProblem, RANK_CUT};
 
 /// Delay of the efforts behind the motion.
@@ -175,16 +175,9 @@ pub(super) fn delay(rows: &[ChannelRows], is_silent: &[bool]) -> Option<Delay> {
     let step = shifts[1] - shifts[0];
     let mut log_likelihood: Vec<Vec<f64>> = Vec::new();
     for (joint, _) in rows.iter().zip(is_silent).filter(|(_, silent)| !**silent) {
-        let order: Vec<usize> =
-            (0..joint.terms).chain((0..shifts.len()).map(|k| joint.shifted(k))).collect();
-        let r = joint.triangle.reordered(&order);
-        let freedom = (joint.effective - joint.terms as f64).max(1.0);
-        let left: Vec<f64> = (0..shifts.len())
-            .map(|k| {
-                let column = joint.terms + k;
-                (joint.terms..=column).map(|i| r[(i, column)].powi(2)).sum()
-            })
-            .collect();
+        let ShiftedResiduals { freedom, left } = joint.shifted_residuals();
+        let squares = |of: &Vec<f64>| of.iter().map(|x| x * x).sum::<f64>();
+        let left: Vec<f64> = left.iter().map(squares).collect();
         if left.iter().any(|l| l.is_nan() || *l <= 0.0) {
             continue;
         }

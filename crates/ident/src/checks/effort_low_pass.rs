@@ -12,8 +12,8 @@ use armident_numeric::{AccumulatedQr, NumericError};
 
 use super::excitation::activity;
 use super::likelihood_top::Top;
-use super::rows::{ChannelRows, SHIFTS_ASIDE, shifts_s};
-use crate::regression::{BatchProblem, RANK_CUT};
+use super::rows::{ChannelRows, SHIFTS_ASIDE, ShiftedResiduals, independent, shifts_s};
+use crate::regression::BatchProblem;
 
 /// Longest time constant that is tried \[s\]: a low-pass of 2 Hz; drives filter at 5 Hz and above.
 const LONGEST_S: f64 = 0.08;
@@ -48,44 +48,25 @@ fn mean_log_gain(time_constant_s: f64, cutoff_hz: f64) -> f64 {
     if u < 1e-6 { 0.0 } else { 0.5 * u.mul_add(u, 1.0).ln() - 1.0 + u.atan() / u }
 }
 
-/// The columns that are none of those before them: a triangle whose leading columns depend on one another leaves parts of the
-/// later ones in their rows.
-fn independent(rows: &AccumulatedQr, columns: &[usize]) -> Vec<usize> {
-    let r = rows.reordered(columns);
-    let is_own = |k: &usize| {
-        let size = (0..=*k).map(|i| r[(i, *k)].powi(2)).sum::<f64>().sqrt();
-        r[(*k, *k)].abs() > RANK_CUT * size
-    };
-    (0..columns.len()).filter(is_own).map(|k| columns[k]).collect()
-}
-
-/// What the terms of a joint leave of its effort at each shift.
-struct DelayedJoint {
-    freedom: f64,
-    left: Vec<Vec<f64>>,
-}
-
-impl DelayedJoint {
-    /// Logarithm of the likelihood at a place between the shifts over that without a delay; the effort between three shifts is the
-    /// parabola through them.
-    fn log_likelihood(&self, place: f64) -> f64 {
-        let middle = (place.round() as usize).clamp(1, self.left.len() - 2);
-        let x = place - middle as f64;
-        let weights = [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)];
-        let squares: f64 = (0..self.left[middle].len())
-            .map(|i| (0..3).map(|k| weights[k] * self.left[middle + k - 1][i]).sum::<f64>().powi(2))
-            .sum();
-        let without: f64 = self.left[SHIFTS_ASIDE].iter().map(|x| x * x).sum();
-        -0.5 * self.freedom * (squares / without).ln()
-    }
+/// Logarithm of the likelihood at a place between the shifts over that without a delay; the effort between three shifts is the
+/// parabola through them.
+fn at_delay(joint: &ShiftedResiduals, place: f64) -> f64 {
+    let middle = (place.round() as usize).clamp(1, joint.left.len() - 2);
+    let x = place - middle as f64;
+    let weights = [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)];
+    let squares: f64 = (0..joint.left[middle].len())
+        .map(|i| (0..3).map(|k| weights[k] * joint.left[middle + k - 1][i]).sum::<f64>().powi(2))
+        .sum();
+    let without: f64 = joint.left[SHIFTS_ASIDE].iter().map(|x| x * x).sum();
+    -0.5 * joint.freedom * (squares / without).ln()
 }
 
 /// Logarithm of the likelihood of all joints at the delay that is best for them, over that without a delay.
-fn best_delay(joints: &[DelayedJoint]) -> f64 {
+fn best_delay(joints: &[ShiftedResiduals]) -> f64 {
     /// Places between two shifts that are tried: of 0.1 ms, beside noise nothing.
     const PLACES: usize = 38;
     let at = |k: usize| k as f64 / PLACES as f64;
-    let total = |k: usize| joints.iter().map(|joint| joint.log_likelihood(at(k))).sum::<f64>();
+    let total = |k: usize| joints.iter().map(|joint| at_delay(joint, at(k))).sum::<f64>();
     (0..=2 * SHIFTS_ASIDE * PLACES).map(total).fold(0.0, f64::max)
 }
 
@@ -100,25 +81,16 @@ pub(super) fn effort_low_pass(
     let step_s = shifts[SHIFTS_ASIDE + 1] - shifts[SHIFTS_ASIDE - 1];
     let tried: Vec<f64> = (0..TRIED).map(|k| LONGEST_S * k as f64 / (TRIED - 1) as f64).collect();
     let mut log_likelihood: Vec<Vec<f64>> = Vec::new();
-    let mut of_delays: Vec<DelayedJoint> = Vec::new();
+    let mut of_delays: Vec<ShiftedResiduals> = Vec::new();
     for (joint, _) in rows.iter().zip(is_silent).filter(|(_, silent)| !**silent) {
-        let own: Vec<usize> = (0..joint.terms).collect();
-        let own = independent(&joint.triangle, &own);
-        let first = own.len();
-        let order: Vec<usize> =
-            own.into_iter().chain((0..shifts.len()).map(|k| joint.shifted(k))).collect();
-        let r = joint.triangle.reordered(&order);
-        let freedom = (joint.effective - first as f64).max(1.0);
-        // what the terms leave of the effort and of its rate, beside them
-        let left = |k: usize| -> Vec<f64> {
-            (first..first + shifts.len()).map(|i| r[(i, first + k)]).collect()
-        };
+        let ShiftedResiduals { freedom, left } = joint.shifted_residuals();
         let squares = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let effort = left(SHIFTS_ASIDE);
-        let (later, earlier) = (left(SHIFTS_ASIDE + 1), left(SHIFTS_ASIDE - 1));
+        // of the effort and of its rate
+        let effort = &left[SHIFTS_ASIDE];
+        let (later, earlier) = (&left[SHIFTS_ASIDE + 1], &left[SHIFTS_ASIDE - 1]);
         let with = |time_constant_s: &f64| -> f64 {
             let share = time_constant_s / step_s;
-            let changed = effort.iter().zip(later.iter().zip(&earlier));
+            let changed = effort.iter().zip(later.iter().zip(earlier));
             let before: Vec<f64> = changed.map(|(e, (l, s))| e + share * (l - s)).collect();
             let gain = mean_log_gain(*time_constant_s, cutoff_hz);
             freedom * (gain - 0.5 * squares(&before).ln())
@@ -127,7 +99,7 @@ pub(super) fn effort_low_pass(
         if own.iter().any(|l| !l.is_finite()) {
             continue;
         }
-        of_delays.push(DelayedJoint { freedom, left: (0..shifts.len()).map(left).collect() });
+        of_delays.push(ShiftedResiduals { freedom, left });
         log_likelihood.push(own);
     }
     // one joint alone has no other to agree with

@@ -50,7 +50,30 @@ pub(super) struct ChannelRows {
     pub(super) friction_share: f64,
 }
 
+/// What the terms of a joint leave of its effort at each shift: the vectors have the squares and products of the residuals.
+pub(super) struct ShiftedResiduals {
+    /// Independent samples beyond the terms.
+    pub(super) freedom: f64,
+    /// `[shift][row]`
+    pub(super) left: Vec<Vec<f64>>,
+}
+
 impl ChannelRows {
+    /// What its terms leave of its effort at each shift.
+    pub(super) fn shifted_residuals(&self) -> ShiftedResiduals {
+        let own = independent(&self.triangle, &(0..self.terms).collect::<Vec<usize>>());
+        let first = own.len();
+        let shifts = 2 * SHIFTS_ASIDE + 1;
+        let order: Vec<usize> =
+            own.into_iter().chain((0..shifts).map(|k| self.shifted(k))).collect();
+        let r = self.triangle.reordered(&order);
+        let left = |k: usize| (first..first + shifts).map(|i| r[(i, first + k)]).collect();
+        ShiftedResiduals {
+            freedom: (self.effective - first as f64).max(1.0),
+            left: (0..shifts).map(left).collect(),
+        }
+    }
+
     pub(super) fn gravity(&self) -> usize {
         self.terms
     }
@@ -160,6 +183,17 @@ impl ChannelRows {
         self.effective_of_model_error = of_motion + noisy.max(free) * (self.effective - of_motion);
         Ok(())
     }
+}
+
+/// The columns that are none of those before them: a triangle whose leading columns depend on one another leaves parts of the
+/// later ones in their rows.
+pub(super) fn independent(rows: &AccumulatedQr, columns: &[usize]) -> Vec<usize> {
+    let r = rows.reordered(columns);
+    let is_own = |k: &usize| {
+        let size = (0..=*k).map(|i| r[(i, *k)].powi(2)).sum::<f64>().sqrt();
+        r[(*k, *k)].abs() > RANK_CUT * size
+    };
+    (0..columns.len()).filter(is_own).map(|k| columns[k]).collect()
 }
 
 /// Times by which the effort is read later \[s\]: positive finds an effort that lags.
