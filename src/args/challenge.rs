@@ -37,6 +37,8 @@ pub(crate) enum StudyArg {
     Hard,
     /// changes between two sets of recordings of one arm
     Change,
+    /// arms without efforts: commands and positions, and five nulls to three cases
+    Commands,
 }
 
 /// Condition that ends a challenge with exit code 3.
@@ -58,6 +60,7 @@ Examples:
   armident challenge --cases 24 --seed 7 --only 5 --keep one/           (only the fifth of 24)
   armident challenge --cases 20 --seed 7 --kind change                  (changes between recordings)
   armident challenge --study nulls --seed 2026                          (a table in Markdown)
+  armident challenge --study commands --cases 12 --seed 7               (arms without efforts)
   armident challenge --cases 48 --seed 7 --report board.html            (scoreboard as an HTML page)
   armident challenge --score cases/cases cases/results                  (results of another program)
 
@@ -65,7 +68,7 @@ Every case is simulated in closed loop. The diagnosis receives only the given UR
 recordings; the hold-out and the exam are predicted before the truth is read.")]
 pub(crate) struct ChallengeArgs {
     /// Number of cases [default: 24; studies: 200 nulls, 2 per cell of power, 24 perturbed, 96 mixed,
-    /// 40 changes]
+    /// 40 changes, 60 of commands]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub(crate) cases: Option<u64>,
     /// Random seed

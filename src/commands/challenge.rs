@@ -4,8 +4,8 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use armident_challenge::{
-    Arm, CaseKind, CaseSeries, ChallengeError, Order, Outcome as Sat, Scoreboard, SeriesKind,
-    Spread, Study, run as serve, score_cases,
+    Arm, CaseKind, CaseSeries, ChallengeError, CommandSeries, Order, Outcome as Sat, Scoreboard,
+    SeriesKind, Spread, Study, run as serve, score_cases,
 };
 use armident_page::{Drawing, Provenance};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,8 +15,9 @@ use crate::failure::Outcome;
 use crate::{output, page};
 use armident_commands::Failure;
 
-/// Default number of cases.
+/// Default number of cases, and of the study of commands.
 const CASES: u64 = 24;
+const COMMAND_CASES: u64 = 60;
 
 pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
     pages(args).check()?;
@@ -26,7 +27,10 @@ pub(crate) fn run(args: &ChallengeArgs) -> Result<Outcome, Failure> {
         write(args, &to, &board.text(), &board)?;
         return Ok(judged(args, &board));
     }
-    let study = args.study.map(StudyArg::study);
+    if args.study == Some(StudyArg::Commands) {
+        return from_commands(args, &to);
+    }
+    let study = args.study.and_then(StudyArg::study);
     let orders = match study {
         Some(study) => study_orders(args, study)?,
         None => chosen(args, series(args)?.orders())?,
@@ -78,16 +82,41 @@ fn pages(args: &ChallengeArgs) -> PageArgs {
     PageArgs { report: args.report.clone(), traces: false, command: args.command.clone() }
 }
 
+/// Arms without efforts: five nulls to three cases.
+fn from_commands(args: &ChallengeArgs, to: &OutputArgs) -> Result<Outcome, Failure> {
+    if args.kind.is_some() || args.keep.is_some() || args.report.is_some() {
+        return Err(Failure::new(
+            "this study makes its own cases in memory and a table",
+            "--kind, --keep, --report",
+            Some("omit these options; --json writes the scores"),
+        ));
+    }
+    let cases = args.cases.unwrap_or(COMMAND_CASES);
+    let series = CommandSeries { cases, nulls: (5 * cases).div_ceil(3), seed: args.seed };
+    let bar = progress_bar(args, cases + series.nulls);
+    let board = series.run(&|| bar.inc(1)).map_err(|error| failure(&error))?;
+    bar.finish_and_clear();
+    output::write_result(to, &board.text(), &board, &[])?;
+    let named = board.cases.iter().flat_map(|case| &case.effects).filter(|e| e.is_named).count();
+    let failed = args.fail_on.iter().any(|condition| match condition {
+        ChallengeFailOn::FalseAlarm => board.false_alarms().count > 0,
+        ChallengeFailOn::NamedBelow(least) => named < *least,
+    });
+    Ok(if failed { Outcome::FailedOnRequest } else { Outcome::Done })
+}
+
 impl StudyArg {
-    fn study(self) -> Study {
-        match self {
+    /// None for the study of arms without efforts, whose cases are of their own form.
+    fn study(self) -> Option<Study> {
+        Some(match self {
             Self::Nulls => Study::Nulls,
             Self::Power => Study::Power,
             Self::Perturbed => Study::Perturbed,
             Self::Mixed => Study::Mixed,
             Self::Hard => Study::Hard,
             Self::Change => Study::Change,
-        }
+            Self::Commands => return None,
+        })
     }
 }
 
@@ -166,15 +195,19 @@ fn chosen(args: &ChallengeArgs, orders: Vec<Order>) -> Result<Vec<Order>, Failur
     Ok(orders.into_iter().enumerate().filter(|(k, _)| wanted(*k)).map(|(_, order)| order).collect())
 }
 
-fn with_progress(args: &ChallengeArgs, orders: &[Order]) -> Result<Vec<Sat>, Failure> {
+fn progress_bar(args: &ChallengeArgs, cases: u64) -> ProgressBar {
     let bar = if args.quiet || !std::io::stderr().is_terminal() {
         ProgressBar::hidden()
     } else {
         let form = ProgressStyle::with_template("{bar:30} {pos} of {len} cases, {eta} left");
-        ProgressBar::new(orders.len() as u64)
-            .with_style(form.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        ProgressBar::new(cases).with_style(form.unwrap_or_else(|_| ProgressStyle::default_bar()))
     };
     bar.tick();
+    bar
+}
+
+fn with_progress(args: &ChallengeArgs, orders: &[Order]) -> Result<Vec<Sat>, Failure> {
+    let bar = progress_bar(args, orders.len() as u64);
     let sat = serve(orders, args.keep.as_deref(), &|| bar.inc(1));
     bar.finish_and_clear();
     sat.map_err(|error| failure(&error))

@@ -51,6 +51,12 @@
 //! # Ok::<(), armident_challenge::ChallengeError>(())
 //! ```
 //!
+//! # Arms without efforts
+//!
+//! A [`CommandSeries`] simulates arms of five to seven joints behind position controllers of unknown stiffness, with a delay of all
+//! commands, damping and rotors, and hides dry friction, static friction, friction by load and offsets. Nulls have the
+//! controllers alone. The diagnosis gets commands and positions.
+//!
 //! # Scoring
 //!
 //! [`score_cases`] compares truths and results case by case and sums up in a [`Scoreboard`]. A pair is an
@@ -60,6 +66,7 @@
 
 mod arms;
 mod cases;
+mod commands;
 mod contract;
 mod error;
 mod hidden;
@@ -71,6 +78,8 @@ mod submission;
 pub use arms::bundled::Arm;
 pub use cases::generate::{generate, generate_in};
 pub use cases::request::{CaseRequest, case_effects, hideable};
+pub use commands::command_score::{CommandScore, ControllerEstimate, NamedEffect};
+pub use commands::command_series::{CommandScoreboard, CommandSeries};
 pub use contract::answer::{
     Answer, AnswerEstimate, AnswerFinding, AnswerVerdict, Evidence, Fit, HoldoutRmse,
 };

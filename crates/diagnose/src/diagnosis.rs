@@ -4,6 +4,7 @@ use crate::checks::effort_columns::InputChecks;
 use crate::design::known_effort::KnownModel;
 use std::collections::BTreeMap;
 
+use armident_ident::checks::LinkLength;
 use armident_inference::levels::EXPECTED_T;
 use armident_inference::{paired_t, whiteness};
 use armident_model::{ArmModel, PreparedRecording};
@@ -13,6 +14,7 @@ use serde::Serialize;
 
 use crate::findings::confidence::{NOT_CONFIRMED, with_odds};
 use crate::findings::finding::{DoubtfulChange, Finding};
+use crate::findings::geometry::length_finding;
 use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
 use crate::findings::placebo::Placebo;
 use crate::findings::residual_map::JointAtlas;
@@ -91,6 +93,16 @@ impl Diagnosis {
         for model in own.into_iter().chain(beside).chain(rivals) {
             *model = known.model.with_change(model.clone());
         }
+    }
+
+    /// The first finding is a distance between two axes, which the models of the arm have; the given one has its own.
+    pub(crate) fn report_length(&mut self, found: &LinkLength, without: Option<ArmModel>) {
+        self.believed = found.as_given(&self.believed);
+        let shown_by = &self.joints[found.shown_by];
+        let noise = self.effort_noise.get(shown_by).copied().unwrap_or(0.0);
+        self.findings.insert(0, length_finding(found, &self.joints, noise));
+        self.without.insert(0, without);
+        self.rivals.insert(0, Vec::new());
     }
 
     /// The models of the arm report their efforts through a low-pass of this time constant \[s\]; the given one does only where

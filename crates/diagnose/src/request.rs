@@ -67,10 +67,20 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     let known = request.is_beyond_a_model().then(|| KnownModel::of(model.clone()));
     // gains of drives come from recordings of the arm as it is believed to be; friction that a model has too much of,
     // taken out, would look like a sign
-    let mut checks = match &known {
+    let checks = match &known {
         Some(known) => InputChecks::of(known.body(), recordings)?,
         None => InputChecks::of(model, if reference.is_empty() { recordings } else { reference })?,
     };
+    // inertias are those of a geometry: a distance that is wrong whatever they are is corrected before they are sought
+    let length = checks.link_length.clone();
+    let corrected = length.as_ref().map(|found| found.corrected(model));
+    let known = match (&corrected, known) {
+        (Some(corrected), Some(_)) => Some(KnownModel::of(corrected.clone())),
+        (_, known) => known,
+    };
+    let given = model;
+    let model = corrected.as_ref().unwrap_or(given);
+    let mut checks = checks;
     let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
         recordings.iter().map(|r| checks.in_effort(r)).collect()
     };
@@ -122,6 +132,11 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
         };
     }
     let mut diagnosis = Diagnosis { recordings, holdout, input_checks: checks, ..found? };
+    if let (Some(length), []) = (&length, request.reference) {
+        // the same with the given length, for the hold-out to judge
+        let without = against_model((given, None), &diagnosis.recordings, low_pass_s, None);
+        diagnosis.report_length(length, without.ok().map(|without| without.model));
+    }
     diagnosis.report_through_low_pass(low_pass_s, !request.reference.is_empty());
     diagnosis.widen_by_drive_gains();
     diagnosis.confirm()?;

@@ -193,6 +193,8 @@ pub enum Naming {
     PredictionOnly,
     /// Fitted by `identify` where commands and no efforts are recorded.
     FromCommands,
+    /// Found by the input checks beside any inertias of the links, and corrected before the others are sought.
+    FromChecks,
 }
 
 /// Baseline terms: the laws of a plain identification, which every joint has.

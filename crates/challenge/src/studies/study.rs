@@ -133,7 +133,7 @@ fn power_orders(cases: u64, seed: u64, kind: CaseKind) -> Vec<Order> {
     orders
 }
 
-fn markdown(header: &[&str], rows: &[Vec<String>], left: usize) -> String {
+pub(crate) fn markdown(header: &[&str], rows: &[Vec<String>], left: usize) -> String {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);
     table.set_content_arrangement(ContentArrangement::Disabled);
@@ -147,15 +147,15 @@ fn markdown(header: &[&str], rows: &[Vec<String>], left: usize) -> String {
     format!("{table}\n")
 }
 
-fn fraction(rate: Rate) -> String {
+pub(crate) fn fraction(rate: Rate) -> String {
     if rate.of == 0 { "-".to_owned() } else { format!("{}/{}", rate.count, rate.of) }
 }
 
-fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-fn counted(names: impl IntoIterator<Item = String>) -> String {
+pub(crate) fn counted(names: impl IntoIterator<Item = String>) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for name in names {
         *counts.entry(name).or_default() += 1;

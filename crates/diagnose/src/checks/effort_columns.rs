@@ -2,7 +2,8 @@
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::checks::{
-    ChannelEvidence, ChannelKind, Check, EffortLowPass, Topic, Verdict, check, with_drive_signals,
+    ChannelEvidence, ChannelKind, Check, EffortLowPass, LinkLength, Topic, Verdict, check,
+    with_drive_signals,
 };
 use armident_model::ArmModel;
 use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
@@ -52,6 +53,8 @@ pub struct InputChecks {
     pub drive_gains: Vec<InferredDriveGain>,
     /// The low-pass through which the efforts are reported; none where there is none.
     pub effort_low_pass: Option<EffortLowPass>,
+    /// A distance between two axes that is not the given one; none where there is none.
+    pub link_length: Option<LinkLength>,
     /// Why nothing was checked.
     pub unchecked: Option<String>,
     /// Whether a fault is of the arm as a whole: gravity, or joints that are exchanged or mirrored. Nothing that is fitted to
@@ -169,6 +172,7 @@ impl InputChecks {
                 .collect(),
             faults: found.checks.into_iter().filter(of_columns).collect(),
             effort_low_pass: found.effort_low_pass,
+            link_length: found.link_length,
             unchecked: None,
         })
     }

@@ -74,12 +74,8 @@ struct JointFindings<'a> {
 impl JointFindings<'_> {
     fn all(&self) -> Vec<Finding> {
         let mut found: Vec<Finding> = self.controller().into_iter().collect();
-        let dry = match self.value(ServoParameter::StaticExcess) {
-            Some(_) => ServoParameter::StaticExcess,
-            None => ServoParameter::DryFriction,
-        };
+        found.extend(self.dry_friction());
         for parameter in [
-            dry,
             ServoParameter::LoadFriction,
             ServoParameter::Damping,
             ServoParameter::Offset,
@@ -203,27 +199,43 @@ impl JointFindings<'_> {
         let lag = [ServoParameter::Delay, ServoParameter::Damping];
         let alone: [&[ServoParameter]; 2] = [&[ServoParameter::Compliance], &lag[..1]];
         let by_lag: [&[ServoParameter]; 1] = [&lag];
-        let alternatives = self.lag_by(&ViscousFriction);
+        let alternatives = self.lag_by(&ViscousFriction, &PositionControl);
         self.finding(&PositionControl, &alone, parameters.clone(), alternatives).or_else(|| {
-            let either = vec![self.alternative(&ViscousFriction)];
+            let either = vec![self.alternative(&ViscousFriction, &PositionControl)];
             self.finding(&PositionControl, &by_lag, parameters, either)
         })
     }
 
     /// The other law of a lag, where the recordings do not separate delay and damping.
-    fn lag_by(&self, other: &dyn Effect) -> Vec<Alternative> {
+    fn lag_by(&self, other: &dyn Effect, named: &dyn Effect) -> Vec<Alternative> {
         let is_open = self.fit.delay_with_damping.is_some_and(|r| r.abs() > NOT_SEPARATED);
-        if is_open { vec![self.alternative(other)] } else { Vec::new() }
+        if is_open { vec![self.alternative(other, named)] } else { Vec::new() }
     }
 
-    fn alternative(&self, law: &dyn Effect) -> Alternative {
+    /// Another law of what a named one explains.
+    fn alternative(&self, law: &dyn Effect, named: &dyn Effect) -> Alternative {
         Alternative {
             effect: law.slug().to_owned(),
             joints: vec![self.fit.joint.clone()],
             link: None,
             left_more: 0.0,
-            separated_by: PositionControl.law().separated_from(ViscousFriction.law()),
+            separated_by: named.law().separated_from(law.law()),
         }
+    }
+
+    /// Stribeck friction where its static part is shown, Coulomb friction otherwise. Of a level and a part by load either may do
+    /// for the other, and none of them be shown alone.
+    fn dry_friction(&self) -> Option<Finding> {
+        let alone = [ServoParameter::StaticExcess, ServoParameter::DryFriction];
+        let either = || {
+            let pair = [ServoParameter::DryFriction, ServoParameter::LoadFriction];
+            let parameters = self.parameters(&CoulombFriction, ServoParameter::DryFriction)?;
+            let by_load = vec![self.alternative(&LoadDependentFriction, &CoulombFriction)];
+            self.law(ServoParameter::LoadFriction)
+                .is_none()
+                .then(|| self.finding(&CoulombFriction, &[&pair], parameters, by_load))?
+        };
+        alone.into_iter().find_map(|parameter| self.law(parameter)).or_else(either)
     }
 
     /// A law of the joint by its parameter; where the stiffness is not determined, over the stiffness.
@@ -239,8 +251,10 @@ impl JointFindings<'_> {
         };
         let alternatives = match parameter {
             // back-EMF and the derivative part of the controller are damping too
-            ServoParameter::Damping if self.one_gain => vec![self.alternative(&PositionControl)],
-            ServoParameter::Damping => self.lag_by(&PositionControl),
+            ServoParameter::Damping if self.one_gain => {
+                vec![self.alternative(&PositionControl, &ViscousFriction)]
+            }
+            ServoParameter::Damping => self.lag_by(&PositionControl, &ViscousFriction),
             _ => Vec::new(),
         };
         self.finding(law, &[&[parameter]], self.parameters(law, parameter)?, alternatives)

@@ -10,6 +10,7 @@ mod gravity_direction;
 mod joint_coupling;
 mod joint_elasticity;
 mod joint_spring;
+mod link_geometry_error;
 mod link_inertia_error;
 mod load_dependent_friction;
 mod payload;
@@ -35,6 +36,7 @@ pub use gravity_direction::{GravityDirection, tilted};
 pub use joint_coupling::JointCoupling;
 pub use joint_elasticity::JointElasticity;
 pub use joint_spring::JointSpring;
+pub use link_geometry_error::LinkGeometryError;
 pub use link_inertia_error::LinkInertiaError;
 pub use load_dependent_friction::LoadDependentFriction;
 pub use payload::Payload;
@@ -78,6 +80,7 @@ pub(crate) const STANDARD: &[&dyn Effect] = &[
     &ExternalContact,
     &SublinearViscousFriction,
     &PositionControl,
+    &LinkGeometryError,
 ];
 
 /// The baseline terms: what every joint has in a plain identification, in the order of its parameter vectors.

@@ -15,6 +15,7 @@ use super::effort_low_pass::EffortLowPass;
 use super::excitation::{ConstantCheck, activity};
 use super::explanations::Explained;
 use super::link_errors::LARGEST_LOG_GAIN;
+use super::link_length::{FrameLength, LinkLength};
 use super::verdict::{Check, SURE, Topic, Verdict};
 
 /// `2 ln` of the likelihood ratio above which a delay is wrong: a thousand to one, with a prior of
@@ -152,6 +153,34 @@ pub(super) fn rate(reports: &[QualityReport], motions: &[Motion]) -> Vec<Check> 
             }
         })
         .collect()
+}
+
+pub(super) fn link_length(found: &LinkLength, names: &[&str]) -> Check {
+    let [low, high] = found.interval_95_m;
+    let (joint, before) = (names[found.joint], names[found.joint - 1]);
+    let along = match found.along {
+        FrameLength::Normal => "along the common normal",
+        FrameLength::Offset => "along its own axis",
+    };
+    let message = format!(
+        "the axis of {joint} is {} m from that of {before} ({along}; 95 % interval {} to {} m), in the robot file {} m: with that          distance the residual of {} is {:.2} times as large, whatever the inertias of the links are",
+        digits(found.length_m, 3),
+        digits(low, 3),
+        digits(high, 3),
+        digits(found.given_m, 3),
+        names[found.shown_by],
+        1.0 / found.residual_ratio,
+    );
+    let advice = format!(
+        "measure it, and correct the origin of joint {joint} in the robot file; diagnose takes it into account"
+    );
+    Check {
+        value: Some(found.length_m),
+        unit: "m",
+        interval_95: Some(found.interval_95_m),
+        advice: Some(advice),
+        ..robot_wide(Topic::Geometry, Verdict::Wrong, message)
+    }
 }
 
 pub(super) fn low_pass(found: &EffortLowPass) -> Check {

@@ -6,6 +6,7 @@
 //! | noise | spectrum above a quarter of the rate, through the low-pass and two derivatives |
 //! | channel | likelihood of the joint's effort, its negative, a multiple, the effort without gravity; the effort limit |
 //! | order | the same for every column on every joint, best assignment; efforts that fit no joint |
+//! | geometry | likelihood over the distance of two axes, all inertial constants free |
 //! | delay | likelihood over shifts of the effort, and over time constants of a low-pass |
 //! | excitation | standard errors of the constants from the recordings alone |
 //!
@@ -28,6 +29,7 @@ mod gravity;
 mod likelihood;
 mod likelihood_top;
 mod link_errors;
+mod link_length;
 mod messages;
 mod rows;
 mod verdict;
@@ -46,6 +48,7 @@ pub use delay::Delay;
 pub use effort_low_pass::EffortLowPass;
 pub use excitation::ConstantCheck;
 pub use gravity::GravityDirectionFound;
+pub use link_length::{FrameLength, LinkLength};
 pub use verdict::{Check, Topic, Verdict};
 
 use arm_likelihood::JointFacts;
@@ -79,6 +82,8 @@ pub struct RecordingCheck {
     pub delay: Option<Delay>,
     /// The low-pass through which the efforts are reported; none where there is none that explains more than a delay.
     pub effort_low_pass: Option<EffortLowPass>,
+    /// A distance between two axes that is not the given one; none where the recordings contradict none.
+    pub link_length: Option<LinkLength>,
     /// How well each constant is determined.
     pub constants: Vec<ConstantCheck>,
     /// Rank of the recordings alone, of so many parameters.
@@ -189,6 +194,7 @@ pub fn check(
     let cutoff_hz = motions.iter().find_map(|m| Some(m.filter.as_ref()?.cutoff_hz()));
     // a voltage is ahead of its effort by the back-EMF, and no measurement that a drive filters
     let is_filtered = !signals.values().any(|quantity| *quantity == Quantity::Voltage);
+    let link_length = link_length::link_length(&problem, motions, &rows, &is_silent)?;
     let mut low_pass = cutoff_hz
         .filter(|_| is_filtered)
         .and_then(|hz| effort_low_pass::effort_low_pass(&rows, &is_silent, hz));
@@ -241,6 +247,7 @@ pub fn check(
     let mut checks = messages::quality(&quality, &differences, &with_dead_zone);
     checks.extend(messages::rate(&quality, motions));
     checks.extend(messages::gravity(&explained));
+    checks.extend(link_length.as_ref().map(|found| messages::link_length(found, &names)));
     checks.push(match &low_pass {
         Some(found) => messages::low_pass(found),
         None => messages::delay(delay.as_ref(), look_alike, motions),
@@ -284,6 +291,7 @@ pub fn check(
         mirrored: map.sign.iter().map(|sign| *sign < 0.0).collect(),
         delay,
         effort_low_pass: low_pass,
+        link_length,
         constants,
         rank: (rank, problem.terms.len()),
         quality,

@@ -50,6 +50,8 @@ pub enum Topic {
     Gravity,
     /// Whether a joint counts as its axis does, with position and effort.
     JointSign,
+    /// Whether the distances of the axes are those of the arm.
+    Geometry,
     /// Delay between effort and motion.
     Delay,
     /// Whether the motion determines the constants.

@@ -26,6 +26,10 @@ use super::start::{CAUCHY, Start, load_range};
 const STEP_S: f64 = 2.5e-3;
 /// Most steps of Levenberg-Marquardt.
 const MOST_STEPS: usize = 40;
+/// Steps from each start, after which the best ones go on.
+const ROUGH_STEPS: usize = 8;
+/// Starts that go on.
+const STARTS_KEPT: usize = 2;
 /// A step that lowers the cost by less ends the fit: a hundredth of what a standard error away from the minimum costs is far
 /// below it for any number of samples.
 const LEAST_GAIN: f64 = 1e-4;
@@ -91,7 +95,8 @@ pub struct ServoValue {
 /// RMS errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoAblation {
-    /// Without these: one, or delay and damping, which make up a lag together; of dry friction without its static part too.
+    /// Without these: one, or delay and damping, which make up a lag together, or dry friction and that by load; of dry friction
+    /// without its static part too.
     pub parameters: Vec<ServoParameter>,
     /// Training recordings: with it, without it.
     pub train: [f64; 2],
@@ -265,15 +270,21 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
     if free_stiffness {
         free.push(ServoParameter::Compliance);
     }
-    // a lag is delay or damping: both are tried as the larger part
-    let starts = [[sample_s, 1.0], [0.5 * sample_s, 2.0]];
-    let tried: Vec<Fit> = starts
+    // a lag is delay or damping: both are tried as the larger part; so is a stiff controller beside the one of the start,
+    // which a softness in motion is easily taken for
+    let lags = [[sample_s, 1.0], [0.5 * sample_s, 2.0]];
+    let stiff = free_stiffness.then_some(0.0);
+    let starts = lags.into_iter().flat_map(|lag| {
+        std::iter::once(compliance).chain(stiff).map(move |compliance| (lag, compliance))
+    });
+    let starts: Vec<([f64; 2], f64)> = starts.collect();
+    let mut tried: Vec<Fit> = starts
         .par_iter()
-        .map(|[delay_s, share]| {
+        .map(|([delay_s, share], compliance)| {
             let damping = share * start.damping;
             let mut x = [0.0; 9];
             for (p, value) in [
-                (ServoParameter::Compliance, compliance),
+                (ServoParameter::Compliance, *compliance),
                 (ServoParameter::Offset, start.offset),
                 (ServoParameter::DryFriction, start.dry),
                 (ServoParameter::Damping, damping),
@@ -283,13 +294,14 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
             ] {
                 x[p as usize] = value;
             }
-            fitter.fit(x, &free)
+            fitter.fit(x, &free, ROUGH_STEPS)
         })
         .collect();
-    let mut best = tried
-        .into_iter()
+    tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    tried.truncate(STARTS_KEPT);
+    let mut best = (tried.par_iter().map(|rough| fitter.fit(rough.x, &free, MOST_STEPS)))
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .unwrap_or_else(|| fitter.fit([0.0; 9], &[]));
+        .unwrap_or_else(|| fitter.fit([0.0; 9], &[], MOST_STEPS));
     // more dry friction as far as it is significant
     let excess = [ServoParameter::StaticExcess, ServoParameter::StribeckVelocity];
     let by_load = [ServoParameter::LoadFriction];
@@ -306,7 +318,7 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
             }
             _ => x[added[0] as usize] = 0.1,
         }
-        let found = fitter.fit(x, &with);
+        let found = fitter.fit(x, &with, MOST_STEPS);
         let error = found.errors[added[0] as usize];
         let quantile = student_t_975(found.blocks.saturating_sub(1).max(1) as f64);
         let is_significant =
@@ -370,9 +382,14 @@ pub(super) fn ablations(
     let with = sizes(&found.x);
     let is_own = |p: &&ServoParameter| **p != ServoParameter::StribeckVelocity;
     let own: Vec<ServoParameter> = found.free.iter().filter(is_own).copied().collect();
-    let lag = [ServoParameter::Delay, ServoParameter::Damping];
+    // what one of two may do for the other
+    let either = [
+        [ServoParameter::Delay, ServoParameter::Damping],
+        [ServoParameter::DryFriction, ServoParameter::LoadFriction],
+    ];
+    let both = either.into_iter().filter(|pair| pair.iter().all(|p| own.contains(p)));
     let sets: Vec<Vec<ServoParameter>> =
-        own.iter().map(|p| vec![*p]).chain(std::iter::once(lag.to_vec())).collect();
+        own.iter().map(|p| vec![*p]).chain(both.map(Vec::from)).collect();
     let without = |parameters: &Vec<ServoParameter>| {
         let has = |of: &[ServoParameter]| of.iter().any(|p| parameters.contains(p));
         let static_part = [ServoParameter::StaticExcess, ServoParameter::StribeckVelocity];
@@ -387,7 +404,7 @@ pub(super) fn ablations(
             x[ServoParameter::StaticExcess as usize] = 0.0;
         }
         let free: Vec<ServoParameter> = found.free.iter().filter(|p| !goes(p)).copied().collect();
-        let (train, blocks, holdout) = sizes(&fitter.fit(x, &free).x);
+        let (train, blocks, holdout) = sizes(&fitter.fit(x, &free, MOST_STEPS).x);
         let least = OF_ROUNDING * fitter.resolution;
         let gain =
             |(with, without): (&f64, &f64)| 2.0 * (without.max(least) / with.max(least)).ln();
@@ -493,11 +510,11 @@ impl Fitter<'_> {
         if sum.is_finite() { sum } else { f64::INFINITY }
     }
 
-    fn fit(&self, x: [f64; 9], free: &[ServoParameter]) -> Fit {
+    fn fit(&self, x: [f64; 9], free: &[ServoParameter], most_steps: usize) -> Fit {
         let mut x = self.admissible(x);
         let mut residual = self.residuals(&x);
         let mut damping = 1e-2;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..most_steps {
             let weights = self.weights(&residual);
             let cost = self.cost(&residual);
             let jacobian = self.jacobian(&x, &residual, free);

@@ -68,6 +68,8 @@ pub enum CheckTopic {
     Gravity,
     /// Whether a joint counts as its axis does, with position and effort.
     JointSign,
+    /// Whether the distances of the axes are those of the arm.
+    Geometry,
     /// Delay between effort and motion.
     Delay,
     /// Whether the motion determines the constants.
@@ -89,6 +91,7 @@ impl CheckTopic {
             Self::Order => "joint order",
             Self::Gravity => "gravity",
             Self::JointSign => "joint sign",
+            Self::Geometry => "geometry",
             Self::Delay => "delay",
             Self::Excitation => "excitation",
             Self::Quality => "quality",
@@ -106,6 +109,7 @@ impl From<check::Topic> for CheckTopic {
             check::Topic::Order => Self::Order,
             check::Topic::Gravity => Self::Gravity,
             check::Topic::JointSign => Self::JointSign,
+            check::Topic::Geometry => Self::Geometry,
             check::Topic::Delay => Self::Delay,
             check::Topic::Excitation => Self::Excitation,
             check::Topic::Quality => Self::Quality,
