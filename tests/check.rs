@@ -328,6 +328,58 @@ fn diagnosis_sees_through_the_low_pass_of_drives() {
     }
 }
 
+/// An upper arm of 0.425 m that the robot file makes 0.5 m long: found by `check` with its interval, corrected and named by
+/// `diagnose`, which then names what it names with the right file.
+#[test]
+fn wrong_length_is_found_and_corrected() {
+    let case = bundled("length");
+    let right = std::fs::read_to_string(&case.urdf).unwrap();
+    let origin = "xyz=\"-0.425 0 0\"";
+    assert!(right.contains(origin));
+    let wrong = case.folder.join("long.urdf");
+    std::fs::write(&wrong, right.replace(origin, "xyz=\"-0.5 0 0\"")).unwrap();
+    let holdout = project("examples/ur5/holdout.csv");
+    let train = case.folder.join("train.csv");
+    case.table.write(&train);
+    let diagnosed = |urdf: &Path| -> Value {
+        let args = ["diagnose", text(urdf), text(&train), "--holdout", text(&holdout)];
+        run(&[&args[..], &["--no-replay", "--json", "-", "-q"]].concat()).fine().json()
+    };
+    let geometry = |found: &Value| -> Option<Value> {
+        list(&found["checks"]).iter().find(|c| c["topic"] == "geometry").cloned()
+    };
+    let checked = |urdf: &Path| -> Value {
+        run(&["check", text(urdf), text(&train), "--json", "-", "-q"]).fine().json()
+    };
+    assert!(geometry(&checked(&case.urdf)).is_none());
+    let found = geometry(&checked(&wrong)).unwrap();
+    assert_eq!(found["verdict"], "wrong", "{found}");
+    let ends = list(&found["interval_95"]).iter().map(number).collect::<Vec<f64>>();
+    let length = number(&found["value"]);
+    assert!((length.abs() / 0.425 - 1.0).abs() < 0.05, "{found}");
+    assert!(ends[0] <= length && length <= ends[1], "{found}");
+
+    let (as_it_is, found) = (diagnosed(&case.urdf), diagnosed(&wrong));
+    let names = |found: &Value| -> Vec<String> {
+        let findings = list(&found["findings"]).iter();
+        let others = findings.filter(|f| f["effect"] != "link_geometry_error");
+        let mut names: Vec<String> =
+            others.map(|f| format!("{} {}", string(&f["effect"]), f["joints"])).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(&found), names(&as_it_is));
+    let finding =
+        list(&found["findings"]).iter().find(|f| f["effect"] == "link_geometry_error").unwrap();
+    assert_eq!(finding["joints"][0], "elbow_joint");
+    assert_eq!(finding["confirmed"], true, "{finding}");
+    assert!(number(&finding["confidence"]) > 0.9, "{finding}");
+    for (joint, before) in as_it_is["fit"]["holdout"]["after"].as_object().unwrap() {
+        let after = number(&found["fit"]["holdout"]["after"][joint]);
+        assert!(after < 1.1 * number(before), "{joint}: {before} to {after}");
+    }
+}
+
 /// Joints that rest or move one way, and what they leave open, are named.
 #[test]
 fn reports_poor_excitation() {

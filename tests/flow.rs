@@ -72,6 +72,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "diagnose",
             "dynamics",
             "effects",
+            "ident",
             "kinematics",
             "model",
             "motion",

@@ -32,7 +32,7 @@ const ROOMS: [(&str, &[&str]); 7] = [
         ],
     ),
     ("report", &["layout", "results", "sections", "text"]),
-    ("challenge", &["contract", "arms", "hidden", "cases", "score", "studies"]),
+    ("challenge", &["contract", "arms", "hidden", "cases", "score", "studies", "commands"]),
     ("motion", &["standstill", "quality"]),
 ];
 

@@ -8,8 +8,8 @@ use std::path::Path;
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_effects::{
-    ArmFrames, Backlash, Effect, EffectOnJoint, JointMotion, Library, Scope, WholeArmMotion,
-    directions_with, effect,
+    ArmFrames, Backlash, Effect, EffectOnJoint, JointMotion, Library, LinkGeometryError, Scope,
+    WholeArmMotion, directions_with, effect,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_urdf};
 use armident_recording::{JointChannels, Recording};
@@ -270,6 +270,7 @@ fn example(slug: &str) -> EffectOnJoint {
         "time_delay" => &[0.006],
         "external_contact" => &[5.3851648, 3.0, 4.0, -2.0],
         "rotor_inertia" => &[0.4],
+        "link_geometry_error" => &[0.03, -0.02],
         _ => &[4.0],
     };
     let mut given = on(slug, "joint_2", parameters);
@@ -279,6 +280,11 @@ fn example(slug: &str) -> EffectOnJoint {
         _ => {}
     }
     given
+}
+
+/// The laws that add efforts to those of the given arm.
+fn adding() -> impl Iterator<Item = &'static dyn Effect> {
+    Library::standard().named().chain([&LinkGeometryError as &dyn Effect])
 }
 
 /// What comes out of a controlled simulation satisfies the law: the inverse of the simulated motion
@@ -291,7 +297,7 @@ fn inverse_of_simulated_motion_reproduces_effort() {
     let plain = SimulatedArm::on_chain(&chain, &[]).unwrap();
     let start: Vec<f64> = plan.position.iter().map(|c| c[0]).collect();
     let gains = TrackingGains::of_bandwidth(plain.rigid(), &start, 3.0);
-    for law in Library::standard().named() {
+    for law in adding() {
         let slug = law.law().slug;
         let arm = SimulatedArm::on_chain(&chain, &[example(slug)]).unwrap();
         let moved = track(&arm, plain.rigid(), &plan, &gains).unwrap();
@@ -385,12 +391,12 @@ fn estimator_columns_match_simulated_efforts() {
     let plain = SimulatedArm::on_chain(&chain, &[]).unwrap();
     let rigid = efforts(&inverse(&plain, &plan).unwrap());
     // the columns of backlash are simulated
-    for law in Library::standard().named().filter(|law| law.slug() != Backlash.slug()) {
+    for law in adding().filter(|law| law.slug() != Backlash.slug()) {
         let slug = law.law().slug;
         let mut given = example(slug);
         match slug {
             // columns of the whole arm are first-order in these
-            "encoder_offset" | "time_delay" | "gravity_direction" => {
+            "encoder_offset" | "time_delay" | "gravity_direction" | "link_geometry_error" => {
                 given.parameters.iter_mut().for_each(|p| *p *= 1e-3);
             }
             "joint_elasticity" => given.parameters = vec![1e6, 3e3, 0.4],
@@ -404,7 +410,7 @@ fn estimator_columns_match_simulated_efforts() {
         let tolerance = match slug {
             // the spring starts with a vibration
             "joint_elasticity" => 0.05,
-            "encoder_offset" | "gravity_direction" | "time_delay" => 2e-3,
+            "encoder_offset" | "gravity_direction" | "time_delay" | "link_geometry_error" => 2e-3,
             // the columns fade where the common speed changes its sign
             "joint_coupling" => 0.02,
             _ => 1e-6,
