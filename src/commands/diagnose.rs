@@ -63,7 +63,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
     let (holdout, reference) = (read(&files.holdout)?, read(&files.reference)?);
     let robot = robot::open(&args.robot, &args.chain)?;
     if has_commands_only(&robot, &training)? {
-        return by_commands(args, &robot, &training, &holdout);
+        return by_commands(args, &robot, [&training, &holdout], files.used(args).collect());
     }
     if !args.servo_gain.is_empty() {
         return Err(Failure::new(
@@ -104,15 +104,13 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
 fn by_commands(
     args: &DiagnoseArgs,
     robot: &GivenRobot,
-    training: &[Recording],
-    holdout: &[Recording],
+    [training, holdout]: [&[Recording]; 2],
+    used: Vec<&PathBuf>,
 ) -> Result<Outcome, Failure> {
     let needs_efforts = [
         (!args.reference.is_empty(), "--reference"),
         (args.next_motion.is_some(), "--next-motion"),
         (args.placebo.is_some(), "--placebo"),
-        (args.page.report.is_some(), "--report"),
-        (args.page.traces, "--traces"),
     ];
     if let Some((_, option)) = needs_efforts.iter().find(|(is_given, _)| *is_given) {
         return Err(Failure::new(
@@ -127,8 +125,10 @@ fn by_commands(
     if let Some(path) = &args.save_model {
         found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
+    let drawing = page::drawn(&args.page, used, || found.drawing(training, holdout))?;
     let report = &found.report;
-    output::write_result(&args.output, &report.text(output::bars()), report, &report.warnings)
+    let (text, warnings) = (report.text(output::bars()), &report.warnings);
+    page::write_result(&args.page, &args.output, &text, report, warnings, drawing.as_ref())
 }
 
 /// A recording cannot be fitted and held out.

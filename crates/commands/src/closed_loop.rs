@@ -1,5 +1,6 @@
 //! `predict --closed-loop`: the positions that commands cause.
 
+use armident_model::ArmModel;
 use armident_recording::{JointChannels, Quantity, Recording};
 use armident_simulation::{ArmState, DEFAULT_STEP_S, SimulatedArm, closed_loop};
 
@@ -47,13 +48,7 @@ pub fn predict_closed_loop(
     if !without.is_empty() {
         notes.push(format!("{} start at their first command: no position", without.join(", ")));
     }
-    let start = joints.iter().map(|joint| {
-        first(Quantity::Position, joint).or_else(|| first(Quantity::Command, joint)).unwrap_or(0.0)
-    });
-    let start = ArmState::at_rest(start.collect());
-    let (simulated, _) = model.simulated();
-    let arm = SimulatedArm::on_chain_in(&simulated.library, &simulated.chain, &simulated.effects)?;
-    let motion = closed_loop(&arm, gain, commands, start, DEFAULT_STEP_S)?;
+    let motion = motion_under(&model, commands, gain)?;
     let positions = motion
         .joints
         .into_iter()
@@ -72,4 +67,26 @@ pub fn predict_closed_loop(
         warnings: chain_warnings(&model),
     };
     Ok(Predicted { report, channels: positions })
+}
+
+/// The motion of an arm behind its controllers, from rest at the first position, or else the first command.
+fn motion_under(model: &ArmModel, commands: &Recording, gain: f64) -> Result<Recording, Failure> {
+    let start = model.chain.joint_names().into_iter().map(|joint| {
+        let first = |quantity| commands.joint(joint)?.channel(quantity)?.first().copied();
+        first(Quantity::Position).or_else(|| first(Quantity::Command)).unwrap_or(0.0)
+    });
+    let start = ArmState::at_rest(start.collect());
+    let (simulated, _) = model.simulated();
+    let arm = SimulatedArm::on_chain_in(&simulated.library, &simulated.chain, &simulated.effects)?;
+    Ok(closed_loop(&arm, gain, commands, start, DEFAULT_STEP_S)?)
+}
+
+/// The positions of that motion, by joint, at the stamps of the commands \[rad or m\].
+pub(crate) fn positions_under(
+    model: &ArmModel,
+    commands: &Recording,
+    gain: f64,
+) -> Result<Vec<Vec<f64>>, Failure> {
+    let motion = motion_under(model, commands, gain)?;
+    Ok(motion.joints.into_iter().map(|joint| joint.position.unwrap_or_default()).collect())
 }

@@ -3,10 +3,13 @@
 use armident_diagnose::{Diagnosis, Finding};
 use armident_kinematics::DrivingAxisChain;
 use armident_model::{ArmModel, PreparedRecording};
-use armident_page::{Canvas, Compared, Correlation, Drawing, FindingPlace, RecordingRole};
-use armident_recording::Recording;
+use armident_page::{
+    Canvas, Compared, Correlation, Drawing, DrawnQuantity, FindingPlace, RecordingRole,
+};
+use armident_recording::{Quantity, Recording};
 use serde::Serialize;
 
+use crate::closed_loop::positions_under;
 use crate::failure::Failure;
 
 /// Periods of the cut-off at both ends in which residuals are not counted, as in `identify`.
@@ -47,7 +50,7 @@ fn compared<'a>(
                 .iter()
                 .map(|model| Ok(model.predict(recording, cutoff_hz)?.efforts))
                 .collect::<Result<_, Failure>>()?;
-            Ok(Compared { recording, role, predicted, edge_s })
+            Ok(Compared { recording, role, quantity: DrawnQuantity::Effort, predicted, edge_s })
         })
         .collect()
 }
@@ -70,6 +73,39 @@ pub(crate) fn of_models(
     Ok(Drawing { filters: filters(cutoff_hz), ..canvas.drawing() })
 }
 
+/// What is drawn of recordings of commands beside the positions of an arm behind its controllers, whose gains are those of each
+/// recording.
+pub(crate) fn of_positions(
+    model: &ArmModel,
+    recorded: &[(&[Recording], &[f64], RecordingRole)],
+) -> Result<Drawing, Failure> {
+    let joints = model.chain.joint_names();
+    let mut all = Vec::new();
+    for &(recordings, gains, role) in recorded {
+        for (recording, gain) in recordings.iter().zip(gains) {
+            let column = |joint: &&str| {
+                let channels = recording.joint(joint)?;
+                channels.channel(Quantity::Command).map(<[f64]>::to_vec)
+            };
+            let commands = joints.iter().filter_map(column).collect();
+            let simulated = positions_under(model, recording, *gain)?;
+            all.push(Compared {
+                recording,
+                role,
+                quantity: DrawnQuantity::Position,
+                predicted: vec![commands, simulated],
+                edge_s: 0.0,
+            });
+        }
+    }
+    let canvas = Canvas::new(&model.chain, &["command", "simulated"], &all)?;
+    let filters = vec![
+        "Positions are not filtered; the arm is simulated from its first recorded position on."
+            .to_owned(),
+    ];
+    Ok(Drawing { filters, ..canvas.drawing() })
+}
+
 /// What is drawn of a diagnosis.
 pub(crate) fn of_diagnosis(
     diagnosis: &Diagnosis,
@@ -83,7 +119,9 @@ pub(crate) fn of_diagnosis(
     for (seen, role) in train.iter().map(|seen| (seen, RecordingRole::Training)).chain(kept_out) {
         let predicted =
             models.iter().map(|m| m.predict_prepared(seen)).collect::<Result<_, _>>()?;
-        all.push(Compared { recording: seen.recording(), role, predicted, edge_s: 0.0 });
+        let recording = seen.recording();
+        let quantity = DrawnQuantity::Effort;
+        all.push(Compared { recording, role, quantity, predicted, edge_s: 0.0 });
     }
     let chain = &before.chain;
     let canvas = Canvas::new(chain, &["given", "links only", "diagnosed"], &all)?;

@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use armident_diagnose::diagnose_servos as diagnosed;
 use armident_ident::{ServoError, ServoRequest, identify_servos as identified};
 use armident_model::ArmModel;
+use armident_page::{Drawing, RecordingRole};
 use armident_recording::Recording;
 use armident_report::{DiagnoseInputs, DiagnoseReport, ServosReport};
 
+use crate::drawing;
 use crate::failure::Failure;
 use crate::recordings::joints_with_position;
 use crate::robot::{GivenRobot, chain_warnings};
@@ -61,6 +63,21 @@ pub struct DiagnosedServos {
     pub report: DiagnoseReport,
     /// The diagnosed model.
     pub model: ArmModel,
+    gains: Gains,
+}
+
+impl DiagnosedServos {
+    /// What its page draws: commands, recorded and simulated positions.
+    ///
+    /// # Errors
+    /// A simulation that diverges.
+    pub fn drawing(&self, train: &[Recording], holdout: &[Recording]) -> Result<Drawing, Failure> {
+        let recorded = [
+            (train, self.gains.train.as_slice(), RecordingRole::Training),
+            (holdout, self.gains.holdout.as_slice(), RecordingRole::Holdout),
+        ];
+        drawing::of_positions(&self.model, &recorded)
+    }
 }
 
 /// Diagnoses an arm from commands and positions; `gains` as in [`identify_servos`].
@@ -84,7 +101,7 @@ pub fn diagnose_servos(
         warnings: chain_warnings(&given),
     };
     let report = DiagnoseReport::of_commands(&found, inputs);
-    Ok(DiagnosedServos { report, model: found.identification.model })
+    Ok(DiagnosedServos { report, model: found.identification.model, gains })
 }
 
 fn sources(recordings: &[Recording]) -> Vec<String> {
@@ -92,6 +109,7 @@ fn sources(recordings: &[Recording]) -> Vec<String> {
 }
 
 /// Gain of the controllers in each recording.
+#[derive(Debug)]
 struct Gains {
     train: Vec<f64>,
     holdout: Vec<f64>,

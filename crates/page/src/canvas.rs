@@ -5,8 +5,8 @@ use armident_motion::quality;
 use armident_recording::{Recording, RecordingError};
 
 use crate::drawing::{
-    Channel, Drawing, EffortTraces, JointName, JointResidual, Quality, RecordingRole,
-    RecordingTraces, Skeleton,
+    Channel, Drawing, DrawnQuantity, EffortTraces, JointName, JointResidual, Map, Quality,
+    RecordingRole, RecordingTraces, Skeleton,
 };
 use crate::reduce::{rounded, samples_per_pair, smallest_and_largest};
 use crate::sheet::{Compared, Sheet};
@@ -58,6 +58,7 @@ impl<'a> Canvas<'a> {
     pub fn drawing(&self) -> Drawing {
         Drawing {
             joints: joint_names(self.chain),
+            quantity: self.quantity(),
             models: self.models.clone(),
             recordings: self.traces(),
             residuals: (0..self.chain.dof()).map(|j| self.residual(j)).collect(),
@@ -65,6 +66,10 @@ impl<'a> Canvas<'a> {
             quality: self.quality.clone(),
             ..Drawing::default()
         }
+    }
+
+    fn quantity(&self) -> DrawnQuantity {
+        self.sheets.first().map(|sheet| sheet.quantity).unwrap_or_default()
     }
 
     fn traces(&self) -> Vec<RecordingTraces> {
@@ -123,7 +128,10 @@ impl<'a> Canvas<'a> {
             effort_deviation: (variance / measured.len() as f64).sqrt(),
             rms,
             speed_position: residual_maps::speed_position(&sheets, joint),
-            load_direction: residual_maps::load_direction(&sheets, joint),
+            load_direction: match self.quantity() {
+                DrawnQuantity::Effort => residual_maps::load_direction(&sheets, joint),
+                DrawnQuantity::Position => Map::default(),
+            },
             time: residual_maps::time(&sheets, joint),
             spectrum: spectrum::spectrum(&sheets, joint),
             orders: spectrum::orders(&sheets, joint, self.chain.joints[joint].kind),

@@ -10,6 +10,8 @@ pub struct Drawing {
     pub provenance: Provenance,
     /// Joints of the chain in order.
     pub joints: Vec<JointName>,
+    /// What recordings and models are compared by.
+    pub quantity: DrawnQuantity,
     /// Names of the models compared, the first the one that was given, the last the one found.
     pub models: Vec<String>,
     /// Recordings with predictions, training first.
@@ -26,6 +28,35 @@ pub struct Drawing {
     pub quality: Vec<Quality>,
     /// Low-passes that were used, one sentence each.
     pub filters: Vec<String>,
+}
+
+/// What recordings and models are compared by: efforts, or positions where commands and no efforts are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DrawnQuantity {
+    /// Efforts of the joints.
+    #[default]
+    Effort,
+    /// Positions of the joints.
+    Position,
+}
+
+impl DrawnQuantity {
+    /// Its name.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Effort => "effort",
+            Self::Position => "position",
+        }
+    }
+
+    /// Its unit on a joint.
+    pub(crate) fn unit(self, joint: &JointName) -> &str {
+        match self {
+            Self::Effort => &joint.effort_unit,
+            Self::Position => &joint.position_unit,
+        }
+    }
 }
 
 /// Where a result comes from.
@@ -79,7 +110,7 @@ pub enum RecordingRole {
     Holdout,
 }
 
-/// Efforts of one recording, recorded and predicted, evenly spaced in time.
+/// Efforts (or positions) of one recording, recorded and predicted, evenly spaced in time.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RecordingTraces {
@@ -97,7 +128,7 @@ pub struct RecordingTraces {
     pub joints: Vec<EffortTraces>,
 }
 
-/// Efforts of one joint \[N m or N\].
+/// Efforts of one joint \[N m or N\], or its positions \[rad or m\].
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct EffortTraces {
@@ -113,7 +144,7 @@ pub struct EffortTraces {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct JointResidual {
-    /// Standard deviation of the recorded effort \[N m or N\].
+    /// Standard deviation of the recorded effort \[N m or N\] or position \[rad or m\].
     pub effort_deviation: f64,
     /// Root mean square residual of each model \[N m or N\].
     pub rms: Vec<f64>,

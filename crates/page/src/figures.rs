@@ -4,8 +4,8 @@
 use serde_json::{Value, json};
 
 use crate::drawing::{
-    Correlation, Drawing, FindingTraces, JointResidual, PlotSeries, RecordingRole, RecordingTraces,
-    Skeleton,
+    Correlation, Drawing, DrawnQuantity, FindingTraces, JointResidual, PlotSeries, RecordingRole,
+    RecordingTraces, Skeleton,
 };
 
 /// One figure with the views a reader chooses among.
@@ -76,7 +76,7 @@ pub(crate) fn efforts(
     if recordings.is_empty() {
         return None;
     }
-    let unit = &drawing.joints.get(joint)?.effort_unit;
+    let (unit, word) = (drawing.quantity.unit(drawing.joints.get(joint)?), drawing.quantity.word());
     let models = drawing.models.len();
     let mut data = Vec::new();
     let mut start = 0.0;
@@ -121,7 +121,7 @@ pub(crate) fn efforts(
     let layout = json!({
         "hovermode": "x unified",
         "xaxis": { "title": { "text": "time [s]" }, "anchor": "y2", "automargin": true },
-        "yaxis": { "title": { "text": format!("effort [{unit}]") }, "domain": [0.44, 1], "automargin": true },
+        "yaxis": { "title": { "text": format!("{word} [{unit}]") }, "domain": [0.44, 1], "automargin": true },
         "yaxis2": { "title": { "text": format!("residual [{unit}]") }, "domain": [0, 0.38],
                     "automargin": true, "zeroline": true },
         "shapes": shapes,
@@ -132,7 +132,7 @@ pub(crate) fn efforts(
     };
     let reduced = recordings.iter().map(|r| r.samples_per_pair).max().unwrap_or(1);
     let mut legend = format!(
-        "Top: effort. Bottom: residual (measured minus predicted){}. Drag to zoom, double click to go back.",
+        "Top: {word}. Bottom: residual (measured minus predicted){}. Drag to zoom, double click to go back.",
         if noise.is_some() { "; band: \u{b1}1.96 noise levels" } else { "" }
     );
     if recordings.len() > 1 {
@@ -143,7 +143,7 @@ pub(crate) fn efforts(
     }
     Some(figure(
         format!("efforts-{slug}-{joint}"),
-        format!("{role_name}: effort over time"),
+        format!("{role_name}: {word} over time"),
         legend,
         420,
         vec![view("", data, layout)],
@@ -153,6 +153,7 @@ pub(crate) fn efforts(
 /// Heat maps of where residuals lie.
 pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Option<Figure> {
     let name = drawing.joints.get(joint)?;
+    let unit = drawing.quantity.unit(name);
     let mut views = Vec::new();
     let kinds = [
         (
@@ -174,8 +175,8 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
             let data = json!({
                 "type": "heatmap", "x": map.x, "y": map.y, "z": z, "zmin": -most, "zmax": most,
                 "colorscale": [[0, "#0072B2"], [0.5, "@middle"], [1, "#D55E00"]],
-                "colorbar": { "title": { "text": name.effort_unit, "side": "right" }, "thickness": 12 },
-                "hovertemplate": format!("{x} %{{x:.3g}}<br>%{{y}}<br>residual %{{z:.3g}} {}<extra></extra>", name.effort_unit),
+                "colorbar": { "title": { "text": unit, "side": "right" }, "thickness": 12 },
+                "hovertemplate": format!("{x} %{{x:.3g}}<br>%{{y}}<br>residual %{{z:.3g}} {unit}<extra></extra>"),
                 "hoverongaps": false
             });
             let layout = json!({ "xaxis": axis(&x), "yaxis": y, "hovermode": "closest" });
@@ -210,7 +211,7 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
 /// Residuals by frequency, by order, by lag.
 pub(crate) fn spectra(drawing: &Drawing, joint: usize, of: &JointResidual) -> Option<Figure> {
     let name = drawing.joints.get(joint)?;
-    let unit = &name.effort_unit;
+    let unit = drawing.quantity.unit(name);
     let orders = if name.position_unit == "m" { "cycles per metre" } else { "cycles per turn" };
     let kinds = [
         (
@@ -292,7 +293,7 @@ pub(crate) fn over_time(drawing: &Drawing) -> Option<Figure> {
             let data = json!({
                 "type": "heatmap", "x": x, "y": names, "z": rows(m), "colorscale": "Cividis", "zmin": 0,
                 "colorbar": { "title": { "text": "%", "side": "right" }, "thickness": 12 },
-                "hovertemplate": "%{y}<br>%{x:.3g} s<br>%{z:.3g} % of its effort<extra></extra>"
+                "hovertemplate": "%{y}<br>%{x:.3g} s<br>%{z:.3g} % of its size<extra></extra>"
             });
             let layout = json!({
                 "xaxis": axis("time [s]"), "hovermode": "closest",
@@ -304,9 +305,10 @@ pub(crate) fn over_time(drawing: &Drawing) -> Option<Figure> {
     Some(figure(
         "over-time".to_owned(),
         "Residual over time".to_owned(),
-        "RMS residual of each joint over the training recordings, relative to the standard deviation of \
-         its effort."
-            .to_owned(),
+        format!(
+            "RMS residual of each joint over the training recordings, relative to the standard deviation of its {}.",
+            drawing.quantity.word()
+        ),
         90 + 30 * names.len() as u32,
         views,
     ))
@@ -464,7 +466,15 @@ pub(crate) fn intervals(rows: &[(String, f64, f64)]) -> Option<Figure> {
 }
 
 /// Errors of all joints, one group of bars a joint.
-pub(crate) fn errors(joints: &[String], models: &[(String, Vec<Option<f64>>)]) -> Option<Figure> {
+pub(crate) fn errors(
+    joints: &[String],
+    models: &[(String, Vec<Option<f64>>)],
+    quantity: DrawnQuantity,
+) -> Option<Figure> {
+    let unit = match quantity {
+        DrawnQuantity::Effort => "N m or N",
+        DrawnQuantity::Position => "rad or m",
+    };
     let data: Vec<Value> = models
         .iter()
         .enumerate()
@@ -478,7 +488,7 @@ pub(crate) fn errors(joints: &[String], models: &[(String, Vec<Option<f64>>)]) -
     let layout = json!({
         "hovermode": "x unified", "barmode": "group",
         "xaxis": { "automargin": true },
-        "yaxis": { "title": { "text": "RMS error [N m or N]" }, "type": "log", "automargin": true }
+        "yaxis": { "title": { "text": format!("RMS error [{unit}]") }, "type": "log", "automargin": true }
     });
     (!data.is_empty() && !joints.is_empty()).then(|| {
         figure(

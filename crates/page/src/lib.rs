@@ -33,9 +33,9 @@ mod view;
 
 pub use canvas::Canvas;
 pub use drawing::{
-    Channel, Correlation, Drawing, EffortTraces, FindingTraces, FindingView, JointName,
-    JointResidual, Map, PageInput, PlotSeries, Provenance, Quality, RecordingRole, RecordingTraces,
-    Skeleton,
+    Channel, Correlation, Drawing, DrawnQuantity, EffortTraces, FindingTraces, FindingView,
+    JointName, JointResidual, Map, PageInput, PlotSeries, Provenance, Quality, RecordingRole,
+    RecordingTraces, Skeleton,
 };
 pub use error::PageError;
 pub use finding::FindingPlace;

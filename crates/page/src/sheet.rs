@@ -5,19 +5,21 @@ use std::ops::Range;
 use armident_motion::{HIGHEST_CUTOFF_SHARE, Motion, MotionSettings, default_cutoff_hz};
 use armident_recording::{Quantity, Recording, RecordingError};
 
-use crate::drawing::RecordingRole;
+use crate::drawing::{DrawnQuantity, RecordingRole};
 
 /// Lowest cut-off for the speeds and accelerations that residuals are sorted by \[Hz\].
 const LEAST_CUTOFF_HZ: f64 = 10.0;
 
-/// A recording with the efforts that the models predict for it.
+/// A recording with the efforts or positions that the models predict for it.
 #[derive(Debug)]
 pub struct Compared<'a> {
     /// The recording.
     pub recording: &'a Recording,
     /// Whether it was fitted.
     pub role: RecordingRole,
-    /// `predicted[model][joint]`, at the stamps of the recording \[N m or N\].
+    /// What is compared.
+    pub quantity: DrawnQuantity,
+    /// `predicted[model][joint]`, at the stamps of the recording, in the unit of the quantity.
     pub predicted: Vec<Vec<Vec<f64>>>,
     /// Time at both ends in which the predictions are those of a low-pass that lacks the samples before
     /// and after \[s\]: not counted in residuals.
@@ -28,9 +30,10 @@ pub struct Compared<'a> {
 pub(crate) struct Sheet {
     pub(crate) motion: Motion,
     pub(crate) role: RecordingRole,
+    pub(crate) quantity: DrawnQuantity,
     /// samples that count in residuals
     pub(crate) kept: Range<usize>,
-    /// empty for a joint without recorded effort
+    /// empty for a joint without the recorded quantity
     pub(crate) measured: Vec<Vec<f64>>,
     /// model, joint
     pub(crate) residual: Vec<Vec<Vec<f64>>>,
@@ -53,11 +56,15 @@ impl Sheet {
             .min(HIGHEST_CUTOFF_SHARE * rate_hz);
         let settings = MotionSettings { cutoff_hz: Some(cutoff_hz), ..MotionSettings::default() };
         let motion = Motion::from_recording(recording, joints, &settings)?;
+        let measured_quantity = match compared.quantity {
+            DrawnQuantity::Effort => Quantity::Effort,
+            DrawnQuantity::Position => Quantity::Position,
+        };
         let measured: Vec<Vec<f64>> = joints
             .iter()
             .map(|j| {
-                let effort = recording.joint(j).and_then(|j| j.channel(Quantity::Effort));
-                effort.map(|e| motion.on_grid(e)).unwrap_or_default()
+                let column = recording.joint(j).and_then(|j| j.channel(measured_quantity));
+                column.map(|e| motion.on_grid(e)).unwrap_or_default()
             })
             .collect();
         let predicted: Vec<Vec<Vec<f64>>> = compared
@@ -71,7 +78,8 @@ impl Sheet {
             .collect();
         let edge = ((compared.edge_s * rate_hz).ceil() as usize).min(motion.len() / 4);
         let kept = edge..motion.len() - edge;
-        Ok(Self { motion, role: compared.role, kept, measured, residual, predicted })
+        let (role, quantity) = (compared.role, compared.quantity);
+        Ok(Self { motion, role, quantity, kept, measured, residual, predicted })
     }
 }
 

@@ -10,12 +10,14 @@
 
 use armident_dynamics::{ArmMotion, RigidArm};
 use armident_model::ArmModel;
-use armident_motion::Motion;
+use armident_motion::{Motion, MotionSettings};
 use armident_numeric::{AccumulatedQr, NumericError};
+use armident_recording::Recording;
 use rayon::prelude::*;
 
+use super::arm_columns::JointMap;
 use super::likelihood_top::Top;
-use super::rows::{ChannelRows, edge};
+use super::rows::{self, ChannelRows, edge};
 use crate::minimal_set::MinimalSet;
 use crate::regression::{BatchProblem, RANK_CUT, TermColumn};
 
@@ -31,6 +33,8 @@ const MOST: f64 = 4.0;
 const CLEARLY: f64 = 13.8;
 /// Residual of a joint at the found distance over that at the given one: a sixth more without it, as for a finding.
 const MATERIAL: f64 = 6.0 / 7.0;
+/// Cut-off \[Hz\]: below it the efforts of an arm are those of its links; springs of transmissions and controllers are above it.
+const CUTOFF_HZ: f64 = 6.0;
 /// Residual over noise below which nothing is to be explained.
 const AT_NOISE: f64 = 1.2;
 
@@ -148,10 +152,25 @@ fn push(
     rows.push_columns(&columns, &observed.of(&effort[joint][kept]));
 }
 
-/// The distance that the recordings contradict most clearly; none where they contradict none.
+/// Motions of the recordings below the cut-off of this check; none where they cannot be formed, and those at hand where these
+/// are not filtered, or by less.
+fn slow(motions: &[Motion], (recordings, map): (&[Recording], &JointMap)) -> Option<Vec<Motion>> {
+    let is_slow = |m: &Motion| m.filter.as_ref().is_none_or(|f| f.cutoff_hz() <= CUTOFF_HZ);
+    if motions.iter().all(is_slow) {
+        return Some(motions.to_vec());
+    }
+    let names: Vec<&str> = motions[0].joints.iter().map(String::as_str).collect();
+    let settings = MotionSettings { cutoff_hz: Some(CUTOFF_HZ), ..MotionSettings::default() };
+    let of =
+        |r: &Recording| Motion::from_recording(r, &names, &settings).ok().map(|m| map.motion(&m));
+    recordings.iter().map(of).collect()
+}
+
+/// The distance that the recordings contradict most clearly; none where they contradict none. `noise` as of the rows.
 pub(super) fn link_length(
     problem: &BatchProblem,
-    motions: &[Motion],
+    (motions, noise): (&[Motion], &[f64]),
+    (recordings, map): (&[Recording], &JointMap),
     rows: &[ChannelRows],
     is_silent: &[bool],
 ) -> Result<Option<LinkLength>, NumericError> {
@@ -159,7 +178,9 @@ pub(super) fn link_length(
     if joints.iter().all(|&j| rows[j].residual_rms < AT_NOISE * rows[j].noise) {
         return Ok(None);
     }
+    let Some(slow) = slow(motions, (recordings, map)) else { return Ok(None) };
     let arm = problem.arm();
+    let rows = rows::accumulate(problem, arm, &slow, noise)?;
     let mut tried: Vec<(usize, FrameLength, f64)> = Vec::new();
     for (joint, geometry) in arm.joints.iter().enumerate().skip(1) {
         for (along, length) in
@@ -170,7 +191,7 @@ pub(super) fn link_length(
             }
         }
     }
-    let thinned: Vec<Motion> = motions.iter().map(|m| m.clone().thinned()).collect();
+    let thinned: Vec<Motion> = slow.into_iter().map(Motion::thinned).collect();
     let jumping = joints.iter().map(|&joint| {
         thinned.iter().map(|motion| problem.jumping_columns(joint, motion)).collect()
     });

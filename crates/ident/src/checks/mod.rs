@@ -194,7 +194,13 @@ pub fn check(
     let cutoff_hz = motions.iter().find_map(|m| Some(m.filter.as_ref()?.cutoff_hz()));
     // a voltage is ahead of its effort by the back-EMF, and no measurement that a drive filters
     let is_filtered = !signals.values().any(|quantity| *quantity == Quantity::Voltage);
-    let link_length = link_length::link_length(&problem, motions, &rows, &is_silent)?;
+    let link_length = link_length::link_length(
+        &problem,
+        (motions, noise.as_slice()),
+        (recordings, map),
+        &rows,
+        &is_silent,
+    )?;
     let mut low_pass = cutoff_hz
         .filter(|_| is_filtered)
         .and_then(|hz| effort_low_pass::effort_low_pass(&rows, &is_silent, hz));

@@ -8,7 +8,7 @@ use armident_report::{
 use super::charts::of_minimal_set;
 use super::joint_cards::joint_cards;
 use crate::blocks::parts;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, DrawnQuantity};
 use crate::figures::{self, Figure};
 use crate::view::{Step, Tone, View, number};
 
@@ -139,6 +139,6 @@ fn bars(of: &IdentifyReport, kind: &str) -> Option<Figure> {
         ("URDF only".to_owned(), values(&of.fit.urdf.rmse)),
         ("model".to_owned(), values(&errors.rmse)),
     ];
-    figures::errors(&of.joints, &models)
+    figures::errors(&of.joints, &models, DrawnQuantity::Effort)
         .map(|f| Figure { title: format!("Effort error, {kind} (low-passed)"), ..f })
 }

@@ -25,7 +25,11 @@ pub(super) fn joint_cards(drawing: &Drawing, open: &[String], noise: &ByJoint) -
                 .zip(&residual.rms)
                 .map(|(model, rms)| {
                     let share = percent(rms / residual.effort_deviation);
-                    format!("{model} {} {} ({share})", number(*rms, 3), joint.effort_unit)
+                    format!(
+                        "{model} {} {} ({share})",
+                        number(*rms, 3),
+                        drawing.quantity.unit(joint)
+                    )
                 })
                 .collect();
             JointCard {

@@ -8,7 +8,7 @@ use armident_report::{
 
 use super::joint_cards::joint_cards;
 use crate::blocks::parts;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, DrawnQuantity};
 use crate::figures::{self, Figure};
 use crate::view::{Step, Tone, View, number};
 
@@ -49,6 +49,7 @@ pub(crate) fn view(of: &ValidateReport, drawing: &Drawing) -> View {
     let bars = figures::errors(
         &of.joints,
         &[("URDF only".to_owned(), values(&of.before)), ("model".to_owned(), values(&of.after))],
+        DrawnQuantity::Effort,
     );
     let shown = standard_sections::VALIDATE.iter();
     let shown = shown.map(|section| (section.key(), section.page(of)));

@@ -7,7 +7,7 @@ use armident_report::{
 };
 
 use super::evidence::{size, strength};
-use crate::drawing::{Drawing, FindingTraces};
+use crate::drawing::{Drawing, DrawnQuantity, FindingTraces};
 use crate::figures;
 use crate::view::{Card, Fitted, number};
 
@@ -36,7 +36,7 @@ pub(super) fn card(k: usize, finding: &FindingRow, of: &DiagnoseReport, drawing:
         confidence: format!("{:.2}", finding.confidence),
         formula: effect(&finding.effect).map_or_else(String::new, |e| e.law().formula.to_owned()),
         parameters: needed.map(|(name, estimate)| fitted(name, estimate)).collect(),
-        why: evidence(finding),
+        why: evidence(finding, drawing.quantity),
         regime: traces.map_or_else(String::new, |traces| residuals(traces, drawing)),
         look_alikes: look_alikes(finding, of),
         figure: traces.and_then(|traces| figures::finding(drawing, k, traces)),
@@ -64,17 +64,18 @@ fn fitted(name: &str, estimate: &EstimateRow) -> Fitted {
 }
 
 /// Evidence of the finding, in words.
-fn evidence(finding: &FindingRow) -> String {
+fn evidence(finding: &FindingRow, quantity: DrawnQuantity) -> String {
     let of = &finding.evidence;
     let mut text = format!(
         "{} (confidence {:.2}, a score: 0.50 at the threshold of materiality or size, 0.95 at twice the threshold). Materiality {} \
-         on {} (threshold {}): RMS effort in noise levels that only this finding explains, after refitting everything \
+         on {} (threshold {}): RMS {} in noise levels that only this finding explains, after refitting everything \
          else.",
         capital(&strength(finding)),
         finding.confidence,
         in_noise_levels(of.materiality, 2),
         of.joint,
         number(of.materiality_threshold, 2),
+        quantity.word(),
     );
     if !of.variables.is_empty() {
         text += &format!(" Regressors: {}.", of.variables.join(", "));
@@ -103,7 +104,7 @@ fn residuals(traces: &FindingTraces, drawing: &Drawing) -> String {
                     number(*without, 3),
                     number(*with, 3),
                     percent(*share),
-                    unit = joint.effort_unit
+                    unit = drawing.quantity.unit(joint)
                 ),
             ));
         }

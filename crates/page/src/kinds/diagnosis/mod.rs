@@ -7,7 +7,7 @@ mod verdict;
 
 use armident_report::{
     ByJoint, DiagnoseReport, DiagnosisSection, FindingRow, JointResiduals, MinimalSetEstimate,
-    percent,
+    PositionFit, percent,
 };
 
 use self::card::card;
@@ -17,7 +17,7 @@ use self::verdict::{headline, sentences};
 use super::charts::of_minimal_set;
 use super::joint_cards::joint_cards;
 use crate::blocks::parts;
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, DrawnQuantity};
 use crate::figures::{self, Figure};
 use crate::view::{JointCard, Tone, View, number};
 
@@ -90,7 +90,7 @@ fn overview(of: &DiagnoseReport, drawing: &Drawing) -> Vec<Figure> {
             ("diagnosed".to_owned(), values(&errors.after)),
         ];
         models.retain(|m: &(String, Vec<Option<f64>>)| m.1.iter().any(Option::is_some));
-        all.extend(figures::errors(&of.joints, &models).map(|f| Figure {
+        all.extend(figures::errors(&of.joints, &models, DrawnQuantity::Effort).map(|f| Figure {
             title: format!("Effort error, {kind}"),
             legend: format!(
                 "given: model as passed in; links only: its link inertias refitted, no effects; diagnosed: with all \
@@ -100,8 +100,31 @@ fn overview(of: &DiagnoseReport, drawing: &Drawing) -> Vec<Figure> {
             ..f
         }));
     }
+    all.extend(position_errors(of));
     all.extend(figures::over_time(drawing));
     all
+}
+
+/// Errors of positions, where commands and no efforts are recorded.
+fn position_errors(of: &DiagnoseReport) -> Option<Figure> {
+    let fit = of.section::<PositionFit>()?;
+    let (errors, kind) = match &fit.holdout {
+        Some(errors) => (errors, "hold-out"),
+        None => (&fit.train, "training"),
+    };
+    let values = |m: &ByJoint| of.joints.iter().map(|j| m.get(j).copied()).collect();
+    let models = [
+        ("command".to_owned(), values(&errors.before)),
+        ("simulated".to_owned(), values(&errors.after)),
+    ];
+    figures::errors(&of.joints, &models, DrawnQuantity::Position).map(|f| Figure {
+        title: format!("Position error, {kind}"),
+        legend: format!(
+            "command: command minus position; simulated: simulated from the commands with all findings. {}",
+            f.legend
+        ),
+        ..f
+    })
 }
 
 /// Cards with the residual map of their joint; cards of the map alone where nothing is drawn.
