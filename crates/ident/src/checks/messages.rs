@@ -163,7 +163,8 @@ pub(super) fn link_length(found: &LinkLength, names: &[&str]) -> Check {
         FrameLength::Offset => "along its own axis",
     };
     let message = format!(
-        "the axis of {joint} is {} m from that of {before} ({along}; 95 % interval {} to {} m), in the robot file {} m: with that          distance the residual of {} is {:.2} times as large, whatever the inertias of the links are",
+        "the axis of {joint} is {} m from that of {before} ({along}; 95 % interval {} to {} m), in the robot file {} m, with which \
+         the residual of {} is {:.2} times as large whatever the inertias of the links are",
         digits(found.length_m, 3),
         digits(low, 3),
         digits(high, 3),
