@@ -18,7 +18,7 @@ pub type BodyConstants = InertialParameters;
 
 /// Constants of body `p` carried to the frame before it, without the link there: what (18), (20)
 /// and (22), (24) add to `(m_i, m_i c_i, I_i + m_i Σ(c_i))`.
-fn carried(joint: &JointGeometry, outer: &BodyConstants) -> BodyConstants {
+pub(crate) fn carried(joint: &JointGeometry, outer: &BodyConstants) -> BodyConstants {
     let (m, k, u) = (outer.mass_kg, outer.first_moment_kgm, outer.inertia_origin_kgm2);
     // at q = 0; for a rotational joint only rotation-invariant combinations are used
     let pose: JointPose<f64> = joint.at(0.0);

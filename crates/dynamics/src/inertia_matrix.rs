@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use crate::arm::{JointPose, RigidArm};
 use crate::composite::{CompositeBody, composite_bodies, composite_bodies_into};
+use crate::kernels::{Columns, inertia_matrices_into};
 use crate::real::Real;
 
 /// Inertia matrix `H(q)`, n x n symmetric \[kg m2, kg m or kg by the joints' kinds\]
@@ -54,6 +55,20 @@ pub fn inertia_matrix_of<T: Real>(
     let mut h = DMatrix::from_element(n, n, T::splat(0.0));
     fill(arm, poses, bodies, h.as_mut_slice());
     h
+}
+
+/// Inertia matrices at the joint positions `q[joint][sample]` of a motion: the upper triangle row by row, each entry a column
+/// of one number a sample (`H_11, H_12 .. H_1n, H_22 .. H_nn`).
+///
+/// # Panics
+/// When there are not n columns of one length.
+pub fn inertia_matrices_of_motion(arm: &RigidArm, q: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = arm.dof();
+    assert_eq!(q.len(), n, "one column per joint");
+    let q: Vec<&[f64]> = q.iter().map(Vec::as_slice).collect();
+    let mut matrix = vec![vec![0.0; q[0].len()]; n * (n + 1) / 2];
+    inertia_matrices_into(arm, &Columns { q: &q, dq: &q, ddq: &q, angles: None }, &mut matrix);
+    matrix
 }
 
 fn fill<T: Real>(arm: &RigidArm, poses: &[JointPose<T>], bodies: &[CompositeBody<T>], h: &mut [T]) {

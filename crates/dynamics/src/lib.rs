@@ -43,12 +43,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(test)]
+extern crate self as armident_dynamics;
+
 mod arm;
 mod composite;
 mod constants;
 mod coriolis;
 mod forward;
 mod inertia_matrix;
+mod kernels;
 mod motion;
 mod newton_euler;
 mod real;
@@ -62,7 +66,8 @@ pub use constants::{
 pub use coriolis::{coriolis_effort, inertia_matrix_derivatives};
 pub use forward::{NotPositiveDefinite, energy, forward_dynamics};
 pub use inertia_matrix::{
-    InertiaSweep, gravity_effort, inertia_matrix, inertia_matrix_into, inertia_matrix_of,
+    InertiaSweep, gravity_effort, inertia_matrices_of_motion, inertia_matrix, inertia_matrix_into,
+    inertia_matrix_of,
 };
 pub use motion::{ArmAngles, ArmMotion};
 pub use newton_euler::{

@@ -4,8 +4,7 @@
 use std::sync::Arc;
 
 use crate::arm::{JointGeometry, RigidArm};
-use crate::newton_euler::{Sweep, efforts_of};
-use crate::real::{BATCH, Batch, load_batch, store_batch};
+use crate::kernels::{Columns, efforts_into, sin_cos_of};
 
 /// Sines and cosines of all joints over a motion: 16 bytes a sample and joint; clones share them.
 #[derive(Debug, Clone)]
@@ -19,7 +18,7 @@ struct JointAngles {
 
 impl JointAngles {
     fn of(joint: &JointGeometry, q: &[f64]) -> Arc<Self> {
-        let (sin, cos) = q.iter().map(|&q| joint.sin_cos(q)).unzip();
+        let (sin, cos) = sin_cos_of(joint, q);
         Arc::new(Self { sin, cos })
     }
 }
@@ -90,25 +89,12 @@ impl<'a> ArmMotion<'a> {
         self.q.first().map_or(0, |q| q.len())
     }
 
-    /// Calls `each` with the first sample of every batch of samples, and its poses and link motions.
-    #[inline(always)]
-    pub(crate) fn sweep(&self, arm: &RigidArm, mut each: impl FnMut(usize, &Sweep<Batch>)) {
-        let n = arm.dof();
-        let zero = Batch::from([0.0; BATCH]);
-        let mut sweep = Sweep::new(n);
-        let (mut q, mut dq, mut ddq) = (vec![zero; n], vec![zero; n], vec![zero; n]);
-        let mut angles = vec![(zero, zero); n];
-        for start in (0..self.samples()).step_by(BATCH) {
-            for j in 0..n {
-                q[j] = load_batch(self.q[j], start);
-                dq[j] = load_batch(self.dq[j], start);
-                ddq[j] = load_batch(self.ddq[j], start);
-                let JointAngles { sin, cos } = &*self.angles.0[j];
-                angles[j] = (load_batch(sin, start), load_batch(cos, start));
-            }
-            sweep.run_at(arm, &q, &angles, &dq, &ddq);
-            each(start, &sweep);
-        }
+    /// Calls `with` with the columns of the motion.
+    pub(crate) fn with_columns<R>(&self, with: impl FnOnce(&Columns<'_>) -> R) -> R {
+        let angles: Vec<(&[f64], &[f64])> =
+            self.angles.0.iter().map(|angles| (&angles.sin[..], &angles.cos[..])).collect();
+        let Self { q, dq, ddq, .. } = self;
+        with(&Columns { q, dq, ddq, angles: Some(&angles) })
     }
 
     /// Effort `τ` over the motion, `[joint][sample]`: [`inverse_dynamics_of_motion`] with sines and cosines
@@ -117,25 +103,15 @@ impl<'a> ArmMotion<'a> {
     /// [`inverse_dynamics_of_motion`]: crate::inverse_dynamics_of_motion
     pub fn efforts(&self, arm: &RigidArm) -> Vec<Vec<f64>> {
         let mut effort = vec![vec![0.0; self.samples()]; arm.dof()];
-        let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
-        self.sweep(arm, |start, sweep| {
-            efforts_of(arm, sweep, &mut batch);
-            for (effort, batch) in effort.iter_mut().zip(&batch) {
-                store_batch(*batch, effort, start);
-            }
-        });
+        self.with_columns(|columns| efforts_into(arm, columns, 0, &mut effort));
         effort
     }
 
     /// Effort of one joint.
     pub fn effort_on(&self, arm: &RigidArm, joint: usize) -> Vec<f64> {
-        let mut effort = vec![0.0; self.samples()];
-        let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
-        self.sweep(arm, |start, sweep| {
-            efforts_of(arm, sweep, &mut batch);
-            store_batch(batch[joint], &mut effort, start);
-        });
-        effort
+        let mut effort = vec![vec![0.0; self.samples()]; arm.dof()];
+        self.with_columns(|columns| efforts_into(arm, columns, joint, &mut effort));
+        effort.swap_remove(joint)
     }
 }
 

@@ -4,7 +4,8 @@
 use nalgebra::Vector3;
 
 use crate::arm::{JointPose, RigidArm};
-use crate::real::{BATCH, Batch, Real, load_batch, store_batch};
+use crate::kernels::{Columns, efforts_into};
+use crate::real::Real;
 
 /// Motion of link `i` in `E_i`, the factors of its ten parameters.
 #[derive(Debug, Clone, Copy)]
@@ -81,20 +82,6 @@ impl<T: Real> Sweep<T> {
     pub fn run(&mut self, arm: &RigidArm, q: &[T], dq: &[T], ddq: &[T]) {
         outward(arm, |i| arm.joints[i].at(q[i]), dq, ddq, &mut self.poses, &mut self.motions);
     }
-
-    /// The same with known sines and cosines of the joints.
-    #[inline(always)]
-    pub(crate) fn run_at(
-        &mut self,
-        arm: &RigidArm,
-        q: &[T],
-        sin_cos: &[(T, T)],
-        dq: &[T],
-        ddq: &[T],
-    ) {
-        let pose = |i: usize| arm.joints[i].at_angle(q[i], sin_cos[i]);
-        outward(arm, pose, dq, ddq, &mut self.poses, &mut self.motions);
-    }
 }
 
 /// Effort `τ` of one sample: `q`, `dq`, `ddq` and the result have length n.
@@ -141,7 +128,7 @@ pub(crate) fn efforts_of<T: Real>(arm: &RigidArm, sweep: &Sweep<T>, effort: &mut
 
 /// Effort of a whole motion, joint-major: `q[j][t]` in, `effort[j][t]` out.
 ///
-/// Runs four samples at a time; memory is the result alone.
+/// Samples are the lanes of a processor's registers; memory is the result alone.
 ///
 /// # Panics
 /// When the three inputs do not have n columns of one length.
@@ -153,22 +140,10 @@ pub fn inverse_dynamics_of_motion(
 ) -> Vec<Vec<f64>> {
     let n = arm.dof();
     assert!(q.len() == n && dq.len() == n && ddq.len() == n, "one column per joint");
-    let samples = q[0].len();
-    let mut effort = vec![vec![0.0; samples]; n];
-    let mut sweep = Sweep::new(n);
-    let zero = Batch::from([0.0; BATCH]);
-    let (mut qb, mut vb, mut ab, mut tb) =
-        (vec![zero; n], vec![zero; n], vec![zero; n], vec![zero; n]);
-    for start in (0..samples).step_by(BATCH) {
-        for j in 0..n {
-            qb[j] = load_batch(&q[j], start);
-            vb[j] = load_batch(&dq[j], start);
-            ab[j] = load_batch(&ddq[j], start);
-        }
-        inverse_dynamics_into(arm, &qb, &vb, &ab, &mut sweep, &mut tb);
-        for j in 0..n {
-            store_batch(tb[j], &mut effort[j], start);
-        }
-    }
+    let [q, dq, ddq] =
+        [q, dq, ddq].map(|columns| columns.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let mut effort = vec![vec![0.0; q[0].len()]; n];
+    let columns = Columns { q: &q, dq: &dq, ddq: &ddq, angles: None };
+    efforts_into(arm, &columns, 0, &mut effort);
     effort
 }

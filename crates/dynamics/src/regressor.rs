@@ -8,9 +8,10 @@ use nalgebra::Vector3;
 
 use crate::arm::RigidArm;
 use crate::constants::{BodyConstants, links_from_constants};
+use crate::kernels::for_each_row;
 use crate::motion::ArmMotion;
 use crate::newton_euler::{LinkMotion, Sweep};
-use crate::real::{BATCH, Batch, Real, store_batch};
+use crate::real::Real;
 
 const TEN: usize = InertialParameters::COUNT;
 
@@ -177,17 +178,27 @@ impl ParameterColumns {
         motion: &ArmMotion<'_>,
         wanted: &[usize],
     ) -> Vec<Vec<f64>> {
-        let chosen = Self { columns: wanted.iter().map(|&c| self.columns[c].clone()).collect() };
+        let chosen: Vec<Vec<(usize, f64)>> = (wanted.iter())
+            .map(|&c| {
+                let of_links = self.columns[c].iter().copied();
+                // links before the joint do not move it
+                of_links.filter(|(k, _)| *k >= TEN * joint).collect()
+            })
+            .collect();
+        let mut needed = vec![[false; TEN]; arm.dof()];
+        for (k, _) in chosen.iter().flatten() {
+            needed[k / TEN][k % TEN] = true;
+        }
         let mut result = vec![vec![0.0; motion.samples()]; wanted.len()];
-        let zero = Batch::from([0.0; BATCH]);
-        let mut row = vec![zero; TEN * arm.dof()];
-        let mut out = vec![zero; wanted.len()];
-        motion.sweep(arm, |start, sweep| {
-            regressor_row_into(arm, sweep, joint, &mut row);
-            chosen.map_row(&row, &mut out);
-            for (column, value) in result.iter_mut().zip(&out) {
-                store_batch(*value, column, start);
-            }
+        motion.with_columns(|columns| {
+            for_each_row(arm, columns, joint..joint + 1, &needed, |_, first, len, row| {
+                for (column, terms) in result.iter_mut().zip(&chosen) {
+                    let out = &mut column[first..first + len];
+                    for &(k, factor) in terms {
+                        out.iter_mut().zip(&row[k]).for_each(|(sum, x)| *sum += factor * x);
+                    }
+                }
+            });
         });
         result
     }

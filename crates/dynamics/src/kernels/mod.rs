@@ -1,0 +1,189 @@
+//! Batches: what a whole motion needs, one sample in each lane of the processor's registers.
+//!
+//! A block of samples goes through the arm joint by joint, so that the kind of each joint is decided once a block. One source
+//! for all instruction sets: the kernels are generic over [`pulp::Simd`], and [`pulp::Arch`] picks AVX-512, AVX2, NEON or
+//! scalar code at run time. The functions of one sample beside this folder follow the paper; the tests compare both.
+//! What is computed for a sample depends on no other sample.
+
+use std::ops::Range;
+
+use pulp::{Arch, Simd, WithSimd};
+
+mod arm;
+mod block;
+mod inertia_matrix;
+mod inverse_dynamics;
+mod lanes;
+mod link_motion;
+mod regressor;
+mod sin_cos;
+mod wrench;
+
+#[cfg(test)]
+mod tests;
+
+pub(crate) use block::Columns;
+pub(crate) use lanes::Column;
+pub(crate) use regressor::Wanted;
+
+use crate::arm::{JointGeometry, RigidArm};
+use arm::joints_of;
+use block::Block;
+use inertia_matrix::matrices_of_block;
+use inverse_dynamics::efforts_of_block;
+use regressor::rows_of_block;
+use sin_cos::sin_cos_of_column;
+
+/// Samples of a block: the numbers that a kernel keeps of 32 samples of seven joints take 20 kB.
+const BLOCK: usize = 32;
+
+/// Efforts of joints `least` to n over a motion; `effort[joint]` has one entry a sample.
+pub(crate) fn efforts_into(
+    arm: &RigidArm,
+    columns: &Columns<'_>,
+    least: usize,
+    effort: &mut [Vec<f64>],
+) {
+    Arch::new().dispatch(Efforts { arm, columns, least, effort });
+}
+
+struct Efforts<'a> {
+    arm: &'a RigidArm,
+    columns: &'a Columns<'a>,
+    least: usize,
+    effort: &'a mut [Vec<f64>],
+}
+
+impl WithSimd for Efforts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let joints = joints_of(self.arm);
+        let gravity: [f64; 3] = self.arm.gravity_e0.into();
+        let (mut block, mut memory) =
+            (Block::of(*self.columns), inverse_dynamics::Memory::new(simd, joints.len()));
+        for first in (0..self.columns.samples()).step_by(BLOCK) {
+            block.go_to(simd, &joints, first);
+            efforts_of_block(simd, &joints, &gravity, &block, self.least, &mut memory, self.effort);
+        }
+    }
+}
+
+/// Calls `each(joint, first sample, samples, row)` with the regressor's rows of some joints, block by block: entry `10 i + k` of a
+/// row is the column of parameter `k` of link `i`. Links before the joint, and what is not `wanted[i][k]`, have any value.
+pub(crate) fn for_each_row(
+    arm: &RigidArm,
+    columns: &Columns<'_>,
+    rows: Range<usize>,
+    wanted: &[Wanted],
+    each: impl FnMut(usize, usize, usize, &[Column]),
+) {
+    Arch::new().dispatch(Rows { arm, columns, rows, wanted, each });
+}
+
+struct Rows<'a, F> {
+    arm: &'a RigidArm,
+    columns: &'a Columns<'a>,
+    rows: Range<usize>,
+    wanted: &'a [Wanted],
+    each: F,
+}
+
+impl<F: FnMut(usize, usize, usize, &[Column])> WithSimd for Rows<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let joints = joints_of(self.arm);
+        let gravity: [f64; 3] = self.arm.gravity_e0.into();
+        let mut block = Block::of(*self.columns);
+        let mut memory = regressor::Memory::new(simd, joints.len());
+        for first in (0..self.columns.samples()).step_by(BLOCK) {
+            block.go_to(simd, &joints, first);
+            let len = block.len;
+            rows_of_block(
+                simd,
+                &joints,
+                &gravity,
+                &block,
+                self.rows.clone(),
+                self.wanted,
+                &mut memory,
+                |joint, row| (self.each)(joint, first, len, row),
+            );
+        }
+    }
+}
+
+/// Upper triangle of the inertia matrix at joint positions, row by row: `matrix[entry]` has one number a sample.
+pub(crate) fn inertia_matrices_into(
+    arm: &RigidArm,
+    columns: &Columns<'_>,
+    matrix: &mut [Vec<f64>],
+) {
+    Arch::new().dispatch(InertiaMatrices { arm, columns, matrix });
+}
+
+struct InertiaMatrices<'a> {
+    arm: &'a RigidArm,
+    columns: &'a Columns<'a>,
+    matrix: &'a mut [Vec<f64>],
+}
+
+impl WithSimd for InertiaMatrices<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let joints = joints_of(self.arm);
+        let n = joints.len();
+        let mut block = Block::of(*self.columns);
+        let mut memory = inertia_matrix::Memory::new(simd, &joints);
+        for first in (0..self.columns.samples()).step_by(BLOCK) {
+            block.go_to(simd, &joints, first);
+            let place = |i: usize, k: usize| upper_triangle(n, i, k);
+            matrices_of_block(simd, &joints, &block, place, &mut memory, self.matrix);
+        }
+    }
+}
+
+/// Place of entry `i, k >= i` in the upper triangle of an n x n matrix, row by row.
+pub(crate) fn upper_triangle(n: usize, i: usize, k: usize) -> usize {
+    i * n + k - i * (i + 1) / 2
+}
+
+/// Sines and cosines of the angle of a joint at positions \[rad or m\].
+pub(crate) fn sin_cos_of(joint: &JointGeometry, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let theta = joint.frame.theta_rad;
+    if !joint.kind.is_rotational() {
+        let (sin, cos) = theta.sin_cos();
+        return (vec![sin; q.len()], vec![cos; q.len()]);
+    }
+    Arch::new().dispatch(Angles { theta, q })
+}
+
+struct Angles<'a> {
+    theta: f64,
+    q: &'a [f64],
+}
+
+impl WithSimd for Angles<'_> {
+    type Output = (Vec<f64>, Vec<f64>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let (mut sin, mut cos) = (vec![0.0; self.q.len()], vec![0.0; self.q.len()]);
+        let mut spare = [[0.0; BLOCK]; 3];
+        for first in (0..self.q.len()).step_by(BLOCK) {
+            let end = (first + BLOCK).min(self.q.len());
+            let range = first..end;
+            let [q, s, c] = &mut spare;
+            q[..range.len()].copy_from_slice(&self.q[range.clone()]);
+            sin_cos_of_column(simd, self.theta, q, s, c);
+            sin[range.clone()].copy_from_slice(&s[..range.len()]);
+            cos[range.clone()].copy_from_slice(&c[..range.len()]);
+        }
+        (sin, cos)
+    }
+}
