@@ -20,7 +20,8 @@
 //! | `τ` | actuator effort, positive along the joint axis | [`inverse_dynamics`] |
 //! | `Y` | regressor | [`standard_regressor`], [`ParameterColumns`] |
 //!
-//! The kernels are generic over [`Real`]: one sample (`f64`) or four at once ([`Batch`]).
+//! Functions of one sample follow the paper; those of a motion ([`inverse_dynamics_of_motion`], [`ArmMotion`],
+//! [`for_each_regressor_row`], [`inertia_matrices_of_motion`]) give the same by kernels on the lanes of the processor.
 //! Not handled: branches and loops, more than one degree of freedom per joint, moving bases.
 //!
 //! ```
@@ -55,7 +56,6 @@ mod inertia_matrix;
 mod kernels;
 mod motion;
 mod newton_euler;
-mod real;
 mod regressor;
 
 pub use arm::{JointGeometry, JointPose, RigidArm};
@@ -73,5 +73,6 @@ pub use motion::{ArmAngles, ArmMotion};
 pub use newton_euler::{
     LinkMotion, Sweep, inverse_dynamics, inverse_dynamics_into, inverse_dynamics_of_motion,
 };
-pub use real::{BATCH, Batch, Real, load_batch, store_batch};
-pub use regressor::{ParameterColumns, regressor_row_into, standard_regressor};
+pub use regressor::{
+    ParameterColumns, RegressorRow, for_each_regressor_row, regressor_row_into, standard_regressor,
+};

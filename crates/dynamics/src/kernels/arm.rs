@@ -166,6 +166,21 @@ pub(super) struct Pose<S: Simd, const TILT: u8> {
 }
 
 impl<S: Simd, const TILT: u8> Pose<S, TILT> {
+    /// Rotation alone, the same in all lanes: `cos θ`, `sin θ`, `cos β`, `sin β`.
+    #[inline(always)]
+    pub(super) fn turning(simd: S, [cos, sin, cos_beta, sin_beta]: [f64; 4]) -> Self {
+        let number = |x| Lanes::splat(simd, x);
+        Self {
+            cos_beta: number(cos_beta),
+            sin_beta: number(sin_beta),
+            sin: number(sin),
+            cos: number(cos),
+            b: number(0.0),
+            d: number(0.0),
+            apart: false,
+        }
+    }
+
     /// Components in the frame before to components in this one.
     #[inline(always)]
     pub(super) fn to_child(self, [x, y, z]: Vector<S>) -> Vector<S> {

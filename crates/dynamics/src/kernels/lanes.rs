@@ -83,13 +83,13 @@ pub(crate) type Column = [f64; BLOCK];
 
 /// The lanes of a column.
 #[inline(always)]
-pub(super) fn lanes<S: Simd>(simd: S, column: &Column) -> impl Fn(usize) -> Lanes<S> {
+pub(super) fn lanes<S: Simd>(simd: S, column: &[f64]) -> impl Fn(usize) -> Lanes<S> {
     let (all, _) = S::as_simd_f64s(column);
     move |chunk| Lanes { simd, value: all[chunk] }
 }
 
 /// Writes the lanes of a chunk of a column.
 #[inline(always)]
-pub(super) fn store<S: Simd>(column: &mut Column, chunk: usize, lanes: Lanes<S>) {
+pub(super) fn store<S: Simd>(column: &mut [f64], chunk: usize, lanes: Lanes<S>) {
     S::as_mut_simd_f64s(column).0[chunk] = lanes.value;
 }

@@ -15,6 +15,7 @@ mod inertia_matrix;
 mod inverse_dynamics;
 mod lanes;
 mod link_motion;
+mod one_matrix;
 mod regressor;
 mod sin_cos;
 mod wrench;
@@ -24,7 +25,9 @@ mod tests;
 
 pub(crate) use block::Columns;
 pub(crate) use lanes::Column;
+pub(crate) use one_matrix::inertia_matrix_from_bodies;
 pub(crate) use regressor::Wanted;
+pub(crate) use sin_cos::{EIGHT, sines_and_cosines};
 
 use crate::arm::{JointGeometry, RigidArm};
 use arm::joints_of;

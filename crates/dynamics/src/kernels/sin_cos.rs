@@ -3,7 +3,7 @@
 //! The angle is reduced to ±π/2 by multiples of π in three parts (Cody and Waite 1980), then both are Taylor series: the first
 //! term that is left out is below 2e-17. Angles above [`LARGEST`] go to the standard library.
 
-use pulp::Simd;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::{Column, Lanes, lanes, store};
 
@@ -95,5 +95,37 @@ fn by_standard_library(theta: f64, q: &Column, sin: &mut Column, cos: &mut Colum
         if is_beyond(angle) {
             (sin[t], cos[t]) = angle.sin_cos();
         }
+    }
+}
+
+/// Sines and cosines of some angles \[rad\], as those of the joints of an arm: here the lanes are joints.
+pub(crate) fn sines_and_cosines(angles: &[f64; EIGHT]) -> ([f64; EIGHT], [f64; EIGHT]) {
+    let (mut sin, mut cos) = Arch::new().dispatch(Eight(angles));
+    for (t, angle) in angles.iter().enumerate() {
+        if is_beyond(*angle) {
+            (sin[t], cos[t]) = angle.sin_cos();
+        }
+    }
+    (sin, cos)
+}
+
+/// Lanes of the widest registers.
+pub(crate) const EIGHT: usize = 8;
+
+struct Eight<'a>(&'a [f64; EIGHT]);
+
+impl WithSimd for Eight<'_> {
+    type Output = ([f64; EIGHT], [f64; EIGHT]);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let (mut sin, mut cos) = ([0.0; EIGHT], [0.0; EIGHT]);
+        let angles = lanes(simd, self.0);
+        for chunk in 0..EIGHT / S::F64_LANES {
+            let (s, c) = sin_cos(simd, angles(chunk));
+            store(&mut sin, chunk, s);
+            store(&mut cos, chunk, c);
+        }
+        (sin, cos)
     }
 }

@@ -11,7 +11,10 @@ use pulp::{Scalar, Scalar128b, Scalar256b, Scalar512b, Simd, WithSimd};
 use random_arms::{assert_close, cases, repeated};
 
 use super::{Angles, BLOCK, Columns, Efforts, InertiaMatrices, Rows, upper_triangle};
-use crate::{RigidArm, inertia_matrix, inverse_dynamics, standard_regressor};
+use crate::{
+    RigidArm, composite_bodies, inertia_matrix, inertia_matrix_of, inverse_dynamics,
+    standard_regressor,
+};
 
 /// What is equal in exact arithmetic, as a fraction of the largest entry.
 const EXACT: f64 = 1e-12;
@@ -57,6 +60,12 @@ fn views(columns: &[Vec<f64>]) -> Vec<&[f64]> {
     columns.iter().map(Vec::as_slice).collect()
 }
 
+/// Inertia matrix by (9) and (10) as they are printed.
+fn printed_matrix(arm: &RigidArm, q: &[f64]) -> Vec<f64> {
+    let poses = arm.poses(q);
+    inertia_matrix_of(arm, &poses, &composite_bodies(arm, &poses)).as_slice().to_vec()
+}
+
 /// All kernels at all widths against one sample at a time.
 fn check_arm(arm: &RigidArm, samples: usize) {
     let [q, dq, ddq] = motion(arm, samples);
@@ -67,7 +76,8 @@ fn check_arm(arm: &RigidArm, samples: usize) {
     let expected: Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> = (0..samples)
         .map(|t| {
             let (q, dq, ddq) = at(t);
-            let matrix = inertia_matrix(arm, &q).as_slice().to_vec();
+            let matrix = printed_matrix(arm, &q);
+            assert_close("one matrix", inertia_matrix(arm, &q).as_slice(), &matrix, EXACT);
             let efforts = inverse_dynamics(arm, &q, &dq, &ddq);
             (efforts, standard_regressor(arm, &q, &dq, &ddq), matrix)
         })
@@ -211,6 +221,17 @@ proptest! {
     #[test]
     fn kernels_equal_single_samples_on_random_arms(case in cases(), samples in 1..12_usize) {
         check_arm(&case.arm, samples);
+    }
+
+    /// More joints than a register has lanes.
+    #[test]
+    fn kernels_equal_single_samples_on_long_arms(case in cases(), more in cases()) {
+        let mut arm = case.arm;
+        for _ in 0..2 {
+            arm.joints.extend(more.arm.joints.clone());
+            arm.links.extend(more.arm.links.clone());
+        }
+        check_arm(&arm, 5);
     }
 
     /// A sample's effort has the same bits wherever it stands.
