@@ -60,7 +60,7 @@ pub fn inertia_matrices_of_motion(arm: &RigidArm, q: &[Vec<f64>]) -> Vec<Vec<f64
     assert_eq!(q.len(), n, "one column per joint");
     let q: Vec<&[f64]> = q.iter().map(Vec::as_slice).collect();
     let mut matrix = vec![vec![0.0; q[0].len()]; n * (n + 1) / 2];
-    inertia_matrices_into(arm, &Columns { q: &q, dq: &q, ddq: &q, angles: None }, &mut matrix);
+    inertia_matrices_into(arm, &Columns { q: &q, dq: &q, ddq: &q }, &mut matrix);
     matrix
 }
 

@@ -69,7 +69,8 @@ pub use inertia_matrix::{
     InertiaSweep, gravity_effort, inertia_matrices_of_motion, inertia_matrix, inertia_matrix_into,
     inertia_matrix_of,
 };
-pub use motion::{ArmAngles, ArmMotion};
+pub use kernels::upper_triangle;
+pub use motion::ArmMotion;
 pub use newton_euler::{
     LinkMotion, Sweep, inverse_dynamics, inverse_dynamics_into, inverse_dynamics_of_motion,
 };

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::arm::{JointPose, RigidArm};
-use crate::kernels::{Columns, efforts_into};
+use crate::motion::ArmMotion;
 
 /// Motion of link `i` in `E_i`, the factors of its ten parameters.
 #[derive(Debug, Clone, Copy)]
@@ -153,10 +153,5 @@ pub fn inverse_dynamics_of_motion(
 ) -> Vec<Vec<f64>> {
     let n = arm.dof();
     assert!(q.len() == n && dq.len() == n && ddq.len() == n, "one column per joint");
-    let [q, dq, ddq] =
-        [q, dq, ddq].map(|columns| columns.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let mut effort = vec![vec![0.0; q[0].len()]; n];
-    let columns = Columns { q: &q, dq: &dq, ddq: &ddq, angles: None };
-    efforts_into(arm, &columns, 0, &mut effort);
-    effort
+    ArmMotion::new(q, dq, ddq).efforts(arm)
 }

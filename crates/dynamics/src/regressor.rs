@@ -112,10 +112,8 @@ pub fn for_each_regressor_row(
     mut each: impl FnMut(RegressorRow<'_>),
 ) {
     let all = vec![[true; TEN]; arm.dof()];
-    motion.with_columns(|columns| {
-        for_each_row(arm, columns, 0..arm.dof(), &all, |joint, first, samples, columns| {
-            each(RegressorRow { joint, first, samples, columns });
-        });
+    for_each_row(arm, &motion.columns(), 0..arm.dof(), &all, |joint, first, samples, columns| {
+        each(RegressorRow { joint, first, samples, columns });
     });
 }
 
@@ -189,7 +187,7 @@ impl ParameterColumns {
 
     /// Columns of one joint over a whole motion, `[column][sample]`, for the columns in `wanted`.
     ///
-    /// Memory is the result and the sines and cosines of the joints.
+    /// Memory is the result.
     pub fn of_motion(
         &self,
         arm: &RigidArm,
@@ -199,10 +197,10 @@ impl ParameterColumns {
         ddq: &[Vec<f64>],
         wanted: &[usize],
     ) -> Vec<Vec<f64>> {
-        self.of_arm_motion(arm, joint, &ArmMotion::new(arm, q, dq, ddq), wanted)
+        self.of_arm_motion(arm, joint, &ArmMotion::new(q, dq, ddq), wanted)
     }
 
-    /// The same for a motion whose sines and cosines are known, as several joints need them.
+    /// The same for a motion of the arm.
     pub fn of_arm_motion(
         &self,
         arm: &RigidArm,
@@ -222,15 +220,16 @@ impl ParameterColumns {
             needed[k / TEN][k % TEN] = true;
         }
         let mut result = vec![vec![0.0; motion.samples()]; wanted.len()];
-        motion.with_columns(|columns| {
-            for_each_row(arm, columns, joint..joint + 1, &needed, |_, first, len, row| {
-                for (column, terms) in result.iter_mut().zip(&chosen) {
-                    let out = &mut column[first..first + len];
-                    for &(k, factor) in terms {
-                        out.iter_mut().zip(&row[k]).for_each(|(sum, x)| *sum += factor * x);
+        let rows = joint..joint + 1;
+        for_each_row(arm, &motion.columns(), rows, &needed, |_, first, len, row| {
+            for (column, terms) in result.iter_mut().zip(&chosen) {
+                let out = &mut column[first..first + len];
+                for &(k, factor) in terms {
+                    for (sum, x) in out.iter_mut().zip(&row[k]) {
+                        *sum += factor * x;
                     }
                 }
-            });
+            }
         });
         result
     }

@@ -13,8 +13,6 @@ pub(crate) struct Columns<'a> {
     pub(crate) q: &'a [&'a [f64]],
     pub(crate) dq: &'a [&'a [f64]],
     pub(crate) ddq: &'a [&'a [f64]],
-    /// sines and cosines, where they are known
-    pub(crate) angles: Option<&'a [(&'a [f64], &'a [f64])]>,
 }
 
 impl Columns<'_> {
@@ -40,17 +38,24 @@ pub(super) struct Block<'a> {
     columns: Columns<'a>,
     pub(super) first: usize,
     pub(super) len: usize,
-    copies: Vec<Copies>,
+    joints: Vec<OwnColumns>,
 }
 
-/// Position, velocity, acceleration, sine and cosine of a joint.
-type Copies = [Column; 5];
+/// What a block keeps of a joint.
+#[derive(Debug, Clone)]
+struct OwnColumns {
+    sin: Column,
+    cos: Column,
+    /// position, velocity and acceleration of a block that is not whole
+    copies: [Column; 3],
+}
 
 impl<'a> Block<'a> {
     /// No sample yet.
     pub(super) fn of(columns: Columns<'a>) -> Self {
-        let copies = vec![[[0.0; BLOCK]; 5]; columns.q.len()];
-        Self { columns, first: 0, len: 0, copies }
+        let none = [0.0; BLOCK];
+        let joint = OwnColumns { sin: none, cos: none, copies: [none; 3] };
+        Self { columns, first: 0, len: 0, joints: vec![joint; columns.q.len()] }
     }
 
     /// Numbers of lanes that hold the samples.
@@ -65,28 +70,19 @@ impl<'a> Block<'a> {
         self.first = first;
         self.len = BLOCK.min(self.columns.samples() - first);
         let range = first..first + self.len;
-        let Columns { q, dq, ddq, angles } = self.columns;
-        for (j, (joint, copies)) in joints.iter().zip(&mut self.copies).enumerate() {
+        let Columns { q, dq, ddq } = self.columns;
+        for (j, (joint, own)) in joints.iter().zip(&mut self.joints).enumerate() {
             if self.len < BLOCK {
-                for (copy, column) in copies.iter_mut().zip([q[j], dq[j], ddq[j]]) {
+                for (copy, column) in own.copies.iter_mut().zip([q[j], dq[j], ddq[j]]) {
                     copy[..self.len].copy_from_slice(&column[range.clone()]);
                 }
             }
-            let [q_copy, _, _, sin_copy, cos_copy] = copies;
-            match angles.map(|angles| angles[j]) {
-                None if joint.rotational => {
-                    let q = q[j][range.clone()].first_chunk().unwrap_or(q_copy);
-                    sin_cos_of_column(simd, joint.theta, q, sin_copy, cos_copy);
-                }
-                None => {
-                    let (sin, cos) = joint.theta.sin_cos();
-                    (*sin_copy, *cos_copy) = ([sin; BLOCK], [cos; BLOCK]);
-                }
-                Some((sin, cos)) if self.len < BLOCK => {
-                    sin_copy[..self.len].copy_from_slice(&sin[range.clone()]);
-                    cos_copy[..self.len].copy_from_slice(&cos[range.clone()]);
-                }
-                Some(_) => {}
+            if joint.rotational {
+                let q = q[j][range.clone()].first_chunk().unwrap_or(&own.copies[0]);
+                sin_cos_of_column(simd, joint.theta, q, &mut own.sin, &mut own.cos);
+            } else {
+                let (sin, cos) = joint.theta.sin_cos();
+                (own.sin, own.cos) = ([sin; BLOCK], [cos; BLOCK]);
             }
         }
     }
@@ -94,21 +90,13 @@ impl<'a> Block<'a> {
     /// The samples at one joint.
     #[inline(always)]
     pub(super) fn at(&self, joint: usize) -> JointBlock<'_> {
-        let Columns { q, dq, ddq, angles } = self.columns;
-        let copies = &self.copies[joint];
-        let place = |column: &'a [f64], copy| -> &Column {
-            if self.len < BLOCK { copy } else { column[self.first..].first_chunk().unwrap_or(copy) }
-        };
-        let (sin, cos) = match angles {
-            Some(angles) => {
-                (place(angles[joint].0, &copies[3]), place(angles[joint].1, &copies[4]))
-            }
-            None => (&copies[3], &copies[4]),
-        };
+        let Columns { q, dq, ddq } = self.columns;
+        let OwnColumns { sin, cos, copies } = &self.joints[joint];
+        let [q_copy, dq_copy, ddq_copy] = copies;
         JointBlock {
-            q: place(q[joint], &copies[0]),
-            dq: place(dq[joint], &copies[1]),
-            ddq: place(ddq[joint], &copies[2]),
+            q: q[joint][self.first..].first_chunk().unwrap_or(q_copy),
+            dq: dq[joint][self.first..].first_chunk().unwrap_or(dq_copy),
+            ddq: ddq[joint][self.first..].first_chunk().unwrap_or(ddq_copy),
             sin,
             cos,
         }

@@ -29,13 +29,12 @@ pub(crate) use one_matrix::inertia_matrix_from_bodies;
 pub(crate) use regressor::Wanted;
 pub(crate) use sin_cos::{EIGHT, sines_and_cosines};
 
-use crate::arm::{JointGeometry, RigidArm};
+use crate::arm::RigidArm;
 use arm::joints_of;
 use block::Block;
 use inertia_matrix::matrices_of_block;
 use inverse_dynamics::efforts_of_block;
 use regressor::rows_of_block;
-use sin_cos::sin_cos_of_column;
 
 /// Samples of a block: the numbers that a kernel keeps of 32 samples of seven joints take 20 kB.
 const BLOCK: usize = 32;
@@ -152,41 +151,6 @@ impl WithSimd for InertiaMatrices<'_> {
 }
 
 /// Place of entry `i, k >= i` in the upper triangle of an n x n matrix, row by row.
-pub(crate) fn upper_triangle(n: usize, i: usize, k: usize) -> usize {
+pub fn upper_triangle(n: usize, i: usize, k: usize) -> usize {
     i * n + k - i * (i + 1) / 2
-}
-
-/// Sines and cosines of the angle of a joint at positions \[rad or m\].
-pub(crate) fn sin_cos_of(joint: &JointGeometry, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let theta = joint.frame.theta_rad;
-    if !joint.kind.is_rotational() {
-        let (sin, cos) = theta.sin_cos();
-        return (vec![sin; q.len()], vec![cos; q.len()]);
-    }
-    Arch::new().dispatch(Angles { theta, q })
-}
-
-struct Angles<'a> {
-    theta: f64,
-    q: &'a [f64],
-}
-
-impl WithSimd for Angles<'_> {
-    type Output = (Vec<f64>, Vec<f64>);
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let (mut sin, mut cos) = (vec![0.0; self.q.len()], vec![0.0; self.q.len()]);
-        let mut spare = [[0.0; BLOCK]; 3];
-        for first in (0..self.q.len()).step_by(BLOCK) {
-            let end = (first + BLOCK).min(self.q.len());
-            let range = first..end;
-            let [q, s, c] = &mut spare;
-            q[..range.len()].copy_from_slice(&self.q[range.clone()]);
-            sin_cos_of_column(simd, self.theta, q, s, c);
-            sin[range.clone()].copy_from_slice(&s[..range.len()]);
-            cos[range.clone()].copy_from_slice(&c[..range.len()]);
-        }
-        (sin, cos)
-    }
 }

@@ -10,7 +10,8 @@ use proptest::prelude::*;
 use pulp::{Scalar, Scalar128b, Scalar256b, Scalar512b, Simd, WithSimd};
 use random_arms::{assert_close, cases, repeated};
 
-use super::{Angles, BLOCK, Columns, Efforts, InertiaMatrices, Rows, upper_triangle};
+use super::sin_cos::sin_cos_of_column;
+use super::{BLOCK, Columns, Efforts, InertiaMatrices, Rows, upper_triangle};
 use crate::{
     RigidArm, composite_bodies, inertia_matrix, inertia_matrix_of, inverse_dynamics,
     standard_regressor,
@@ -71,7 +72,7 @@ fn check_arm(arm: &RigidArm, samples: usize) {
     let [q, dq, ddq] = motion(arm, samples);
     let n = arm.dof();
     let (of_q, of_dq, of_ddq) = (views(&q), views(&dq), views(&ddq));
-    let columns = Columns { q: &of_q, dq: &of_dq, ddq: &of_ddq, angles: None };
+    let columns = Columns { q: &of_q, dq: &of_dq, ddq: &of_ddq };
     let at = |t: usize| (sample(&q, t), sample(&dq, t), sample(&ddq, t));
     let expected: Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> = (0..samples)
         .map(|t| {
@@ -186,6 +187,22 @@ impl WithSimd for RowsOf<'_> {
     }
 }
 
+struct Angles<'a> {
+    theta: f64,
+    q: &'a [f64],
+}
+
+impl WithSimd for Angles<'_> {
+    type Output = [super::Column; 2];
+
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let [mut q, mut sin, mut cos] = [[0.0; BLOCK]; 3];
+        q[..self.q.len()].copy_from_slice(self.q);
+        sin_cos_of_column(simd, self.theta, &q, &mut sin, &mut cos);
+        [sin, cos]
+    }
+}
+
 #[test]
 fn kernels_equal_single_samples_on_every_arm() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../urdf");
@@ -243,7 +260,7 @@ proptest! {
         let [whole, part] = [&all, &tail].map(|[q, dq, ddq]| {
             let (q, dq, ddq) = (views(q), views(dq), views(ddq));
             let mut effort = vec![vec![0.0; q[0].len()]; arm.dof()];
-            let columns = Columns { q: &q, dq: &dq, ddq: &ddq, angles: None };
+            let columns = Columns { q: &q, dq: &dq, ddq: &ddq };
             super::efforts_into(arm, &columns, 0, &mut effort);
             effort
         });
@@ -259,7 +276,7 @@ proptest! {
     ) {
         let right = std::f64::consts::FRAC_PI_2;
         let q = [f64::from(quarters) * right - theta, f64::from(quarters) * right + offset, angle, 0.0, theta];
-        on_every_width(|| Angles { theta, q: &q }, |width, (sin, cos)| {
+        on_every_width(|| Angles { theta, q: &q }, |width, [sin, cos]| {
             for (t, q) in q.iter().enumerate() {
                 let (s, c) = (theta + q).sin_cos();
                 let error = (sin[t] - s).abs().max((cos[t] - c).abs());
@@ -274,7 +291,7 @@ fn angles_without_a_value_have_no_sine() {
     let q = [f64::NAN, f64::INFINITY, 0.5];
     on_every_width(
         || Angles { theta: 0.0, q: &q },
-        |width, (sin, cos)| {
+        |width, [sin, cos]| {
             assert!(sin[0].is_nan() && cos[1].is_nan(), "{width}");
             assert_eq!(sin[2].to_bits(), sin[2].abs().to_bits());
             assert!((sin[2] - 0.5_f64.sin()).abs() < 2e-16, "{width}");
