@@ -51,7 +51,7 @@ impl Moving {
     }
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_size = 100, sample_count = 300)]
 fn inverse_dynamics_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let n = moving.arm.dof();
@@ -64,7 +64,7 @@ fn inverse_dynamics_single(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_count = 300)]
 fn inverse_dynamics_motion(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, dq, ddq] = &moving.columns;
@@ -73,7 +73,7 @@ fn inverse_dynamics_motion(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_size = 100, sample_count = 300)]
 fn inertia_matrix_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, ..] = moving.sample(100);
@@ -86,7 +86,7 @@ fn inertia_matrix_single(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_size = 100, sample_count = 300)]
 fn standard_regressor_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let n = moving.arm.dof();
@@ -103,7 +103,7 @@ fn standard_regressor_single(bencher: Bencher<'_, '_>, name: &str) {
 }
 
 /// All rows of the standard regressor.
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_count = 300)]
 fn standard_regressor_motion(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, dq, ddq] = &moving.columns;
@@ -115,7 +115,7 @@ fn standard_regressor_motion(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_count = 300)]
 fn inertia_matrix_motion(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, ..] = &moving.columns;

@@ -15,16 +15,16 @@ pub struct LinkMotion {
     pub angular_acceleration: Vector3<f64>,
     /// Acceleration of `O_i` minus gravity \[m/s2\].
     pub acceleration: Vector3<f64>,
+    /// `B = [dw×] + [w×][w×]` \[1/s2\]: a point `r` of the link has the acceleration `a + B r`.
+    pub gradient: Matrix3<f64>,
 }
 
 impl LinkMotion {
-    /// `B = [dw×] + [w×][w×]`: a point `r` of the link has the acceleration `a + B r`.
     #[inline(always)]
-    fn rates(&self) -> Matrix3<f64> {
-        let (w, dw) = (&self.angular_velocity, &self.angular_acceleration);
+    fn of(w: Vector3<f64>, dw: Vector3<f64>, acceleration: Vector3<f64>) -> Self {
         let (xx, yy, zz) = (w.x * w.x, w.y * w.y, w.z * w.z);
         let (xy, xz, yz) = (w.x * w.y, w.x * w.z, w.y * w.z);
-        Matrix3::new(
+        let gradient = Matrix3::new(
             -(yy + zz),
             xy - dw.z,
             xz + dw.y,
@@ -34,7 +34,8 @@ impl LinkMotion {
             xz - dw.y,
             yz + dw.x,
             -(xx + yy),
-        )
+        );
+        Self { angular_velocity: w, angular_acceleration: dw, acceleration, gradient }
     }
 }
 
@@ -49,29 +50,25 @@ fn outward(
 ) {
     motions.clear();
     let zero = Vector3::zeros();
-    let mut last = LinkMotion {
-        angular_velocity: zero,
-        angular_acceleration: zero,
-        acceleration: -arm.gravity_e0,
-    };
-    for (i, (joint, pose)) in arm.joints.iter().zip(poses).enumerate() {
-        let moved = last.acceleration + last.rates() * pose.s;
+    let mut last = LinkMotion::of(zero, zero, -arm.gravity_e0);
+    for (((joint, pose), &dq), &ddq) in arm.joints.iter().zip(poses).zip(dq).zip(ddq) {
+        let moved = last.acceleration + last.gradient * pose.s;
         let mut w = pose.to_child(&last.angular_velocity);
         let mut dw = pose.to_child(&last.angular_acceleration);
         let mut a = pose.to_child(&moved);
         if joint.kind.is_rotational() {
             // w x (z dq) = (w_y, -w_x, 0) dq
-            dw.x += w.y * dq[i];
-            dw.y -= w.x * dq[i];
-            dw.z += ddq[i];
-            w.z += dq[i];
+            dw.x += w.y * dq;
+            dw.y -= w.x * dq;
+            dw.z += ddq;
+            w.z += dq;
         } else {
-            let twice = dq[i] + dq[i];
+            let twice = dq + dq;
             a.x += w.y * twice;
             a.y -= w.x * twice;
-            a.z += ddq[i];
+            a.z += ddq;
         }
-        last = LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a };
+        last = LinkMotion::of(w, dw, a);
         motions.push(last);
     }
 }
@@ -127,10 +124,11 @@ fn efforts_of(arm: &RigidArm, sweep: &Sweep, effort: &mut [f64]) {
     let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
     for i in (0..arm.dof()).rev() {
         let motion = &sweep.motions[i];
-        let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a } = motion;
+        let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a, gradient } =
+            motion;
         let (mass, mc) = (arm.links[i].mass_kg, &arm.links[i].first_moment_kgm);
         let inertia = &arm.links[i].inertia_origin_kgm2;
-        force += a * mass + motion.rates() * mc;
+        force += a * mass + gradient * mc;
         moment += inertia * dw + w.cross(&(inertia * w)) + mc.cross(a);
         effort[i] = if arm.joints[i].kind.is_rotational() { moment.z } else { force.z };
         let pose = &sweep.poses[i];

@@ -23,11 +23,12 @@ fn link_row(
     moment_axis: &Vector3<f64>,
     force_axis: &Vector3<f64>,
 ) -> [f64; TEN] {
-    let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a } = motion;
-    // F = m a + dw x mc + w x (w x mc),  N = I dw + w x I w + mc x a
+    let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a, gradient } =
+        motion;
+    // F = m a + B mc,  N = I dw + w x I w + mc x a
     let (f, u) = (force_axis, moment_axis);
-    // f . (dw x mc + w x (w x mc)) = mc . (f x dw + w (w.f) - f (w.w)); u . (mc x a) = mc . (a x u)
-    let on_moment = f.cross(dw) + w * w.dot(f) - f * w.dot(w) + a.cross(u);
+    // f . B mc = mc . B' f; u . (mc x a) = mc . (a x u)
+    let on_moment = gradient.tr_mul(f) + a.cross(u);
     // u . (w x I w) = (u x w) . I w
     let t = u.cross(w);
     [

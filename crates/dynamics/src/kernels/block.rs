@@ -52,7 +52,13 @@ struct OwnColumns {
 
 impl<'a> Block<'a> {
     /// No sample yet.
+    ///
+    /// # Panics
+    /// When the columns differ in length.
     pub(super) fn of(columns: Columns<'a>) -> Self {
+        let all = [columns.q, columns.dq, columns.ddq];
+        let equal = |column: &&[f64]| column.len() == columns.samples();
+        assert!(all.into_iter().flatten().all(equal), "columns of one length");
         let none = [0.0; BLOCK];
         let joint = OwnColumns { sin: none, cos: none, copies: [none; 3] };
         Self { columns, first: 0, len: 0, joints: vec![joint; columns.q.len()] }
