@@ -3,7 +3,7 @@
 use armident_kinematics::{DrivingAxisChain, DrivingAxisFrame, InertialParameters, JointKind};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::kernels::{EIGHT, sines_and_cosines};
+use crate::sin_cos::{EIGHT, sines_and_cosines};
 
 /// Constant geometry of one joint in driving-axis form (Lin 1992, eq. 3 and 4).
 #[derive(Debug, Clone, Copy)]

@@ -54,9 +54,11 @@ mod coriolis;
 mod forward;
 mod inertia_matrix;
 mod kernels;
+mod lanes;
 mod motion;
 mod newton_euler;
 mod regressor;
+mod sin_cos;
 
 pub use arm::{JointGeometry, JointPose, RigidArm};
 pub use composite::{CompositeBody, composite_bodies, pi, sigma};

@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 
 use crate::arm::RigidArm;
 use crate::constants::{BodyConstants, links_from_constants};
-use crate::kernels::{Column, for_each_row};
+use crate::kernels::for_each_row;
+use crate::lanes::Column;
 use crate::motion::ArmMotion;
 use crate::newton_euler::{LinkMotion, Sweep};
 

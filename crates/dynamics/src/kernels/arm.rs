@@ -4,9 +4,9 @@ use armident_kinematics::InertialParameters;
 use nalgebra::{Matrix3, Vector3};
 use pulp::Simd;
 
-use super::lanes::{Lanes, Vector};
 use crate::arm::{JointGeometry, RigidArm};
 use crate::constants::{BodyConstants, carried};
+use crate::lanes::{Lanes, Vector};
 
 /// `|cos β|` or `|sin β|` of an exact right angle or none, with the rounding of π.
 const ROUNDING: f64 = 1e-15;

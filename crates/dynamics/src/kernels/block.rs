@@ -2,10 +2,10 @@
 
 use pulp::Simd;
 
-use super::BLOCK;
 use super::arm::KernelJoint;
-use super::lanes::Column;
-use super::sin_cos::sin_cos_of_column;
+use crate::lanes::BLOCK;
+use crate::lanes::Column;
+use crate::sin_cos::sin_cos_of_column;
 
 /// Columns of a motion, one a joint.
 #[derive(Debug, Clone, Copy)]

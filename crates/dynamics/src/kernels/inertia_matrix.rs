@@ -3,11 +3,11 @@
 
 use pulp::Simd;
 
-use super::BLOCK;
 use super::arm::{AtJoint, Frame, KernelJoint, Pose, at_joint};
 use super::block::{Block, JointBlock};
-use super::lanes::{Lanes, Vector, lanes, store};
 use super::wrench::{Wrench, carried_to_parent};
+use crate::lanes::BLOCK;
+use crate::lanes::{Lanes, Vector, lanes, store};
 
 /// First moment and inertia of the links from one on, about its origin and in its frame; the mass does not move.
 #[derive(Debug, Clone, Copy)]

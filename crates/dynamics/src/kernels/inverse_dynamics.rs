@@ -2,12 +2,12 @@
 
 use pulp::Simd;
 
-use super::BLOCK;
 use super::arm::{AtJoint, Frame, KernelJoint, at_joint};
 use super::block::{Block, JointBlock};
-use super::lanes::{Lanes, dot, lanes, store};
 use super::link_motion::{LinkMotion, Rates, at_base, next};
 use super::wrench::{Wrench, carried_to_parent};
+use crate::lanes::BLOCK;
+use crate::lanes::{Lanes, dot, lanes, store};
 
 /// Efforts of joints `least` to n of the samples of a block, one column a joint.
 #[inline(always)]

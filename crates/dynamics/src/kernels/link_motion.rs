@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::arm::Pose;
-use super::lanes::{Lanes, Vector};
+use crate::lanes::{Lanes, Vector};
 
 /// Angular velocity, angular acceleration, and acceleration of the origin minus gravity of a link, in its frame.
 #[derive(Debug, Clone, Copy)]

@@ -13,31 +13,25 @@ mod arm;
 mod block;
 mod inertia_matrix;
 mod inverse_dynamics;
-mod lanes;
 mod link_motion;
 mod one_matrix;
 mod regressor;
-mod sin_cos;
 mod wrench;
 
 #[cfg(test)]
 mod tests;
 
 pub(crate) use block::Columns;
-pub(crate) use lanes::Column;
 pub(crate) use one_matrix::inertia_matrix_from_bodies;
 pub(crate) use regressor::Wanted;
-pub(crate) use sin_cos::{EIGHT, sines_and_cosines};
 
 use crate::arm::RigidArm;
+use crate::lanes::{BLOCK, Column};
 use arm::joints_of;
 use block::Block;
 use inertia_matrix::matrices_of_block;
 use inverse_dynamics::efforts_of_block;
 use regressor::rows_of_block;
-
-/// Samples of a block: the numbers that a kernel keeps of 32 samples of seven joints take 20 kB.
-const BLOCK: usize = 32;
 
 /// Efforts of joints `least` to n over a motion; `effort[joint]` has one entry a sample.
 pub(crate) fn efforts_into(

@@ -3,10 +3,10 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::arm::{Pose, tilt};
-use super::lanes::{Lanes, lanes, store};
-use super::sin_cos::EIGHT;
 use crate::arm::{JointPose, RigidArm};
 use crate::composite::CompositeBody;
+use crate::lanes::{Lanes, lanes, store};
+use crate::sin_cos::EIGHT;
 
 /// Inertia matrix (9), (10) from poses and composite bodies; `h` has n² entries.
 pub(crate) fn inertia_matrix_from_bodies(

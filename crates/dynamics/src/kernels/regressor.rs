@@ -5,11 +5,11 @@ use std::ops::Range;
 use armident_kinematics::InertialParameters;
 use pulp::Simd;
 
-use super::BLOCK;
 use super::arm::{AtJoint, Frame, KernelJoint, at_joint};
 use super::block::{Block, JointBlock};
-use super::lanes::{Column, Lanes, Vector, dot, lanes, store};
 use super::link_motion::{LinkMotion, Rates, at_base, next};
+use crate::lanes::BLOCK;
+use crate::lanes::{Column, Lanes, Vector, dot, lanes, store};
 
 const TEN: usize = InertialParameters::COUNT;
 /// Parameters that a chain of rotational joints does not need of a link, because those of the link before it do the same:

@@ -10,8 +10,9 @@ use proptest::prelude::*;
 use pulp::{Scalar, Scalar128b, Scalar256b, Scalar512b, Simd, WithSimd};
 use random_arms::{assert_close, cases, repeated};
 
-use super::sin_cos::sin_cos_of_column;
-use super::{BLOCK, Columns, Efforts, InertiaMatrices, Rows, upper_triangle};
+use super::{Columns, Efforts, InertiaMatrices, Rows, upper_triangle};
+use crate::lanes::{BLOCK, Column};
+use crate::sin_cos::sin_cos_of_column;
 use crate::{
     RigidArm, composite_bodies, inertia_matrix, inertia_matrix_of, inverse_dynamics,
     standard_regressor,
@@ -176,7 +177,7 @@ impl WithSimd for RowsOf<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let (arm, columns, wanted, n) = (self.arm, self.columns, self.wanted, self.arm.dof());
         let mut rows = vec![vec![f64::NAN; columns.samples()]; 10 * n * n];
-        let each = |joint: usize, first: usize, samples: usize, row: &[super::Column]| {
+        let each = |joint: usize, first: usize, samples: usize, row: &[Column]| {
             for (k, column) in row.iter().enumerate().skip(10 * joint) {
                 rows[joint * 10 * n + k][first..first + samples]
                     .copy_from_slice(&column[..samples]);
@@ -193,7 +194,7 @@ struct Angles<'a> {
 }
 
 impl WithSimd for Angles<'_> {
-    type Output = [super::Column; 2];
+    type Output = [Column; 2];
 
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let [mut q, mut sin, mut cos] = [[0.0; BLOCK]; 3];

@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::arm::Pose;
-use super::lanes::Vector;
+use crate::lanes::Vector;
 
 /// Force and moment about the origin of a link, in its frame.
 #[derive(Debug, Clone, Copy)]

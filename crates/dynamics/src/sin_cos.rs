@@ -5,7 +5,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::lanes::{Column, Lanes, lanes, store};
+use crate::lanes::{Column, Lanes, lanes, store};
 
 /// Largest angle \[rad\] of the reduction: `k PI[0]` and `k PI[1]` are exact up to 2^20 half turns.
 const LARGEST: f64 = 1e5;
@@ -59,7 +59,7 @@ fn sin_cos<S: Simd>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 
 /// Sines and cosines of `theta + q` \[rad\] for a column; what is done for one angle does not depend on the others.
 #[inline(always)]
-pub(super) fn sin_cos_of_column<S: Simd>(
+pub(crate) fn sin_cos_of_column<S: Simd>(
     simd: S,
     theta: f64,
     q: &Column,
