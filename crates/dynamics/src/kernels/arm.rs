@@ -132,7 +132,7 @@ impl<S: Simd, const TURNS: bool, const TILT: u8> Frame<S, TURNS, TILT> {
         }
     }
 
-    /// The frame at one position: `q` matters to translational joints alone.
+    /// The frame at one position; only translational joints use `q`.
     #[inline(always)]
     pub(super) fn at(
         &self,
@@ -168,7 +168,7 @@ pub(super) struct Pose<S: Simd, const TILT: u8> {
 impl<S: Simd, const TILT: u8> Pose<S, TILT> {
     /// Rotation alone, the same in all lanes: `cos θ`, `sin θ`, `cos β`, `sin β`.
     #[inline(always)]
-    pub(super) fn turning(simd: S, [cos, sin, cos_beta, sin_beta]: [f64; 4]) -> Self {
+    pub(super) fn of_rotation(simd: S, [cos, sin, cos_beta, sin_beta]: [f64; 4]) -> Self {
         let number = |x| Lanes::splat(simd, x);
         Self {
             cos_beta: number(cos_beta),

@@ -90,9 +90,9 @@ impl<S: Simd> AtJoint for Outward<'_, S> {
             let (moved, rates) = next::<S, TURNS, TILT>(&pose, motion, dq(chunk), ddq(chunk));
             *motion = moved;
             *wrench = if TURNS {
-                turning_link(&link, &moved, &rates)
+                rotational_link(&link, &moved, &rates)
             } else {
-                sliding_link(&link, &moved, &rates)
+                translational_link(&link, &moved, &rates)
             };
         }
     }
@@ -100,7 +100,7 @@ impl<S: Simd> AtJoint for Outward<'_, S> {
 
 /// Wrench on a link without mass, z of the first moment and yy of the inertia.
 #[inline(always)]
-fn turning_link<S: Simd>(
+fn rotational_link<S: Simd>(
     &[_, cx, cy, _, xx, xy, xz, _, yz, zz]: &[Lanes<S>; 10],
     LinkMotion { dw, a, .. }: &LinkMotion<S>,
     rates: &Rates<S>,
@@ -136,7 +136,7 @@ fn turning_link<S: Simd>(
 
 /// Wrench on a link without inertia.
 #[inline(always)]
-fn sliding_link<S: Simd>(
+fn translational_link<S: Simd>(
     &[mass, cx, cy, cz, ..]: &[Lanes<S>; 10],
     LinkMotion { a, .. }: &LinkMotion<S>,
     rates: &Rates<S>,

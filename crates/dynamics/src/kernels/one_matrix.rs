@@ -66,7 +66,8 @@ impl OneMatrix<'_> {
                     u[2].times_plus(s[0], u[0].times_from(s[2], v[1])),
                     u[0].times_plus(s[1], u[1].times_from(s[0], v[2])),
                 ];
-                let turn = Pose::<S, { tilt::OBLIQUE }>::turning(simd, pose.cosines_and_sines());
+                let turn =
+                    Pose::<S, { tilt::OBLIQUE }>::of_rotation(simd, pose.cosines_and_sines());
                 (u, v) = (turn.to_child(u), turn.to_child(v));
             }
             if i - first < S::F64_LANES {
