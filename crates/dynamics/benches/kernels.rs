@@ -5,15 +5,15 @@
 use std::path::Path;
 
 use armident_dynamics::{
-    BATCH, Batch, InertiaSweep, RigidArm, Sweep, inertia_matrix_into, inverse_dynamics_into,
-    inverse_dynamics_of_motion, load_batch, regressor_row_into,
+    ArmMotion, InertiaSweep, RigidArm, Sweep, for_each_regressor_row, inertia_matrices_of_motion,
+    inertia_matrix_into, inverse_dynamics_into, inverse_dynamics_of_motion, regressor_row_into,
 };
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 
 const ARMS: [&str; 2] = ["panda", "ur5"];
-const SAMPLES: usize = 1024;
+const SAMPLES: usize = 256;
 
 fn main() {
     divan::main();
@@ -49,15 +49,9 @@ impl Moving {
     fn sample(&self, t: usize) -> [Vec<f64>; 3] {
         self.columns.each_ref().map(|column| column.iter().map(|joint| joint[t]).collect())
     }
-
-    fn batch(&self, start: usize) -> [Vec<Batch>; 3] {
-        self.columns
-            .each_ref()
-            .map(|column| column.iter().map(|joint| load_batch(joint, start)).collect())
-    }
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_size = 100, sample_count = 300)]
 fn inverse_dynamics_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let n = moving.arm.dof();
@@ -70,20 +64,7 @@ fn inverse_dynamics_single(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
-fn inverse_dynamics_batch(bencher: Bencher<'_, '_>, name: &str) {
-    let moving = Moving::named(name);
-    let n = moving.arm.dof();
-    let [q, dq, ddq] = moving.batch(100);
-    let (mut sweep, mut effort) = (Sweep::new(n), vec![Batch::from([0.0; BATCH]); n]);
-    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
-        let (q, dq, ddq) = (black_box(&q), black_box(&dq), black_box(&ddq));
-        inverse_dynamics_into(&moving.arm, q, dq, ddq, &mut sweep, &mut effort);
-        black_box(&effort);
-    });
-}
-
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_count = 300)]
 fn inverse_dynamics_motion(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, dq, ddq] = &moving.columns;
@@ -92,7 +73,7 @@ fn inverse_dynamics_motion(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_size = 100, sample_count = 300)]
 fn inertia_matrix_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let [q, ..] = moving.sample(100);
@@ -105,7 +86,7 @@ fn inertia_matrix_single(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-#[divan::bench(args = ARMS)]
+#[divan::bench(args = ARMS, sample_size = 100, sample_count = 300)]
 fn standard_regressor_single(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
     let n = moving.arm.dof();
@@ -121,19 +102,24 @@ fn standard_regressor_single(bencher: Bencher<'_, '_>, name: &str) {
     });
 }
 
-/// All rows of the standard regressor, link motions included.
-#[divan::bench(args = ARMS)]
-fn regressor_rows_batch(bencher: Bencher<'_, '_>, name: &str) {
+/// All rows of the standard regressor.
+#[divan::bench(args = ARMS, sample_count = 300)]
+fn standard_regressor_motion(bencher: Bencher<'_, '_>, name: &str) {
     let moving = Moving::named(name);
-    let n = moving.arm.dof();
-    let [q, dq, ddq] = moving.batch(100);
-    let mut sweep = Sweep::new(n);
-    let mut row = vec![Batch::from([0.0; BATCH]); 10 * n];
-    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
-        sweep.run(&moving.arm, black_box(&q), black_box(&dq), black_box(&ddq));
-        for joint in 0..n {
-            regressor_row_into(&moving.arm, &sweep, joint, &mut row);
-            black_box(&row);
-        }
+    let [q, dq, ddq] = &moving.columns;
+    bencher.counter(ItemsCount::new(SAMPLES)).bench_local(|| {
+        let motion = ArmMotion::new(black_box(q), black_box(dq), black_box(ddq));
+        for_each_regressor_row(&moving.arm, &motion, |row| {
+            black_box(row);
+        });
     });
+}
+
+#[divan::bench(args = ARMS, sample_count = 300)]
+fn inertia_matrix_motion(bencher: Bencher<'_, '_>, name: &str) {
+    let moving = Moving::named(name);
+    let [q, ..] = &moving.columns;
+    bencher
+        .counter(ItemsCount::new(SAMPLES))
+        .bench_local(|| inertia_matrices_of_motion(&moving.arm, black_box(q)));
 }

@@ -3,7 +3,7 @@
 use armident_kinematics::{DrivingAxisChain, DrivingAxisFrame, InertialParameters, JointKind};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::real::Real;
+use crate::sin_cos::{EIGHT, sines_and_cosines};
 
 /// Constant geometry of one joint in driving-axis form (Lin 1992, eq. 3 and 4).
 #[derive(Debug, Clone, Copy)]
@@ -29,54 +29,54 @@ impl JointGeometry {
     }
 
     /// Length `d = d'` (R) or `d' + q` (P).
-    pub fn offset_m<T: Real>(&self, q: T) -> T {
+    pub fn offset_m(&self, q: f64) -> f64 {
         match self.kind {
-            JointKind::Rotational => T::splat(self.frame.d_m),
-            JointKind::Translational => q + T::splat(self.frame.d_m),
+            JointKind::Rotational => self.frame.d_m,
+            JointKind::Translational => q + self.frame.d_m,
         }
     }
 
     /// The joint at position `q` \[rad or m\].
-    pub fn at<T: Real>(&self, q: T) -> JointPose<T> {
-        self.at_angle(q, self.sin_cos(q))
+    pub fn at(&self, q: f64) -> JointPose {
+        self.at_angle(q, self.angle(q).sin_cos())
     }
 
-    /// Sine and cosine of `θ` at position `q` \[rad or m\].
-    pub fn sin_cos<T: Real>(&self, q: T) -> (T, T) {
-        let theta = T::splat(self.frame.theta_rad);
-        if self.kind.is_rotational() { (theta + q).simd_sin_cos() } else { theta.simd_sin_cos() }
+    /// `θ = θ' + q` (R) or `θ'` (P).
+    fn angle(&self, q: f64) -> f64 {
+        let theta = self.frame.theta_rad;
+        if self.kind.is_rotational() { theta + q } else { theta }
     }
 
-    /// The joint at position `q` \[rad or m\], whose [`Self::sin_cos`] is known.
+    /// The joint at position `q` \[rad or m\], where the sine and cosine of `θ` are known.
     #[inline(always)]
-    pub fn at_angle<T: Real>(&self, q: T, (sin_theta, cos_theta): (T, T)) -> JointPose<T> {
-        let (cos_beta, sin_beta) = (T::splat(self.cos_beta), T::splat(self.sin_beta));
+    fn at_angle(&self, q: f64, (sin_theta, cos_theta): (f64, f64)) -> JointPose {
+        let (cos_beta, sin_beta) = (self.cos_beta, self.sin_beta);
         let d = self.offset_m(q);
         JointPose {
             cos_theta,
             sin_theta,
             cos_beta,
             sin_beta,
-            s: Vector3::new(T::splat(self.frame.b_m), -d * sin_beta, d * cos_beta),
+            s: Vector3::new(self.frame.b_m, -d * sin_beta, d * cos_beta),
         }
     }
 }
 
 /// Pose of frame `E_i` in `E_{i-1}` at one joint position.
 #[derive(Debug, Clone, Copy)]
-pub struct JointPose<T> {
-    cos_theta: T,
-    sin_theta: T,
-    cos_beta: T,
-    sin_beta: T,
+pub struct JointPose {
+    cos_theta: f64,
+    sin_theta: f64,
+    cos_beta: f64,
+    sin_beta: f64,
     /// `s_{i-1}^i`, the origin of `E_i` seen from that of `E_{i-1}`, in `E_{i-1}` (3).
-    pub s: Vector3<T>,
+    pub s: Vector3<f64>,
 }
 
-impl<T: Real> JointPose<T> {
+impl JointPose {
     /// `Rᵀ v`: components in `E_{i-1}` to components in `E_i`.
     #[inline(always)]
-    pub fn to_child(&self, v: &Vector3<T>) -> Vector3<T> {
+    pub fn to_child(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let y = self.cos_beta * v.y + self.sin_beta * v.z;
         let z = self.cos_beta * v.z - self.sin_beta * v.y;
         Vector3::new(
@@ -88,7 +88,7 @@ impl<T: Real> JointPose<T> {
 
     /// `R v`: components in `E_i` to components in `E_{i-1}`.
     #[inline(always)]
-    pub fn to_parent(&self, v: &Vector3<T>) -> Vector3<T> {
+    pub fn to_parent(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let x = self.cos_theta * v.x - self.sin_theta * v.y;
         let y = self.sin_theta * v.x + self.cos_theta * v.y;
         Vector3::new(
@@ -98,9 +98,15 @@ impl<T: Real> JointPose<T> {
         )
     }
 
+    /// `cos θ`, `sin θ`, `cos β`, `sin β`.
+    #[inline(always)]
+    pub(crate) fn cosines_and_sines(&self) -> [f64; 4] {
+        [self.cos_theta, self.sin_theta, self.cos_beta, self.sin_beta]
+    }
+
     /// `R` itself (4).
-    pub fn rotation(&self) -> Matrix3<T> {
-        let (z, o) = (T::splat(0.0), T::splat(1.0));
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let (z, o) = (0.0, 1.0);
         Matrix3::from_columns(&[
             self.to_parent(&Vector3::new(o, z, z)),
             self.to_parent(&Vector3::new(z, o, z)),
@@ -108,21 +114,25 @@ impl<T: Real> JointPose<T> {
         ])
     }
 
-    /// `R M Rᵀ` for a tensor in `E_i`.
+    /// `R M Rᵀ` for a symmetric tensor in `E_i`: turned about z by `θ`, then about x by `β`.
     #[inline(always)]
-    pub fn tensor_to_parent(&self, m: &Matrix3<T>) -> Matrix3<T> {
-        let half = Matrix3::from_columns(&[
-            self.to_parent(&m.column(0).into()),
-            self.to_parent(&m.column(1).into()),
-            self.to_parent(&m.column(2).into()),
-        ])
-        .transpose();
-        Matrix3::from_columns(&[
-            self.to_parent(&half.column(0).into()),
-            self.to_parent(&half.column(1).into()),
-            self.to_parent(&half.column(2).into()),
-        ])
+    pub fn tensor_to_parent(&self, m: &Matrix3<f64>) -> Matrix3<f64> {
+        let (c, s) = (self.cos_theta, self.sin_theta);
+        let [xx, xy, yy] = turned(c, s, [m[(0, 0)], m[(0, 1)], m[(1, 1)]]);
+        let (xz, yz) = (c * m[(0, 2)] - s * m[(1, 2)], s * m[(0, 2)] + c * m[(1, 2)]);
+        let (c, s) = (self.cos_beta, self.sin_beta);
+        let [yy, yz, zz] = turned(c, s, [yy, yz, m[(2, 2)]]);
+        let (xy, xz) = (c * xy - s * xz, s * xy + c * xz);
+        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
+}
+
+/// `[xx, xy, yy]` of a plane that turns by the angle with this cosine and sine; its trace stays.
+#[inline(always)]
+fn turned(c: f64, s: f64, [xx, xy, yy]: [f64; 3]) -> [f64; 3] {
+    let (x, y) = (c * xx - s * xy, c * xy - s * yy);
+    let turned_xx = c * x - s * y;
+    [turned_xx, s * x + c * y, xx + yy - turned_xx]
 }
 
 /// A rigid serial arm: geometry, links and gravity for the inverse dynamics.
@@ -162,13 +172,29 @@ impl RigidArm {
     }
 
     /// Poses of all joints at `q` (length n).
-    pub fn poses<T: Real>(&self, q: &[T]) -> Vec<JointPose<T>> {
-        self.joints.iter().zip(q).map(|(joint, &q)| joint.at(q)).collect()
+    pub fn poses(&self, q: &[f64]) -> Vec<JointPose> {
+        let mut poses = Vec::with_capacity(self.dof());
+        self.poses_into(q, &mut poses);
+        poses
+    }
+
+    /// [`Self::poses`] into memory that is kept between samples.
+    pub(crate) fn poses_into(&self, q: &[f64], poses: &mut Vec<JointPose>) {
+        poses.clear();
+        for (joints, q) in self.joints.chunks(EIGHT).zip(q.chunks(EIGHT)) {
+            let mut angles = [0.0; EIGHT];
+            for ((angle, joint), &q) in angles.iter_mut().zip(joints).zip(q) {
+                *angle = joint.angle(q);
+            }
+            let (sin, cos) = sines_and_cosines(&angles);
+            let angles = sin.into_iter().zip(cos);
+            poses.extend(joints.iter().zip(q).zip(angles).map(|((j, &q), at)| j.at_angle(q, at)));
+        }
     }
 
     /// Gravity acceleration in each `E_i`, i = 1..n.
-    pub fn gravity_in_frames<T: Real>(&self, poses: &[JointPose<T>]) -> Vec<Vector3<T>> {
-        let mut gravity = self.gravity_e0.map(T::splat);
+    pub fn gravity_in_frames(&self, poses: &[JointPose]) -> Vec<Vector3<f64>> {
+        let mut gravity = self.gravity_e0;
         poses
             .iter()
             .map(|pose| {
@@ -180,12 +206,12 @@ impl RigidArm {
 
     /// Direction `u_m` of joint `m` and position `s_m^i` of `O_i` from `O_m`, both in every `E_i`,
     /// i = m..n (42); entry 0 belongs to `i = m`.
-    pub fn axis_in_frames<T: Real>(
+    pub fn axis_in_frames(
         &self,
-        poses: &[JointPose<T>],
+        poses: &[JointPose],
         m: usize,
-    ) -> Vec<(Vector3<T>, Vector3<T>)> {
-        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    ) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let (zero, one) = (0.0, 1.0);
         let mut axis = Vector3::new(zero, zero, one);
         let mut reach = Vector3::new(zero, zero, zero);
         let mut all = vec![(axis, reach)];

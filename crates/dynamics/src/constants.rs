@@ -9,7 +9,6 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::arm::{JointGeometry, JointPose, RigidArm};
 use crate::composite::{pi, sigma};
-use crate::real::Real;
 
 /// `m̂_i, k_i, U_i` of composite body `i`, in `E_i`.
 ///
@@ -18,10 +17,10 @@ pub type BodyConstants = InertialParameters;
 
 /// Constants of body `p` carried to the frame before it, without the link there: what (18), (20)
 /// and (22), (24) add to `(m_i, m_i c_i, I_i + m_i Σ(c_i))`.
-fn carried(joint: &JointGeometry, outer: &BodyConstants) -> BodyConstants {
+pub(crate) fn carried(joint: &JointGeometry, outer: &BodyConstants) -> BodyConstants {
     let (m, k, u) = (outer.mass_kg, outer.first_moment_kgm, outer.inertia_origin_kgm2);
     // at q = 0; for a rotational joint only rotation-invariant combinations are used
-    let pose: JointPose<f64> = joint.at(0.0);
+    let pose: JointPose = joint.at(0.0);
     match joint.kind {
         JointKind::Rotational => {
             let axis_moment = joint.axis_in_parent() * k.z;
@@ -80,15 +79,15 @@ pub fn links_from_constants(
 
 /// The configuration-dependent parts of one composite body, in `E_i`.
 #[derive(Debug, Clone, Copy)]
-pub struct VaryingParts<T> {
+pub struct VaryingParts {
     /// `ℓ_i` \[kg m\].
-    pub first_moment: Vector3<T>,
+    pub first_moment: Vector3<f64>,
     /// `V_i` \[kg m2\].
-    pub inertia: Matrix3<T>,
+    pub inertia: Matrix3<f64>,
 }
 
 /// `W(U)`: the part of `U` of a rotational joint that turns with it.
-fn turning_part<T: Real>(u: &Matrix3<f64>) -> Matrix3<T> {
+fn turning_part(u: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::new(
         u[(0, 0)] - u[(1, 1)],
         u[(0, 1)],
@@ -100,19 +99,18 @@ fn turning_part<T: Real>(u: &Matrix3<f64>) -> Matrix3<T> {
         u[(1, 2)],
         0.0,
     )
-    .map(T::splat)
 }
 
 /// `ℓ_i, V_i` of all bodies at positions `q` (length n): (19), (21), (23), (36).
 ///
 /// Fed with the constants of Theorem 2 alone (all others zero) this is Algorithm 1: the entries
 /// that enter `H` and `τᵍ` are then right, the others need not be.
-pub fn varying_parts<T: Real>(
+pub fn varying_parts(
     joints: &[JointGeometry],
     constants: &[BodyConstants],
-    q: &[T],
-) -> Vec<VaryingParts<T>> {
-    let zero = T::splat(0.0);
+    q: &[f64],
+) -> Vec<VaryingParts> {
+    let zero = 0.0;
     let none = VaryingParts {
         first_moment: Vector3::from_element(zero),
         inertia: Matrix3::from_element(zero),
@@ -121,7 +119,7 @@ pub fn varying_parts<T: Real>(
     for p in (1..joints.len()).rev() {
         let (joint, outer) = (&joints[p], &constants[p]);
         let pose = joint.at(q[p]);
-        let k = outer.first_moment_kgm.map(T::splat);
+        let k = outer.first_moment_kgm;
         let VaryingParts { first_moment: l, inertia: v } = parts[p];
         parts[p - 1] = match joint.kind {
             JointKind::Rotational => {
@@ -135,35 +133,33 @@ pub fn varying_parts<T: Real>(
                 VaryingParts { first_moment, inertia }
             }
             JointKind::Translational => {
-                let m = T::splat(outer.mass_kg);
-                let b = T::splat(joint.frame.b_m);
+                let m = outer.mass_kg;
+                let b = joint.frame.b_m;
                 let d = joint.offset_m(q[p]);
                 let (sin, cos) = joint.frame.theta_rad.sin_cos();
-                let (sin, cos) = (T::splat(sin), T::splat(cos));
                 let c = k + l;
-                let two = T::splat(2.0);
                 // T_p of (36)
                 let (mdd, md) = (m * d * d, m * d);
                 let t12 = b * (sin * l.x - cos * l.y);
                 let t13 = -b * cos * (l.z + md);
                 let t23 = b * sin * (l.z + md);
                 let t = Matrix3::new(
-                    mdd - two * b * sin * l.y,
+                    mdd - 2.0 * b * sin * l.y,
                     t12,
                     t13,
                     t12,
-                    mdd + two * b * cos * l.x,
+                    mdd + 2.0 * b * cos * l.x,
                     t23,
                     t13,
                     t23,
-                    two * b * (cos * l.x - sin * l.y),
+                    2.0 * b * (cos * l.x - sin * l.y),
                 );
                 let slide = Matrix3::new(
-                    two * d * c.z,
+                    2.0 * d * c.z,
                     zero,
                     -d * c.x,
                     zero,
-                    two * d * c.z,
+                    2.0 * d * c.z,
                     -d * c.y,
                     -d * c.x,
                     -d * c.y,

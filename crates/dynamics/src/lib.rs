@@ -20,7 +20,8 @@
 //! | `τ` | actuator effort, positive along the joint axis | [`inverse_dynamics`] |
 //! | `Y` | regressor | [`standard_regressor`], [`ParameterColumns`] |
 //!
-//! The kernels are generic over [`Real`]: one sample (`f64`) or four at once ([`Batch`]).
+//! Functions of one sample follow the paper; those of a motion ([`inverse_dynamics_of_motion`], [`ArmMotion`],
+//! [`for_each_regressor_row`], [`inertia_matrices_of_motion`]) give the same by kernels on the lanes of the processor.
 //! Not handled: branches and loops, more than one degree of freedom per joint, moving bases.
 //!
 //! ```
@@ -43,16 +44,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(test)]
+extern crate self as armident_dynamics;
+
 mod arm;
 mod composite;
 mod constants;
 mod coriolis;
 mod forward;
 mod inertia_matrix;
+mod kernels;
+mod lanes;
 mod motion;
 mod newton_euler;
-mod real;
 mod regressor;
+mod sin_cos;
 
 pub use arm::{JointGeometry, JointPose, RigidArm};
 pub use composite::{CompositeBody, composite_bodies, pi, sigma};
@@ -62,11 +68,14 @@ pub use constants::{
 pub use coriolis::{coriolis_effort, inertia_matrix_derivatives};
 pub use forward::{NotPositiveDefinite, energy, forward_dynamics};
 pub use inertia_matrix::{
-    InertiaSweep, gravity_effort, inertia_matrix, inertia_matrix_into, inertia_matrix_of,
+    InertiaSweep, gravity_effort, inertia_matrices_of_motion, inertia_matrix, inertia_matrix_into,
+    inertia_matrix_of,
 };
-pub use motion::{ArmAngles, ArmMotion};
+pub use kernels::upper_triangle;
+pub use motion::ArmMotion;
 pub use newton_euler::{
     LinkMotion, Sweep, inverse_dynamics, inverse_dynamics_into, inverse_dynamics_of_motion,
 };
-pub use real::{BATCH, Batch, Real, load_batch, store_batch};
-pub use regressor::{ParameterColumns, regressor_row_into, standard_regressor};
+pub use regressor::{
+    ParameterColumns, RegressorRow, for_each_regressor_row, regressor_row_into, standard_regressor,
+};

@@ -1,73 +1,27 @@
-//! A motion of the whole arm with the sines and cosines of its joints. They cost as much as the rest of an
-//! inverse dynamics, and all computations on one motion share them.
+//! A motion of the whole arm: columns of samples that all computations on it share.
 
-use std::sync::Arc;
+use crate::arm::RigidArm;
+use crate::kernels::{Columns, efforts_into};
 
-use crate::arm::{JointGeometry, RigidArm};
-use crate::newton_euler::{Sweep, efforts_of};
-use crate::real::{BATCH, Batch, load_batch, store_batch};
-
-/// Sines and cosines of all joints over a motion: 16 bytes a sample and joint; clones share them.
-#[derive(Debug, Clone)]
-pub struct ArmAngles(Vec<Arc<JointAngles>>);
-
-#[derive(Debug)]
-struct JointAngles {
-    sin: Vec<f64>,
-    cos: Vec<f64>,
-}
-
-impl JointAngles {
-    fn of(joint: &JointGeometry, q: &[f64]) -> Arc<Self> {
-        let (sin, cos) = q.iter().map(|&q| joint.sin_cos(q)).unzip();
-        Arc::new(Self { sin, cos })
-    }
-}
-
-impl ArmAngles {
-    /// Sines and cosines at joint positions `q[joint][sample]` \[rad or m\].
-    pub fn of(arm: &RigidArm, q: &[Vec<f64>]) -> Self {
-        Self(arm.joints.iter().zip(q).map(|(joint, q)| JointAngles::of(joint, q)).collect())
-    }
-}
-
-/// Positions, velocities and accelerations of the joints over a motion, joint-major, with the sines and
-/// cosines of the joints.
+/// Positions, velocities and accelerations of the joints over a motion, joint-major.
 #[derive(Debug, Clone)]
 pub struct ArmMotion<'a> {
     q: Vec<&'a [f64]>,
     dq: Vec<&'a [f64]>,
     ddq: Vec<&'a [f64]>,
-    angles: ArmAngles,
 }
 
 impl<'a> ArmMotion<'a> {
-    /// Motion of columns of equal length, one per joint.
-    pub fn new(arm: &RigidArm, q: &'a [Vec<f64>], dq: &'a [Vec<f64>], ddq: &'a [Vec<f64>]) -> Self {
-        Self::at(ArmAngles::of(arm, q), q, dq, ddq)
-    }
-
-    /// The same with known sines and cosines at `q`.
-    pub fn at(
-        angles: ArmAngles,
-        q: &'a [Vec<f64>],
-        dq: &'a [Vec<f64>],
-        ddq: &'a [Vec<f64>],
-    ) -> Self {
+    /// Motion of columns of equal length, one per joint: `q[joint][sample]`.
+    pub fn new(q: &'a [Vec<f64>], dq: &'a [Vec<f64>], ddq: &'a [Vec<f64>]) -> Self {
         let views = |columns: &'a [Vec<f64>]| columns.iter().map(Vec::as_slice).collect();
-        Self { q: views(q), dq: views(dq), ddq: views(ddq), angles }
+        Self { q: views(q), dq: views(dq), ddq: views(ddq) }
     }
 
     /// The same with another position, velocity and acceleration of one joint.
-    pub fn with_joint<'b>(
-        &'b self,
-        arm: &RigidArm,
-        joint: usize,
-        [q, dq, ddq]: [&'b [f64]; 3],
-    ) -> ArmMotion<'b> {
+    pub fn with_joint<'b>(&'b self, joint: usize, [q, dq, ddq]: [&'b [f64]; 3]) -> ArmMotion<'b> {
         let mut moved: ArmMotion<'b> = self.clone();
         (moved.q[joint], moved.dq[joint], moved.ddq[joint]) = (q, dq, ddq);
-        moved.angles.0[joint] = JointAngles::of(&arm.joints[joint], q);
         moved
     }
 
@@ -90,59 +44,30 @@ impl<'a> ArmMotion<'a> {
         self.q.first().map_or(0, |q| q.len())
     }
 
-    /// Calls `each` with the first sample of every batch of samples, and its poses and link motions.
-    #[inline(always)]
-    pub(crate) fn sweep(&self, arm: &RigidArm, mut each: impl FnMut(usize, &Sweep<Batch>)) {
-        let n = arm.dof();
-        let zero = Batch::from([0.0; BATCH]);
-        let mut sweep = Sweep::new(n);
-        let (mut q, mut dq, mut ddq) = (vec![zero; n], vec![zero; n], vec![zero; n]);
-        let mut angles = vec![(zero, zero); n];
-        for start in (0..self.samples()).step_by(BATCH) {
-            for j in 0..n {
-                q[j] = load_batch(self.q[j], start);
-                dq[j] = load_batch(self.dq[j], start);
-                ddq[j] = load_batch(self.ddq[j], start);
-                let JointAngles { sin, cos } = &*self.angles.0[j];
-                angles[j] = (load_batch(sin, start), load_batch(cos, start));
-            }
-            sweep.run_at(arm, &q, &angles, &dq, &ddq);
-            each(start, &sweep);
-        }
+    pub(crate) fn columns(&self) -> Columns<'_> {
+        let Self { q, dq, ddq } = self;
+        Columns { q, dq, ddq }
     }
 
-    /// Effort `τ` over the motion, `[joint][sample]`: [`inverse_dynamics_of_motion`] with sines and cosines
-    /// that are known.
-    ///
-    /// [`inverse_dynamics_of_motion`]: crate::inverse_dynamics_of_motion
+    /// Effort `τ` over the motion, `[joint][sample]`.
     pub fn efforts(&self, arm: &RigidArm) -> Vec<Vec<f64>> {
         let mut effort = vec![vec![0.0; self.samples()]; arm.dof()];
-        let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
-        self.sweep(arm, |start, sweep| {
-            efforts_of(arm, sweep, &mut batch);
-            for (effort, batch) in effort.iter_mut().zip(&batch) {
-                store_batch(*batch, effort, start);
-            }
-        });
+        efforts_into(arm, &self.columns(), 0, &mut effort);
         effort
     }
 
     /// Effort of one joint.
     pub fn effort_on(&self, arm: &RigidArm, joint: usize) -> Vec<f64> {
-        let mut effort = vec![0.0; self.samples()];
-        let mut batch = vec![Batch::from([0.0; BATCH]); arm.dof()];
-        self.sweep(arm, |start, sweep| {
-            efforts_of(arm, sweep, &mut batch);
-            store_batch(batch[joint], &mut effort, start);
-        });
-        effort
+        let mut effort = vec![vec![0.0; self.samples()]; arm.dof()];
+        efforts_into(arm, &self.columns(), joint, &mut effort);
+        effort.swap_remove(joint)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inverse_dynamics_of_motion;
+    use crate::{JointGeometry, inverse_dynamics_of_motion};
     use armident_kinematics::{DrivingAxisFrame, InertialParameters, JointKind};
 
     #[test]
@@ -181,7 +106,7 @@ mod tests {
             (0..3).map(of).collect()
         };
         let (q, dq, ddq) = (wave(0.0), wave(1.0), wave(2.0));
-        let motion = ArmMotion::new(&arm, &q, &dq, &ddq);
+        let motion = ArmMotion::new(&q, &dq, &ddq);
         assert_eq!(motion.efforts(&arm), inverse_dynamics_of_motion(&arm, &q, &dq, &ddq));
         let other = [wave(3.0), wave(4.0), wave(5.0)];
         for joint in 0..3 {
@@ -191,7 +116,7 @@ mod tests {
             }
             let expected = inverse_dynamics_of_motion(&arm, &q, &dq, &ddq);
             let of_joint: [&[f64]; 3] = other.each_ref().map(|columns| columns[joint].as_slice());
-            let moved = motion.with_joint(&arm, joint, of_joint);
+            let moved = motion.with_joint(joint, of_joint);
             assert_eq!(moved.efforts(&arm), expected);
             assert_eq!(moved.effort_on(&arm, joint), expected[joint]);
             assert_ne!(motion.effort_on(&arm, joint), expected[joint]);

@@ -8,9 +8,10 @@ use nalgebra::Vector3;
 
 use crate::arm::RigidArm;
 use crate::constants::{BodyConstants, links_from_constants};
+use crate::kernels::for_each_row;
+use crate::lanes::Column;
 use crate::motion::ArmMotion;
 use crate::newton_euler::{LinkMotion, Sweep};
-use crate::real::{BATCH, Batch, Real, store_batch};
 
 const TEN: usize = InertialParameters::COUNT;
 
@@ -18,16 +19,17 @@ const TEN: usize = InertialParameters::COUNT;
 /// direction `u` and whose motion moves the link's origin by `a = u × s` per radian (both in the
 /// link's frame). For a translational joint the axis pushes: `force_axis = u`, `moment_axis = 0`.
 #[inline(always)]
-fn link_row<T: Real>(
-    motion: &LinkMotion<T>,
-    moment_axis: &Vector3<T>,
-    force_axis: &Vector3<T>,
-) -> [T; TEN] {
-    let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a } = motion;
-    // F = m a + dw x mc + w x (w x mc),  N = I dw + w x I w + mc x a
+fn link_row(
+    motion: &LinkMotion,
+    moment_axis: &Vector3<f64>,
+    force_axis: &Vector3<f64>,
+) -> [f64; TEN] {
+    let LinkMotion { angular_velocity: w, angular_acceleration: dw, acceleration: a, gradient } =
+        motion;
+    // F = m a + B mc,  N = I dw + w x I w + mc x a
     let (f, u) = (force_axis, moment_axis);
-    // f . (dw x mc + w x (w x mc)) = mc . (f x dw + w (w.f) - f (w.w)); u . (mc x a) = mc . (a x u)
-    let on_moment = f.cross(dw) + w * w.dot(f) - f * w.dot(w) + a.cross(u);
+    // f . B mc = mc . B' f; u . (mc x a) = mc . (a x u)
+    let on_moment = gradient.tr_mul(f) + a.cross(u);
     // u . (w x I w) = (u x w) . I w
     let t = u.cross(w);
     [
@@ -47,11 +49,11 @@ fn link_row<T: Real>(
 /// Row of joint `joint` for the sample in `sweep`: entry `10 i + k` belongs to parameter `k` of link
 /// `i`; `row` has length `10 n`, entries of links before the joint are zero.
 #[inline(always)]
-pub fn regressor_row_into<T: Real>(arm: &RigidArm, sweep: &Sweep<T>, joint: usize, row: &mut [T]) {
-    let zero = T::splat(0.0);
+pub fn regressor_row_into(arm: &RigidArm, sweep: &Sweep, joint: usize, row: &mut [f64]) {
+    let zero = 0.0;
     row[..TEN * joint].fill(zero);
     let none = Vector3::from_element(zero);
-    let mut u = Vector3::new(zero, zero, T::splat(1.0));
+    let mut u = Vector3::new(zero, zero, 1.0);
     let mut s = none;
     let turns = arm.joints[joint].kind.is_rotational();
     for i in joint..arm.dof() {
@@ -73,15 +75,48 @@ pub fn regressor_row_into<T: Real>(arm: &RigidArm, sweep: &Sweep<T>, joint: usiz
 ///
 /// Identity: `Y π = τ` of [`crate::inverse_dynamics`], `π` the links' [`InertialParameters::to_array`]
 /// one after another.
-pub fn standard_regressor<T: Real>(arm: &RigidArm, q: &[T], dq: &[T], ddq: &[T]) -> Vec<T> {
+pub fn standard_regressor(arm: &RigidArm, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
     let n = arm.dof();
     let mut sweep = Sweep::new(n);
     sweep.run(arm, q, dq, ddq);
-    let mut all = vec![T::splat(0.0); n * TEN * n];
+    let mut all = vec![0.0; n * TEN * n];
     for (joint, row) in all.chunks_mut(TEN * n).enumerate() {
         regressor_row_into(arm, &sweep, joint, row);
     }
     all
+}
+
+/// Row of one joint in the standard parameters over consecutive samples of a motion.
+#[derive(Debug, Clone, Copy)]
+pub struct RegressorRow<'a> {
+    /// The joint.
+    pub joint: usize,
+    /// First sample.
+    pub first: usize,
+    samples: usize,
+    columns: &'a [Column],
+}
+
+impl RegressorRow<'_> {
+    /// Columns of the links that the joint moves, with their index `10 i + k` for parameter `k` of link `i`; the other
+    /// columns are zero.
+    pub fn columns(&self) -> impl Iterator<Item = (usize, &[f64])> {
+        let of_joint = self.columns.iter().enumerate().skip(TEN * self.joint);
+        of_joint.map(|(k, column)| (k, &column[..self.samples]))
+    }
+}
+
+/// Calls `each` with the rows of all joints over a motion, some samples at a time: the regressor of a long motion is larger than the
+/// motion by the number of parameters and need not be kept.
+pub fn for_each_regressor_row(
+    arm: &RigidArm,
+    motion: &ArmMotion<'_>,
+    mut each: impl FnMut(RegressorRow<'_>),
+) {
+    let all = vec![[true; TEN]; arm.dof()];
+    for_each_row(arm, &motion.columns(), 0..arm.dof(), &all, |joint, first, samples, columns| {
+        each(RegressorRow { joint, first, samples, columns });
+    });
 }
 
 /// Columns that are fixed linear combinations of the standard parameters.
@@ -136,11 +171,9 @@ impl ParameterColumns {
 
     /// A standard-parameter row mapped to these columns; `out` has one entry per column.
     #[inline(always)]
-    pub fn map_row<T: Real>(&self, row: &[T], out: &mut [T]) {
+    pub fn map_row(&self, row: &[f64], out: &mut [f64]) {
         for (out, column) in out.iter_mut().zip(&self.columns) {
-            *out = column
-                .iter()
-                .fold(T::splat(0.0), |sum, &(k, factor)| sum + row[k] * T::splat(factor));
+            *out = column.iter().fold(0.0, |sum, &(k, factor)| sum + row[k] * factor);
         }
     }
 
@@ -156,7 +189,7 @@ impl ParameterColumns {
 
     /// Columns of one joint over a whole motion, `[column][sample]`, for the columns in `wanted`.
     ///
-    /// Four samples at a time; memory is the result and the sines and cosines of the joints.
+    /// Memory is the result.
     pub fn of_motion(
         &self,
         arm: &RigidArm,
@@ -166,10 +199,10 @@ impl ParameterColumns {
         ddq: &[Vec<f64>],
         wanted: &[usize],
     ) -> Vec<Vec<f64>> {
-        self.of_arm_motion(arm, joint, &ArmMotion::new(arm, q, dq, ddq), wanted)
+        self.of_arm_motion(arm, joint, &ArmMotion::new(q, dq, ddq), wanted)
     }
 
-    /// The same for a motion whose sines and cosines are known, as several joints need them.
+    /// The same for a motion of the arm.
     pub fn of_arm_motion(
         &self,
         arm: &RigidArm,
@@ -177,16 +210,27 @@ impl ParameterColumns {
         motion: &ArmMotion<'_>,
         wanted: &[usize],
     ) -> Vec<Vec<f64>> {
-        let chosen = Self { columns: wanted.iter().map(|&c| self.columns[c].clone()).collect() };
+        let chosen: Vec<Vec<(usize, f64)>> = (wanted.iter())
+            .map(|&c| {
+                let of_links = self.columns[c].iter().copied();
+                // links before the joint do not move it
+                of_links.filter(|(k, _)| *k >= TEN * joint).collect()
+            })
+            .collect();
+        let mut needed = vec![[false; TEN]; arm.dof()];
+        for (k, _) in chosen.iter().flatten() {
+            needed[k / TEN][k % TEN] = true;
+        }
         let mut result = vec![vec![0.0; motion.samples()]; wanted.len()];
-        let zero = Batch::from([0.0; BATCH]);
-        let mut row = vec![zero; TEN * arm.dof()];
-        let mut out = vec![zero; wanted.len()];
-        motion.sweep(arm, |start, sweep| {
-            regressor_row_into(arm, sweep, joint, &mut row);
-            chosen.map_row(&row, &mut out);
-            for (column, value) in result.iter_mut().zip(&out) {
-                store_batch(*value, column, start);
+        let rows = joint..joint + 1;
+        for_each_row(arm, &motion.columns(), rows, &needed, |_, first, len, row| {
+            for (column, terms) in result.iter_mut().zip(&chosen) {
+                let out = &mut column[first..first + len];
+                for &(k, factor) in terms {
+                    for (sum, x) in out.iter_mut().zip(&row[k]) {
+                        *sum += factor * x;
+                    }
+                }
             }
         });
         result

@@ -7,16 +7,13 @@
 mod random_arms;
 
 use armident_dynamics::{
-    BATCH, Batch, BodyConstants, CompositeBody, JointGeometry, ParameterColumns, RigidArm,
-    composite_bodies, constants_from_links, coriolis_effort, energy, forward_dynamics,
-    gravity_effort, inertia_matrix, inertia_matrix_derivatives, inverse_dynamics,
-    inverse_dynamics_of_motion, links_from_constants, load_batch, pi, sigma, standard_regressor,
-    varying_parts,
+    BodyConstants, JointGeometry, ParameterColumns, RigidArm, composite_bodies,
+    constants_from_links, coriolis_effort, energy, forward_dynamics, gravity_effort,
+    inertia_matrix, inertia_matrix_derivatives, inverse_dynamics, inverse_dynamics_of_motion,
+    links_from_constants, pi, sigma, standard_regressor, varying_parts,
 };
 use armident_kinematics::{InertialParameters, JointKind};
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, SimdValue, Translation3, UnitQuaternion, Vector3,
-};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use random_arms::{Case, assert_close, cases, largest, physical_link, repeated};
 
@@ -437,43 +434,6 @@ fn sample(columns: &[Vec<f64>], t: usize) -> Vec<f64> {
 
 proptest! {
     #![proptest_config(repeated(100))]
-
-    #[test]
-    fn batch_lanes_equal_single_samples(case in cases()) {
-        let arm = &case.arm;
-        let columns = motion(&case, BATCH);
-        let [q, dq, ddq] = columns.each_ref().map(|all| -> Vec<Batch> {
-            all.iter().map(|column| load_batch(column, 0)).collect()
-        });
-        let effort = inverse_dynamics(arm, &q, &dq, &ddq);
-        let regressor = standard_regressor(arm, &q, &dq, &ddq);
-        let (h, gravity) = (inertia_matrix(arm, &q), gravity_effort(arm, &q));
-        let parts = varying_parts(&arm.joints, &arm.constants(), &q);
-        let bodies = composite_bodies(arm, &arm.poses(&q));
-        for l in 0..BATCH {
-            let lane = |values: &[Batch]| -> Vec<f64> { values.iter().map(|v| v.extract(l)).collect() };
-            let [q, dq, ddq] = columns.each_ref().map(|all| sample(all, l));
-            assert_close("effort", &lane(&effort), &inverse_dynamics(arm, &q, &dq, &ddq), EXACT);
-            let single = standard_regressor(arm, &q, &dq, &ddq);
-            assert_close("regressor", &lane(&regressor), &single, EXACT);
-            assert_close("H", &lane(h.as_slice()), inertia_matrix(arm, &q).as_slice(), EXACT);
-            assert_close("gravity", &lane(&gravity), &gravity_effort(arm, &q), EXACT);
-            let single = varying_parts(&arm.joints, &arm.constants(), &q);
-            for (part, single) in parts.iter().zip(&single) {
-                let first_moment = part.first_moment.map(|x| x.extract(l));
-                let found = numbers(&first_moment, &part.inertia.map(|x| x.extract(l)));
-                let expected = numbers(&single.first_moment, &single.inertia);
-                assert_close("varying parts", &found, &expected, EXACT);
-            }
-            let single = composite_bodies(arm, &arm.poses(&q));
-            for (CompositeBody { mass, first_moment, inertia }, single) in bodies.iter().zip(&single) {
-                prop_assert_eq!(*mass, single.mass);
-                let found = numbers(&first_moment.map(|x| x.extract(l)), &inertia.map(|x| x.extract(l)));
-                let expected = numbers(&single.first_moment, &single.inertia);
-                assert_close("composite bodies", &found, &expected, EXACT);
-            }
-        }
-    }
 
     /// Every length: one sample, whole batches, and a rest.
     #[test]

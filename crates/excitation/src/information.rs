@@ -95,13 +95,13 @@ impl<'a> Parameters<'a> {
 
     /// Efforts of the rigid body `[joint][sample]`.
     pub(crate) fn efforts(&self, [q, dq, ddq]: &Columns) -> Vec<Vec<f64>> {
-        ArmMotion::new(self.arm, q, dq, ddq).efforts(self.arm)
+        ArmMotion::new(q, dq, ddq).efforts(self.arm)
     }
 
     /// Columns of all parameters on each joint `[joint][column][sample]`, with the parameter of each.
     pub(crate) fn regressors(&self, columns: &Columns) -> Regressors {
         let [q, dq, ddq] = columns;
-        let motion = ArmMotion::new(self.arm, q, dq, ddq);
+        let motion = ArmMotion::new(q, dq, ddq);
         (0..self.arm.dof())
             .map(|joint| {
                 let own = [0, 1, 2].map(|k| columns[k][joint].as_slice());
@@ -113,7 +113,7 @@ impl<'a> Parameters<'a> {
     /// Information of a motion, each sample as one recorded effort of each joint.
     pub(crate) fn information(&self, columns: &Columns) -> Information {
         let [q, dq, ddq] = columns;
-        let motion = ArmMotion::new(self.arm, q, dq, ddq);
+        let motion = ArmMotion::new(q, dq, ddq);
         let mut information = Information::none(self.len());
         for joint in 0..self.arm.dof() {
             let own = [0, 1, 2].map(|k| columns[k][joint].as_slice());
@@ -133,7 +133,7 @@ impl<'a> Parameters<'a> {
         let [q, dq, ddq] = columns;
         let n = self.arm.dof();
         let samples = q[0].len();
-        let motion = ArmMotion::new(self.arm, q, dq, ddq);
+        let motion = ArmMotion::new(q, dq, ddq);
         let own = |joint: usize| [0, 1, 2].map(|k| columns[k][joint].as_slice());
         let by_joint: Vec<Vec<Vec<f64>>> =
             (0..n).map(|joint| self.columns(joint, &motion, own(joint))).collect();
@@ -176,7 +176,7 @@ impl<'a> Parameters<'a> {
                 let mut signals = own(moved);
                 let shifted: Vec<f64> = signals[k].iter().map(|x| x + STEP).collect();
                 signals[k] = &shifted;
-                let other = motion.with_joint(self.arm, moved, signals);
+                let other = motion.with_joint(moved, signals);
                 for joint in 0..n {
                     let all: Vec<usize> = (0..self.set.len()).collect();
                     let mut changed =

@@ -26,7 +26,7 @@ fn set_of(arm: &RigidArm) -> MinimalSet {
 }
 
 /// Composite bodies by Algorithm 1 from the constants of the set alone: `ĉ = k + ℓ`, `Ĵ = U + V`.
-fn algorithm_1(arm: &RigidArm, bodies: &[BodyConstants], q: &[f64]) -> Vec<CompositeBody<f64>> {
+fn algorithm_1(arm: &RigidArm, bodies: &[BodyConstants], q: &[f64]) -> Vec<CompositeBody> {
     varying_parts(&arm.joints, bodies, q)
         .iter()
         .zip(bodies)
@@ -39,7 +39,7 @@ fn algorithm_1(arm: &RigidArm, bodies: &[BodyConstants], q: &[f64]) -> Vec<Compo
 }
 
 /// (11) from composite bodies at hand.
-fn gravity_of(arm: &RigidArm, q: &[f64], bodies: &[CompositeBody<f64>]) -> Vec<f64> {
+fn gravity_of(arm: &RigidArm, q: &[f64], bodies: &[CompositeBody]) -> Vec<f64> {
     let gravity = arm.gravity_in_frames(&arm.poses(q));
     (arm.joints.iter().zip(bodies).zip(gravity))
         .map(|((joint, body), g)| match joint.kind {

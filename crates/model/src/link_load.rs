@@ -62,7 +62,7 @@ impl Load {
         const STEP: f64 = 1e-4;
         let none = vec![0.0; position.len()];
         let bias_at = |position: &[f64], velocity: &[f64]| {
-            motion.with_joint(arm, joint, [position, velocity, &none]).effort_on(arm, joint)
+            motion.with_joint(joint, [position, velocity, &none]).effort_on(arm, joint)
         };
         let bias = bias_at(position, velocity);
         let beside = |of: &[f64]| -> Vec<f64> { of.iter().map(|x| x + STEP).collect() };

@@ -50,7 +50,7 @@ impl FittedTransmission {
         let (link, load) = self.link_side_motion_in(at, joint, most_turns, near)?;
         let (arm, rigid) = at.of_other_links();
         let link = link.each_ref().map(Vec::as_slice);
-        let mut effort = at.motion().with_joint(arm, joint, link).efforts(arm);
+        let mut effort = at.motion().with_joint(joint, link).efforts(arm);
         for (effort, rigid) in effort.iter_mut().zip(rigid) {
             for (e, r) in effort.iter_mut().zip(rigid) {
                 *e -= r;
@@ -383,7 +383,7 @@ mod tests {
         let [q, v, a] = spring.link_side_motion(&at, JOINT).unwrap();
         let motor = Motor::of(&signals, JOINT, 0.0).unwrap();
         let arm = at.of_other_links().0;
-        let needed = at.motion().with_joint(arm, JOINT, [&q, &v, &a]).effort_on(arm, JOINT);
+        let needed = at.motion().with_joint(JOINT, [&q, &v, &a]).effort_on(arm, JOINT);
         let largest = needed.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         for (t, needed) in needed.iter().enumerate() {
             let passed = spring.effort(motor.position[t] - q[t], motor.velocity[t] - v[t]);

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use armident_dynamics::{ArmAngles, RigidArm};
+use armident_dynamics::RigidArm;
 use armident_effects::{Effect, JointMotion, LawRole, ReversalModel, WholeArmMotion, tilted};
 use armident_kinematics::{DrivingAxisChain, InertialParameters};
 use nalgebra::Vector3;
@@ -32,7 +32,6 @@ pub struct PosedRecording<'a> {
     pub delay_s: f64,
     /// of the effort channels
     gain: Vec<f64>,
-    angles: ArmAngles,
     /// the arm with other links, where a hidden one is simulated or friction follows the load, and its efforts: formed
     /// when first asked for
     others: Option<(RigidArm, OnceLock<Vec<Vec<f64>>>)>,
@@ -58,7 +57,6 @@ impl<'a> PosedRecording<'a> {
             signals.position.iter().zip(&point.offset).map(moved).collect();
         let loads = (0..arm.dof()).map(|_| OnceLock::new()).collect();
         let carried = (0..arm.dof()).map(|_| OnceLock::new()).collect();
-        let (angles, rigid) = (ArmAngles::of(&arm, &position), Vec::new());
         let others = point.links.as_ref().map(|changes| {
             let mut others = arm.clone();
             for (link, change) in others.links.iter_mut().zip(changes.chunks(10)) {
@@ -87,13 +85,12 @@ impl<'a> PosedRecording<'a> {
             signals,
             arm,
             position,
-            rigid,
+            rigid: Vec::new(),
             answered,
             with_known,
             turned,
             delay_s,
             gain: point.gain.clone(),
-            angles,
             others,
             loads,
             carried,
@@ -111,7 +108,7 @@ impl<'a> PosedRecording<'a> {
     /// The motion of the arm as recorded.
     pub fn motion(&self) -> armident_dynamics::ArmMotion<'_> {
         let (v, a) = (&self.signals.velocity, &self.signals.acceleration);
-        armident_dynamics::ArmMotion::at(self.angles.clone(), &self.position, v, a)
+        armident_dynamics::ArmMotion::new(&self.position, v, a)
     }
 
     /// The efforts as they were, without their lag; of a joint without a record, whose rows weigh nothing, those

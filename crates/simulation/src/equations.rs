@@ -130,7 +130,7 @@ pub(crate) fn row_levels(arm: &SimulatedArm, rows: &Rows, v: &[f64], loads: &[f6
 /// Memory that [`Equations::at`] uses again and again.
 #[derive(Debug, Clone)]
 pub(crate) struct EquationsScratch {
-    sweep: Sweep<f64>,
+    sweep: Sweep,
     zero: Vec<f64>,
 }
 

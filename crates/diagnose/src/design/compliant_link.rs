@@ -81,7 +81,7 @@ impl CompliantLink {
         let motion = at.motion();
         let load = at.load(joint).moved(&motion, arm, joint, &link[0], &link[1]);
         let efforts = |link: &[Vec<f64>; 3]| {
-            motion.with_joint(arm, joint, link.each_ref().map(Vec::as_slice)).efforts(arm)
+            motion.with_joint(joint, link.each_ref().map(Vec::as_slice)).efforts(arm)
         };
         let here = efforts(&link);
         let by_motion = std::array::from_fn(|part| {
@@ -115,8 +115,8 @@ impl CompliantLink {
         self.spring.joint
     }
 
-    fn motion<'b>(&'b self, motion: &'b ArmMotion<'b>, arm: &RigidArm) -> ArmMotion<'b> {
-        motion.with_joint(arm, self.joint(), self.link.each_ref().map(Vec::as_slice))
+    fn motion<'b>(&'b self, motion: &'b ArmMotion<'b>) -> ArmMotion<'b> {
+        motion.with_joint(self.joint(), self.link.each_ref().map(Vec::as_slice))
     }
 
     /// How the link moves under an effort on it beside those that it has, the spring twisted so far at first.
@@ -135,7 +135,7 @@ impl CompliantLink {
         if signals.starts_at_rest {
             let still = vec![vec![0.0]; position.len()];
             position[joint][0] = self.link[0][0];
-            let there = efforts(&ArmMotion::new(&at.arm, &position, &still, &still));
+            let there = efforts(&ArmMotion::new(&position, &still, &still));
             let resists = stiffness + self.load.slope_at_start();
             return there.into_iter().map(|effort| effort / resists).collect();
         }
@@ -143,7 +143,7 @@ impl CompliantLink {
         let (velocity, acceleration) = (first(&signals.velocity), first(&signals.acceleration));
         let mut at_position = |moved: f64| {
             position[joint][0] += moved;
-            efforts(&ArmMotion::new(&at.arm, &position, &velocity, &acceleration))
+            efforts(&ArmMotion::new(&position, &velocity, &acceleration))
         };
         let (here, moved) = (at_position(0.0), at_position(STEP));
         let resists = stiffness + at.load(joint).slope_at_start();
@@ -168,7 +168,7 @@ impl CompliantLink {
         let dof = at.arm.dof();
         let wanted: Vec<usize> = (TEN * self.joint()..TEN * dof).collect();
         let (motion, standard) = (at.motion(), ParameterColumns::standard(dof));
-        let own = self.motion(&motion, &at.arm);
+        let own = self.motion(&motion);
         let columns = standard.of_arm_motion(&at.arm, self.joint(), &own, &wanted);
         let twists = self.twists(at, |first| {
             let columns = standard.of_arm_motion(&at.arm, self.joint(), first, &wanted);
@@ -190,8 +190,7 @@ impl CompliantLink {
         let standard = ParameterColumns::standard(at.arm.dof());
         let wanted: Vec<usize> = wanted.collect();
         let motion = at.motion();
-        let sprung =
-            standard.of_arm_motion(&at.arm, joint, &self.motion(&motion, &at.arm), &wanted);
+        let sprung = standard.of_arm_motion(&at.arm, joint, &self.motion(&motion), &wanted);
         let rigid = standard.of_arm_motion(&at.arm, joint, &motion, &wanted);
         let first = TEN * self.joint();
         let columns = wanted.iter().zip(sprung.iter().zip(&rigid));
@@ -218,7 +217,7 @@ fn of_other_links(sprung: &CompliantLink, at: &Posed<'_>) -> Vec<Vec<f64>> {
         let (a, b) = (motion.efforts(others), motion.efforts(&at.arm));
         a.iter().zip(&b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect()
     };
-    let mut more = difference(&sprung.motion(&motion, others));
+    let mut more = difference(&sprung.motion(&motion));
     let joint = sprung.joint();
     let twist = sprung.twists(at, |first| vec![difference(first)[joint][0]])[0];
     let moved = sprung.yields_to(more[joint].clone(), twist, at.signals.rate_hz);

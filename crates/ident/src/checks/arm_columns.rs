@@ -195,9 +195,9 @@ impl<'p> ArmColumns<'p> {
             })
             .collect();
         let moving: Vec<ArmMotion<'_>> =
-            moved.iter().map(|[q, dq, ddq]| ArmMotion::new(&self.still, q, dq, ddq)).collect();
+            moved.iter().map(|[q, dq, ddq]| ArmMotion::new(q, dq, ddq)).collect();
         let resting: Vec<ArmMotion<'_>> = (moved.iter().zip(&zero))
-            .map(|([q, ..], zero)| ArmMotion::new(&self.still, q, zero, zero))
+            .map(|([q, ..], zero)| ArmMotion::new(q, zero, zero))
             .collect();
         (0..n)
             .into_par_iter()

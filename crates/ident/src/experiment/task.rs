@@ -131,7 +131,7 @@ pub fn tasks(arm: &RigidArm, set: &MinimalSet) -> Vec<Task> {
 }
 
 struct Trials {
-    poses: Vec<Vec<armident_dynamics::JointPose<f64>>>,
+    poses: Vec<Vec<armident_dynamics::JointPose>>,
 }
 
 impl Trials {
@@ -146,7 +146,7 @@ impl Trials {
         Self { poses }
     }
 
-    fn all(&self, test: impl Fn(&[armident_dynamics::JointPose<f64>]) -> bool) -> bool {
+    fn all(&self, test: impl Fn(&[armident_dynamics::JointPose]) -> bool) -> bool {
         self.poses.iter().all(|poses| test(poses))
     }
 }

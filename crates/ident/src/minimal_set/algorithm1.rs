@@ -1,6 +1,6 @@
 //! Algorithm 1: the varying parts from the minimal constants alone.
 
-use armident_dynamics::{JointGeometry, Real, VaryingParts, varying_parts};
+use armident_dynamics::{JointGeometry, VaryingParts, varying_parts};
 
 use super::algorithm_m::MinimalSet;
 
@@ -11,11 +11,11 @@ use super::algorithm_m::MinimalSet;
 /// components of `ℓ_j` whose factors in (9), (11) do not vanish); the others need not be. The
 /// recursion of Lemma 1 takes the place of the paper's five-step listing, which is the same loop with
 /// one entry singled out.
-pub fn algorithm1<T: Real>(
+pub fn algorithm1(
     joints: &[JointGeometry],
     set: &MinimalSet,
     values: &[f64],
-    q: &[T],
-) -> Vec<VaryingParts<T>> {
+    q: &[f64],
+) -> Vec<VaryingParts> {
     varying_parts(joints, &set.body_constants(values), q)
 }

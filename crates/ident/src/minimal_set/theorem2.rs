@@ -84,7 +84,7 @@ impl Theorem2 {
 /// rotational axis r..j on one line as seen from `O_j`.
 fn first_moments_vanish(
     arm: &RigidArm,
-    poses: &[armident_dynamics::JointPose<f64>],
+    poses: &[armident_dynamics::JointPose],
     turns: &[bool],
     r: usize,
     j: usize,

@@ -39,7 +39,7 @@ impl BatchProblem {
     }
 
     pub(crate) fn arm_motion<'m>(&self, motion: &'m Motion) -> ArmMotion<'m> {
-        ArmMotion::new(self.arm(), &motion.position, &motion.velocity, &motion.acceleration)
+        ArmMotion::new(&motion.position, &motion.velocity, &motion.acceleration)
     }
 
     /// [`Self::columns`] where what all joints need, and what jumps, is formed already.

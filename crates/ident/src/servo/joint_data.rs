@@ -1,7 +1,7 @@
 //! One joint of one recording: what its controller is given, what the arm loads it with, and where it went.
 
 use armident_dynamics::{
-    InertiaSweep, gravity_effort, inertia_matrix_into, inverse_dynamics_of_motion,
+    ArmMotion, inertia_matrices_of_motion, inverse_dynamics_of_motion, upper_triangle,
 };
 use armident_kinematics::JointKind;
 use armident_model::ArmModel;
@@ -66,23 +66,20 @@ impl JointData {
             &motion.acceleration,
         );
         let samples = motion.time_s.len();
-        let mut diagonal = vec![Vec::with_capacity(samples); n];
-        let mut slopes = vec![Vec::with_capacity(samples); n];
-        let mut sweep = InertiaSweep::new(n);
-        let mut matrix = vec![0.0; n * n];
-        for t in 0..samples {
-            let q: Vec<f64> = motion.position.iter().map(|column| column[t]).collect();
-            inertia_matrix_into(&arm, &q, &mut sweep, &mut matrix);
-            for j in 0..n {
-                diagonal[j].push(matrix[j * n + j]);
-                let weight = |change: f64| {
-                    let mut moved = q.clone();
-                    moved[j] += change;
-                    gravity_effort(&arm, &moved)[j]
-                };
-                slopes[j].push((weight(SMALL_TURN) - weight(-SMALL_TURN)) / (2.0 * SMALL_TURN));
-            }
-        }
+        let mut inertia = inertia_matrices_of_motion(&arm, &motion.position);
+        let diagonal: Vec<Vec<f64>> =
+            (0..n).map(|j| std::mem::take(&mut inertia[upper_triangle(n, j, j)])).collect();
+        let still = vec![vec![0.0; samples]; n];
+        let resting = ArmMotion::new(&motion.position, &still, &still);
+        let slope = |j: usize| -> Vec<f64> {
+            let weight = |change: f64| {
+                let moved: Vec<f64> = motion.position[j].iter().map(|q| q + change).collect();
+                resting.with_joint(j, [&moved, &still[j], &still[j]]).effort_on(&arm, j)
+            };
+            let (above, below) = (weight(SMALL_TURN), weight(-SMALL_TURN));
+            above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * SMALL_TURN)).collect()
+        };
+        let slopes: Vec<Vec<f64>> = (0..n).map(slope).collect();
         let mut steps: Vec<f64> = recording.time_s.windows(2).map(|p| p[1] - p[0]).collect();
         let middle = steps.len() / 2;
         let sample_s = armident_numeric::order_statistic(&mut steps, middle).unwrap_or(1.0);
