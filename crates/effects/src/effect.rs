@@ -135,6 +135,12 @@ pub trait Effect: Sync {
         each.into_iter().all(|(parameter, &value)| parameter.admissible.allows(value))
     }
 
+    /// Whether these parameters are those of the physics that the law is named for. Where they are not, the law describes the
+    /// recordings and stays in the model, but is no finding.
+    fn is_plausible(&self, _parameters: &[f64]) -> bool {
+        true
+    }
+
     /// Estimator: whether fitted coefficients may carry the name beside a shape. By default a law of one joint or of two
     /// asks it of its parameters, and others admit any.
     fn admits_fit(&self, shape: &[f64], coefficients: &[f64]) -> bool {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_effects::{Effect, LawRole, LinkInertiaError, Payload, UNMODELLED};
+use armident_effects::{Effect, LawRole, LinkInertiaError, Payload, UNMODELLED, effect};
 use serde::Serialize;
 
 use crate::design::candidate::{Candidate, CandidateKind};
@@ -82,6 +82,17 @@ pub struct Finding {
     pub evidence: FindingEvidence,
     /// Effects that it may be instead.
     pub alternatives: Vec<Alternative>,
+}
+
+impl Finding {
+    /// Whether its parameters are those of the physics that its law is named for.
+    fn is_plausible(&self) -> bool {
+        let Some(law) = effect(&self.effect) else { return true };
+        let value = |name: &str| self.parameters.get(name).map(|of| of.value);
+        let values: Option<Vec<f64>> =
+            law.law().parameters.iter().map(|parameter| value(parameter.name)).collect();
+        values.is_none_or(|values| law.is_plausible(&values))
+    }
 }
 
 /// A finding and the estimates beside it.
@@ -205,6 +216,7 @@ pub(crate) fn reported_findings(
     }
     // parts of the operating point stay in the model; without a size they are no names
     found.retain(|reported| reported.finding.evidence.size.is_none_or(|size| size >= 1.0));
+    found.retain(|reported| reported.finding.is_plausible());
     found.sort_by(|a, b| b.finding.evidence.materiality.total_cmp(&a.finding.evidence.materiality));
     found
 }

@@ -94,6 +94,13 @@ impl Effect for JointElasticity {
         is_transmission_fit(shape, coefficients)
     }
 
+    /// Transmissions resonate, at 5 Hz and above (cobots to large industrial arms); where the damper is stiffer than the spring at
+    /// the lowest of these frequencies, nothing resonates: something else is late there.
+    fn is_plausible(&self, parameters: &[f64]) -> bool {
+        const LOWEST_RESONANCE_HZ: f64 = 5.0;
+        TAU * LOWEST_RESONANCE_HZ * parameters[1] < parameters[0]
+    }
+
     /// The damping is not known within a factor at first.
     fn shape_step(&self, constant: usize) -> Option<ShapeStep> {
         Some(match constant {
