@@ -65,6 +65,8 @@ mod peers;
 mod pipeline;
 /// public recordings of real arms: rank, error against plain least squares, rejected inputs
 mod real_data;
+/// recordings beside predictions, as topics of MCAP
+mod topics;
 
 /// a section of a diagnosis that this file adds
 mod extend_section;

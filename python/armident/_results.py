@@ -112,14 +112,23 @@ class Identification(ModelResult, IdentifyReport):
     """Inertia and friction parameters with their standard errors, and the identified model."""
 
 
-class Diagnosis(ModelResult, DiagnoseReport):
+class TopicsResult(Result):
+    """Result of recordings that can be seen beside predictions."""
+
+    def save_mcap(self, path: str | os.PathLike[str]) -> None:
+        """Write the recordings with predicted efforts, residuals and findings as topics of MCAP, for Foxglove, PlotJuggler
+        and Rerun."""
+        self._answer.save_mcap(os.fspath(path))
+
+
+class Diagnosis(TopicsResult, ModelResult, DiagnoseReport):
     """Effects that a model lacks, and the model with them."""
 
     #: Motion that separates indistinguishable effects, where it was requested and exists.
     separating_motion: Recording | None = None
 
 
-class Validation(Result, ValidateReport):
+class Validation(TopicsResult, ValidateReport):
     """Errors of a model on recordings that it was not fitted to."""
 
 

@@ -201,6 +201,9 @@ pub(crate) struct DiagnoseArgs {
     /// Write a motion that separates indistinguishable effects to DIR/next_motion.csv
     #[arg(long, value_name = "DIR")]
     pub(crate) next_motion: Option<PathBuf>,
+    /// Write recordings with predicted efforts, residuals and findings as topics of MCAP
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Run a placebo test with N wrong terms
     #[arg(long, value_name = "N", conflicts_with = "reference")]
     pub(crate) placebo: Option<usize>,
@@ -300,6 +303,9 @@ pub(crate) struct ValidateArgs {
     /// Write the predicted effort of every sample (only with one recording)
     #[arg(long, value_name = "FILE")]
     pub(crate) predictions: Option<PathBuf>,
+    /// Write recordings with predicted efforts and residuals as topics of MCAP
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Skip forward replay
     #[arg(long)]
     pub(crate) no_replay: bool,

@@ -32,6 +32,7 @@ mod robot;
 mod servos;
 mod simulate;
 mod suite;
+mod topics;
 mod validate;
 
 pub use check::{Checked, check};

@@ -103,6 +103,25 @@ impl Answer {
         })
     }
 
+    /// The recordings as topics of an MCAP file, with predicted efforts and residuals; of a diagnosis with its findings.
+    fn save_mcap(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let found = Arc::clone(&self.found);
+        done(py, move || {
+            let topics = match &*found {
+                Found::Diagnosed(found) => found.mcap()?,
+                Found::Validated(found) => found.mcap()?,
+                _ => {
+                    let what = "expected a diagnosis or a validation, found another result";
+                    return Err(Failure::new(what, "the result", None::<String>));
+                }
+            };
+            armident_recording::write_whole(&path, |file| {
+                std::io::Write::write_all(file, &topics.bytes)
+            })
+            .map_err(|error| Failure::unwritable(&path, &error))
+        })
+    }
+
     /// Verdict, findings and tables as part of a page, without charts.
     fn excerpt(&self, py: Python<'_>) -> PyResult<String> {
         let document = self.json(py)?;
