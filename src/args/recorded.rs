@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::arm::{one_recording, recordings, written_extensions};
 use super::value::{PayloadArg, estimators, parse_file_gain, parse_payload, parse_positive};
-use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
+use super::{CardArgs, ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PriorArg {
@@ -89,6 +89,8 @@ pub(crate) struct IdentifyArgs {
     /// Write the identified model, for predict, simulate and export
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) card: CardArgs,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]

@@ -15,8 +15,10 @@
 //! # Ok::<(), armident_commands::Failure>(())
 //! ```
 
+mod card;
 mod check;
 mod closed_loop;
+mod compare;
 mod diagnose;
 mod drawing;
 mod excerpt;
@@ -35,8 +37,10 @@ mod suite;
 mod topics;
 mod validate;
 
+pub use card::{CardFiles, CardOptions, card_files, card_paths};
 pub use check::{Checked, check};
 pub use closed_loop::predict_closed_loop;
+pub use compare::compare;
 pub use diagnose::{DiagnoseOptions, DiagnoseRecordings, Diagnosed, diagnose};
 pub use drawing::Drawn;
 pub use excerpt::Excerpt;
