@@ -48,10 +48,11 @@ fn changed_friction_is_what_differs() {
     assert!((difference - 4.5).abs() < 4.0 * error, "{first}");
     assert!((number(&first["deviation"]) - difference / error).abs() < 1e-6);
 
-    let said = run(&["report", text(&before), text(&after)]).fine().stdout;
+    let printed = run(&["report", text(&before), text(&after)]).fine().stdout;
     assert!(
-        said.contains("Coulomb friction, level of elbow_joint") && said.contains("Effort error"),
-        "{said}"
+        printed.contains("Coulomb friction, level of elbow_joint")
+            && printed.contains("Effort error"),
+        "{printed}"
     );
     let page = folder.join("compared.html");
     let ran = run(&["report", text(&before), text(&after), "-o", text(&page)]).fine();
@@ -137,16 +138,16 @@ fn results_that_cannot_be_compared_are_refused() {
         write("broken.json", "{\n\"schema\":"),
         folder.join("absent.json"),
     ];
-    let mut said = String::new();
+    let mut printed = String::new();
     for file in &files {
         let ran = run(&["report", text(&diagnosis), text(file)]);
         assert_eq!((ran.code, ran.stdout.as_str()), (1, ""));
-        said += &ran.stderr;
+        printed += &ran.stderr;
     }
     let ran = run(&["report", text(&diagnosis)]);
     assert_eq!(ran.code, 1);
-    said += &ran.stderr;
-    insta::assert_snapshot!(said.replace(text(&folder), "FOLDER"));
+    printed += &ran.stderr;
+    insta::assert_snapshot!(printed.replace(text(&folder), "FOLDER"));
 }
 
 /// SHA-256 of `urdf/ur5.urdf`, by `sha256sum`.

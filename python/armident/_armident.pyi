@@ -198,6 +198,7 @@ class Answer:
     def text(self) -> str: ...
     def page(self) -> str: ...
     def save_mcap(self, path: str) -> None: ...
+    def save_card(self, path: str, serial: str | None, date: str | None) -> None: ...
     def excerpt(self) -> str: ...
     def model(self) -> Robot | None: ...
     def warnings(self) -> list[str]: ...
@@ -248,4 +249,44 @@ def simulate(
     effects: list[tuple[str, str, list[float]]],
     seed: int,
 ) -> tuple[list[Recording], list[str]]: ...
-def export(robot: Robot, path: str, format: str | None) -> tuple[Answer, str]: ...
+def export(
+    robot: Robot,
+    path: str,
+    format: str | None,
+    false_alarms_per_hour: float | None,
+    without_contact: list[Recording],
+    holdout: list[Recording],
+    observer_gain: float | None,
+) -> tuple[Answer, str]: ...
+def info(
+    recordings: list[str],
+    robot: Robot | None,
+    write_mapping: str | None,
+    mapping: str | None,
+    topic: str | None,
+) -> Answer: ...
+def convert(recording: Recording, path: str) -> tuple[Answer, list[str]]: ...
+def one_to_convert(recording: str, path: str) -> str: ...
+def excite(
+    robot: Robot,
+    folder: str,
+    limits: str | None,
+    keep_out: str | None,
+    diagnosis: str | None,
+    formats: list[str],
+    given: list[Recording],
+    seconds: float,
+    budget: float,
+    rate_hz: float,
+    only: list[str],
+    seed: int,
+) -> Answer: ...
+def accumulate(
+    robot: Robot,
+    recordings: list[str],
+    output_file: str,
+    cutoff_hz: float,
+    mapping: str | None,
+    topic: str | None,
+) -> Answer: ...
+def merge(robot: Robot, states: list[str]) -> Answer: ...

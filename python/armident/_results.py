@@ -111,6 +111,18 @@ class Check(Result, CheckReport):
 class Identification(ModelResult, IdentifyReport):
     """Inertia and friction parameters with their standard errors, and the identified model."""
 
+    def save_card(
+        self, path: str | os.PathLike[str], *, serial: str | None = None, date: str | None = None
+    ) -> None:
+        """Write the model card: an HTML page, and its JSON beside it.
+
+        Args:
+            path: File with the extension `.html`.
+            serial: Serial number of the arm.
+            date: Date of the recordings. Default: that of their stamps, where these count from 1970.
+        """
+        self._answer.save_card(os.fspath(path), serial, date)
+
 
 class TopicsResult(Result):
     """Result of recordings that can be seen beside predictions."""
@@ -137,6 +149,29 @@ class Prediction(Result):
 
     #: The efforts at the stamps of the motion [N m or N].
     efforts: Recording
+
+
+class Info(Result):
+    """What logs hold, and the mapping that their names suggest."""
+
+
+class Conversion(Result):
+    """A log that was converted."""
+
+    #: Channels that the format cannot hold, `<joint>/<quantity>`.
+    omitted: list[str]
+
+
+class Suite(Result):
+    """Motions of an identification, with the standard errors that they will give."""
+
+
+class Accumulation(Result):
+    """Recordings that were reduced to states."""
+
+
+class Merge(ModelResult):
+    """The arm that states of its recordings identify, and its model."""
 
 
 class Export(Result):

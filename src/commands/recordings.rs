@@ -20,7 +20,8 @@ pub(crate) fn encoded(
     Ok(bytes_of(encode(recording, path)?, path, output))
 }
 
-fn bytes_of(encoded: Encoded, path: &Path, output: &OutputArgs) -> Vec<u8> {
+/// The file; channels that its format cannot hold become a note.
+pub(crate) fn bytes_of(encoded: Encoded, path: &Path, output: &OutputArgs) -> Vec<u8> {
     let Encoded { bytes, omitted } = encoded;
     if !omitted.is_empty() {
         let omitted = omitted.join(", ");
@@ -63,7 +64,7 @@ pub(crate) fn read_all(
 ) -> Result<Vec<Recording>, Failure> {
     let recordings = {
         let progress = Progress::through(output, "reading", files.len());
-        armident_commands::read_all(files, &options(reading), || progress.part_done())?
+        armident_commands::read_all(files, &reading_options(reading), || progress.part_done())?
     };
     output::say_all(output, "note", &quality_notes(&recordings));
     Ok(recordings)
@@ -74,9 +75,10 @@ pub(crate) fn read_quietly(
     files: &[PathBuf],
     reading: &ReadingArgs,
 ) -> Result<Vec<Recording>, Failure> {
-    armident_commands::read_all(files, &options(reading), || ())
+    armident_commands::read_all(files, &reading_options(reading), || ())
 }
 
-fn options(reading: &ReadingArgs) -> ReadingOptions {
+/// How files are read.
+pub(crate) fn reading_options(reading: &ReadingArgs) -> ReadingOptions {
     ReadingOptions { mapping: reading.mapping.clone(), topic: reading.topic.clone() }
 }
