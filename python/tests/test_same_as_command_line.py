@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import armident
@@ -136,14 +137,14 @@ def test_excite(cli, tmp_path):
     joints = armident.Robot(robot).joints
     limits.write_text("".join(f"[{name}]\nacceleration = 5.0\njerk = 50.0\n" for name in joints))
     by_cli, by_python = tmp_path / "cli", tmp_path / "python"
-    # a search without time is the same in every run
-    options = "--seconds 5 --budget 0 --only train --format csv,json --seed 3"
+    # a search that ends before its first step is the same in every run
+    options = "--seconds 5 --budget 0.001 --only train --format csv,json --seed 3"
     expected = cli("excite", robot, "-o", by_cli, *options.split(), "--limits", limits)
     found = armident.excite(
         robot,
         by_python,
         seconds=5,
-        budget=0,
+        budget=0.001,
         only=["train"],
         format=["csv", "json"],
         seed=3,
@@ -184,14 +185,26 @@ def test_topics_and_card(cli, tmp_path, identification, diagnosis):
     assert [entry["used_as"] for entry in by_cli["inputs"]] == ["robot", "training", "hold-out"]
 
 
-def test_thresholds(cli, tmp_path, train, holdout):
-    by_cli, by_python = tmp_path / "cli.c", tmp_path / "python.c"
-    options = ["--false-alarms-per-hour", 600, "--without-contact", TRAIN, "--holdout", HOLDOUT]
-    expected = cli("export", URDF, "-o", by_cli, *options)["thresholds"]
-    found = armident.export(
-        URDF, by_python, false_alarms_per_hour=600, without_contact=train, holdout=holdout
+def test_thresholds(cli, tmp_path):
+    robot = PROJECT / "urdf" / "planar_2r.urdf"
+    random = np.random.default_rng(7)
+    time = np.arange(0, 300, 0.02)
+    position = np.stack([0.5 * np.sin(1.1 * time), 0.4 * np.cos(0.7 * time)], axis=1)
+    free = armident.Recording.from_arrays(
+        time,
+        armident.Robot(robot).joints,
+        position=position,
+        effort=random.normal(size=position.shape),
     )
-    assert found.thresholds == expected and expected["gain"] > 0
+    log = tmp_path / "free.csv"
+    free.save(log)
+    by_cli, by_python = tmp_path / "cli.c", tmp_path / "python.c"
+    options = ["--false-alarms-per-hour", 60, "--without-contact", log, "--holdout", log]
+    expected = cli("export", robot, "-o", by_cli, *options)["thresholds"]
+    found = armident.export(
+        robot, by_python, false_alarms_per_hour=60, without_contact=log, holdout=log
+    )
+    assert found.thresholds == expected and expected["gain"] == 5
     assert by_python.read_text() == by_cli.read_text()
     with pytest.raises(armident.ArmidentError, match="a rate and recordings"):
-        armident.export(URDF, by_python, false_alarms_per_hour=600)
+        armident.export(robot, by_python, false_alarms_per_hour=60)
