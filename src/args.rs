@@ -138,6 +138,21 @@ pub(crate) struct PageArgs {
     pub(crate) command: Option<Vec<String>>,
 }
 
+/// Options of the model card.
+#[derive(Args, Default)]
+#[command(next_help_heading = "Model card")]
+pub(crate) struct CardArgs {
+    /// Write the model card (HTML, with its JSON beside it): values, errors, unit, date, digests of files
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) card: Option<PathBuf>,
+    /// Serial number of the arm, on the card
+    #[arg(long, value_name = "TEXT", requires = "card")]
+    pub(crate) serial: Option<String>,
+    /// Date of the recordings, on the card [default: of their stamps, where these count from 1970]
+    #[arg(long, value_name = "DATE", requires = "card")]
+    pub(crate) date: Option<String>,
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FailOn {
     /// any warning

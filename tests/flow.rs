@@ -81,7 +81,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "simulation",
         ],
     ),
-    ("export", &["dynamics", "effects", "kinematics", "model"]),
+    ("export", &["dynamics", "effects", "inference", "kinematics", "model", "motion", "recording"]),
     (
         "commands",
         &[
@@ -102,7 +102,17 @@ const ARROWS: [(&str, &[&str]); 19] = [
     ),
     (
         "python",
-        &["commands", "effects", "ident", "model", "page", "recording", "report", "simulation"],
+        &[
+            "commands",
+            "effects",
+            "excitation",
+            "ident",
+            "model",
+            "page",
+            "recording",
+            "report",
+            "simulation",
+        ],
     ),
     (
         "",

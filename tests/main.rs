@@ -33,6 +33,8 @@ mod run;
 mod challenge;
 /// `check` on recordings with and without faults
 mod check;
+/// two results side by side, and the model card
+mod comparison;
 /// a fixed small sample of the coverage study
 mod coverage;
 /// the demo without input files; completions and manual pages
@@ -65,6 +67,8 @@ mod peers;
 mod pipeline;
 /// public recordings of real arms: rank, error against plain least squares, rejected inputs
 mod real_data;
+/// recordings beside predictions, as topics of MCAP
+mod topics;
 
 /// a section of a diagnosis that this file adds
 mod extend_section;

@@ -17,7 +17,8 @@ use crate::tool::{run, scratch, text};
 const STATES: usize = 20;
 const ARMS: [&str; 6] = ["scara", "stanford", "puma560", "ur5", "panda", "kinova_gen3"];
 
-fn python() -> Option<PathBuf> {
+/// The Python with other programs; none where there is none.
+pub(crate) fn python() -> Option<PathBuf> {
     let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../peers/bin/python");
     let given = std::env::var_os("ARMIDENT_PEERS_PYTHON").map(PathBuf::from);
     given.or_else(|| own.exists().then_some(own))

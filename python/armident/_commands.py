@@ -11,12 +11,17 @@ from . import _armident
 from ._armident import Recording
 from ._recordings import Path, RecordingsLike, RobotLike, as_recordings, as_robot
 from ._results import (
+    Accumulation,
     Check,
+    Conversion,
     Diagnosis,
     Export,
     Identification,
+    Info,
+    Merge,
     MinimalSet,
     Prediction,
+    Suite,
     Validation,
 )
 
@@ -253,21 +258,211 @@ def simulate(
 
 
 def export(
-    robot: RobotLike, path: Path, *, format: Literal["urdf", "mjcf", "c"] | None = None
+    robot: RobotLike,
+    path: Path,
+    *,
+    format: Literal["urdf", "mjcf", "c"] | None = None,
+    false_alarms_per_hour: float | None = None,
+    without_contact: RecordingsLike | None = None,
+    holdout: RecordingsLike | None = None,
+    observer_gain: float | None = None,
+    mapping: Path | None = None,
+    topic: str | None = None,
 ) -> Export:
     """Export a model to URDF, MJCF or C.
 
     Args:
         path: Output file (`.urdf`, `.xml` for MJCF, or `.c`).
         format: Output format. Default: from the extension.
+        false_alarms_per_hour: Thresholds of the momentum observer for this rate of the whole arm (C).
+        without_contact: Recordings of ordinary motion without contact, for the thresholds.
+        holdout: Other recordings without contact, on which the thresholds are tried.
+        observer_gain: Gain of the observer [1/s]. Default: 30, at most a tenth of the rate of the recordings.
+        mapping: TOML file that maps columns of files to joints, quantities and units.
+        topic: Joint state topic of MCAP files.
 
     Raises:
-        ArmidentError: A format that is not known; a file that cannot be written.
+        ArmidentError: A format that is not known; a file that cannot be written; recordings that give no thresholds.
     """
-    answer, text = _armident.export(as_robot(robot), os.fspath(path), format)
+    if (false_alarms_per_hour is None) != (without_contact is None):
+        _armident.refuse(
+            "thresholds need a rate and recordings",
+            "false_alarms_per_hour, without_contact",
+            "pass both, or neither",
+        )
+    answer, text = _armident.export(
+        as_robot(robot),
+        os.fspath(path),
+        format,
+        false_alarms_per_hour,
+        as_recordings(without_contact, mapping, topic),
+        as_recordings(holdout, mapping, topic),
+        observer_gain,
+    )
     result = Export(answer)
     result.text = text
     return result
+
+
+def info(
+    recordings: Path | Iterable[Path],
+    *,
+    robot: RobotLike | None = None,
+    write_mapping: Path | None = None,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Info:
+    """What logs hold: format, joints, rate, quality, and the mapping that their names suggest.
+
+    Args:
+        recordings: Paths of files, or folders of them.
+        robot: Robot that names numbered joints.
+        write_mapping: File for the guessed mapping of the first log.
+        mapping: TOML file that maps columns to joints, quantities and units.
+        topic: Joint state topic of bags of ROS.
+
+    Raises:
+        ArmidentError: A file that cannot be read; names that suggest no mapping to be written.
+    """
+    given = None if robot is None else as_robot(robot)
+    paths = _paths(recordings)
+    return Info(
+        _armident.info(paths, given, _path(write_mapping), _path(mapping), topic)
+    )
+
+
+def convert(
+    recording: Recording | Path,
+    path: Path,
+    *,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Conversion:
+    """Convert a log to a file with standard names and SI units.
+
+    Args:
+        recording: Recording, path of a file, or a folder with one.
+        path: Output file; its extension is the format.
+        mapping: TOML file that maps columns to joints, quantities and units.
+        topic: Joint state topic of bags of ROS.
+
+    Raises:
+        ArmidentError: A log that cannot be read; a format that is not written.
+    """
+    if isinstance(recording, Recording):
+        read = recording
+    else:
+        one = _armident.one_to_convert(os.fspath(recording), os.fspath(path))
+        (read,) = as_recordings(one, mapping, topic)
+    answer, omitted = _armident.convert(read, os.fspath(path))
+    result = Conversion(answer)
+    result.omitted = omitted
+    return result
+
+
+def excite(
+    robot: RobotLike,
+    folder: Path,
+    *,
+    limits: Path | None = None,
+    keep_out: Path | None = None,
+    diagnosis: Path | None = None,
+    format: Sequence[Literal["csv", "ros2", "urscript", "json"]] = ("csv",),
+    given: RecordingsLike | None = None,
+    seconds: float = 20.0,
+    budget: float = 30.0,
+    rate_hz: float = 100.0,
+    only: Sequence[str] = (),
+    seed: int = 1992,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Suite:
+    """Design the motions of an identification, with the standard errors that they will give.
+
+    Args:
+        folder: Output folder for the motions and `suite.toml`, their list.
+        limits: TOML file of limits that differ from those of the robot.
+        keep_out: TOML file of boxes and planes that the arm keeps out of.
+        diagnosis: JSON of a diagnosis: a motion that separates its findings from their alternatives (`--for`).
+        format: Formats of the motions.
+        given: Recordings that exist already: the training motion adds most to these.
+        seconds: Length of the training motion [s].
+        budget: Time for the search [s].
+        rate_hz: Sample rate of the motions [Hz].
+        only: Parts that are designed; all by default.
+        seed: Random seed.
+        mapping: TOML file that maps columns of `given` to joints, quantities and units.
+        topic: Joint state topic of bags of ROS.
+
+    Raises:
+        ArmidentError: Limits or regions that cannot be read; a robot without limits.
+    """
+    return Suite(
+        _armident.excite(
+            as_robot(robot),
+            os.fspath(folder),
+            _path(limits),
+            _path(keep_out),
+            _path(diagnosis),
+            list(format),
+            as_recordings(given, mapping, topic),
+            seconds,
+            budget,
+            rate_hz,
+            list(only),
+            seed,
+        )
+    )
+
+
+def accumulate(
+    robot: RobotLike,
+    recordings: Path | Iterable[Path],
+    output_file: Path,
+    *,
+    cutoff_hz: float = 5.0,
+    mapping: Path | None = None,
+    topic: str | None = None,
+) -> Accumulation:
+    """Reduce recordings to states: small, merged in any order.
+
+    Args:
+        recordings: Paths of files, or folders of them.
+        output_file: File of states, continued where it exists.
+        cutoff_hz: Low-pass [Hz], the same for all recordings that are merged.
+        mapping: TOML file that maps columns to joints, quantities and units.
+        topic: Joint state topic of bags of ROS.
+
+    Raises:
+        ArmidentError: An output file that holds something else; no recording that can be reduced.
+    """
+    paths = _paths(recordings)
+    return Accumulation(
+        _armident.accumulate(
+            as_robot(robot), paths, os.fspath(output_file), cutoff_hz, _path(mapping), topic
+        )
+    )
+
+
+def merge(robot: RobotLike, states: Path | Iterable[Path]) -> Merge:
+    """Identify an arm from the states of its recordings; `result.model` is the model.
+
+    Args:
+        states: Files that `accumulate` has written.
+
+    Raises:
+        ArmidentError: A file that cannot be read; no states of this robot.
+    """
+    return Merge(_armident.merge(as_robot(robot), _paths(states)))
+
+
+def _path(given: Path | None) -> str | None:
+    return None if given is None else os.fspath(given)
+
+
+def _paths(given: Path | Iterable[Path]) -> list[str]:
+    several = [given] if isinstance(given, (str, os.PathLike)) else list(given)
+    return [os.fspath(one) for one in several]
 
 
 def _one_of(name: str, given: str, known: tuple[str, ...]) -> str:

@@ -111,15 +111,36 @@ class Check(Result, CheckReport):
 class Identification(ModelResult, IdentifyReport):
     """Inertia and friction parameters with their standard errors, and the identified model."""
 
+    def save_card(
+        self, path: str | os.PathLike[str], *, serial: str | None = None, date: str | None = None
+    ) -> None:
+        """Write the model card: an HTML page, and its JSON beside it.
 
-class Diagnosis(ModelResult, DiagnoseReport):
+        Args:
+            path: File with the extension `.html`.
+            serial: Serial number of the arm.
+            date: Date of the recordings. Default: that of their stamps, where these count from 1970.
+        """
+        self._answer.save_card(os.fspath(path), serial, date)
+
+
+class TopicsResult(Result):
+    """Result of recordings that can be seen beside predictions."""
+
+    def save_mcap(self, path: str | os.PathLike[str]) -> None:
+        """Write the recordings with predicted efforts, residuals and findings as topics of MCAP, for Foxglove, PlotJuggler
+        and Rerun."""
+        self._answer.save_mcap(os.fspath(path))
+
+
+class Diagnosis(TopicsResult, ModelResult, DiagnoseReport):
     """Effects that a model lacks, and the model with them."""
 
     #: Motion that separates indistinguishable effects, where it was requested and exists.
     separating_motion: Recording | None = None
 
 
-class Validation(Result, ValidateReport):
+class Validation(TopicsResult, ValidateReport):
     """Errors of a model on recordings that it was not fitted to."""
 
 
@@ -128,6 +149,29 @@ class Prediction(Result):
 
     #: The efforts at the stamps of the motion [N m or N].
     efforts: Recording
+
+
+class Info(Result):
+    """What logs hold, and the mapping that their names suggest."""
+
+
+class Conversion(Result):
+    """A log that was converted."""
+
+    #: Channels that the format cannot hold, `<joint>/<quantity>`.
+    omitted: list[str]
+
+
+class Suite(Result):
+    """Motions of an identification, with the standard errors that they will give."""
+
+
+class Accumulation(Result):
+    """Recordings that were reduced to states."""
+
+
+class Merge(ModelResult):
+    """The arm that states of its recordings identify, and its model."""
 
 
 class Export(Result):

@@ -277,6 +277,7 @@ Examples:
   armident export model.json -o robot.urdf
   armident export model.json -o robot.xml           (MJCF, for MuJoCo)
   armident export model.json -o robot.c             (C99, with its header beside it)
+  armident export model.json -o robot.c --false-alarms-per-hour 1 --without-contact day1.csv --holdout day2.csv
   armident export urdf/panda.urdf -o - --format mjcf
 
 URDF and MJCF hold the chain with its links, limits and the joint effects that the format supports;
@@ -292,6 +293,20 @@ pub(crate) struct ExportArgs {
     /// Output format [default: from the extension]
     #[arg(long, value_enum)]
     pub(crate) format: Option<FormatArg>,
+    /// Thresholds of the momentum observer for this rate of false alarms of the whole arm (C)
+    #[arg(long, value_name = "RATE", value_parser = parse_positive, requires = "without_contact")]
+    pub(crate) false_alarms_per_hour: Option<f64>,
+    /// Recordings of ordinary motion without contact, for the thresholds
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "false_alarms_per_hour")]
+    pub(crate) without_contact: Vec<PathBuf>,
+    /// Other recordings without contact, on which the thresholds are tried
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "false_alarms_per_hour")]
+    pub(crate) holdout: Vec<PathBuf>,
+    /// Gain of the observer [1/s] [default: 30, at most a tenth of the rate of the recordings]
+    #[arg(long, value_name = "GAIN", value_parser = parse_positive, requires = "false_alarms_per_hour")]
+    pub(crate) observer_gain: Option<f64>,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
     #[command(flatten)]

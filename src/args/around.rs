@@ -4,22 +4,30 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// Render a JSON result as a self-contained HTML page
+use super::OutputArgs;
+
+/// Render a JSON result as a self-contained HTML page, or compare two results
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident diagnose robot.urdf train.csv --json result.json --traces
   armident report result.json -o report.html
+  armident report before.json after.json                       (what differs, as text)
+  armident report before.json after.json -o compared.html
 
 The page opens in any browser without a network connection. Charts of efforts and residuals require
 --traces in the command that wrote the result. The commands check, identify, validate, diagnose and
-challenge write the same page directly with --report.")]
+challenge write the same page directly with --report. Two results of identify, or two of diagnose, are
+compared parameter by parameter in standard errors of the difference, and finding by finding.")]
 pub(crate) struct ReportArgs {
-    /// JSON written by --json of any command
-    pub(crate) result: PathBuf,
+    /// JSON written by --json of any command; two of them are compared
+    #[arg(required = true, num_args = 1..=2, value_name = "RESULT")]
+    pub(crate) results: Vec<PathBuf>,
     /// Output file; - for stdout
     #[arg(short, long, value_name = "FILE")]
-    pub(crate) output_file: PathBuf,
+    pub(crate) output_file: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
 }
 
 /// Run the steps of an analysis file

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::arm::{one_recording, recordings, written_extensions};
 use super::value::{PayloadArg, estimators, parse_file_gain, parse_payload, parse_positive};
-use super::{ChainArgs, OutputArgs, PageArgs, ReadingArgs};
+use super::{CardArgs, ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PriorArg {
@@ -89,6 +89,8 @@ pub(crate) struct IdentifyArgs {
     /// Write the identified model, for predict, simulate and export
     #[arg(long, value_name = "FILE")]
     pub(crate) save_model: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) card: CardArgs,
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
     #[command(flatten)]
@@ -201,6 +203,9 @@ pub(crate) struct DiagnoseArgs {
     /// Write a motion that separates indistinguishable effects to DIR/next_motion.csv
     #[arg(long, value_name = "DIR")]
     pub(crate) next_motion: Option<PathBuf>,
+    /// Write recordings with predicted efforts, residuals and findings as topics of MCAP
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Run a placebo test with N wrong terms
     #[arg(long, value_name = "N", conflicts_with = "reference")]
     pub(crate) placebo: Option<usize>,
@@ -300,6 +305,9 @@ pub(crate) struct ValidateArgs {
     /// Write the predicted effort of every sample (only with one recording)
     #[arg(long, value_name = "FILE")]
     pub(crate) predictions: Option<PathBuf>,
+    /// Write recordings with predicted efforts and residuals as topics of MCAP
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Skip forward replay
     #[arg(long)]
     pub(crate) no_replay: bool,

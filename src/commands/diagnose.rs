@@ -39,11 +39,13 @@ impl Files {
         let outputs = [
             args.output.json.as_ref(),
             args.save_model.as_ref(),
+            args.mcap.as_ref(),
             files.next_motion.as_ref(),
             args.page.report.as_ref(),
         ];
         output::protect(inputs, outputs)?;
         args.page.check()?;
+        recordings::check_mcap(args.mcap.as_ref())?;
         not_twice(&files.training, &files.holdout)?;
         Ok(files)
     }
@@ -94,6 +96,9 @@ pub(crate) fn run(args: &DiagnoseArgs) -> Result<Outcome, Failure> {
             output::write_file(path, &recordings::encoded(motion, path, &args.output)?)?;
         }
     }
+    if let Some(path) = &args.mcap {
+        recordings::write_mcap(path, found.mcap()?, &args.output)?;
+    }
     let drawing = page::drawn(&args.page, files.used(args), || found.drawing())?;
     let report = &found.report;
     let (text, warnings) = (report.text(output::bars()), &report.warnings);
@@ -111,6 +116,7 @@ fn by_commands(
         (!args.reference.is_empty(), "--reference"),
         (args.next_motion.is_some(), "--next-motion"),
         (args.placebo.is_some(), "--placebo"),
+        (args.mcap.is_some(), "--mcap"),
     ];
     if let Some((_, option)) = needs_efforts.iter().find(|(is_given, _)| *is_given) {
         return Err(Failure::new(

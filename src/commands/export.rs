@@ -1,6 +1,10 @@
 //! `armident export`.
 
-use armident_commands::{ExportFormat, Failure, export};
+use std::path::PathBuf;
+
+use armident_commands::{ExportFormat, Failure, FalseAlarms, expand, export};
+
+use super::recordings;
 
 use crate::args::{ExportArgs, FormatArg};
 use crate::failure::Outcome;
@@ -8,7 +12,10 @@ use crate::output::counted;
 use crate::{output, robot};
 
 pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
-    output::protect([args.robot.as_path()], [Some(&args.output_file), args.output.json.as_ref()])?;
+    let (contact_free, holdout) = (expand(&args.without_contact)?, expand(&args.holdout)?);
+    let inputs = contact_free.iter().chain(&holdout).chain([&args.robot]);
+    let outputs = [Some(&args.output_file), args.output.json.as_ref()];
+    output::protect(inputs.map(|path| path.as_path()), outputs)?;
     let to_stdout = output::is_stdout(&args.output_file);
     if to_stdout && args.output.json.as_deref().is_some_and(output::is_stdout) {
         return Err(Failure::new(
@@ -31,7 +38,15 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
         ));
     }
     let robot = robot::open(&args.robot, &args.chain)?;
-    let (files, report) = export(&robot, format, &args.output_file)?;
+    let read = |files: &[PathBuf]| recordings::read_all(files, &args.reading, &args.output);
+    let (contact_free, holdout) = (read(&contact_free)?, read(&holdout)?);
+    let false_alarms = args.false_alarms_per_hour.map(|per_hour| FalseAlarms {
+        per_hour,
+        gain: args.observer_gain,
+        recordings: &contact_free,
+        holdout: &holdout,
+    });
+    let (files, report) = export(&robot, format, &args.output_file, false_alarms)?;
     let said = if to_stdout {
         for (_, text) in &files {
             output::write_stdout(text.as_bytes())?;
@@ -49,7 +64,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
             counted(report.joints.len(), "joint"),
             counted(report.held.len(), "effect"),
             report.lost.len()
-        )
+        ) + &report.thresholds.as_ref().map_or_else(String::new, |thresholds| thresholds.text())
     };
     output::say_all(&args.output, "note", &report.notes);
     output::write_result(&args.output, &said, &report, &report.warnings)

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use armident_commands::{
-    Failure, GivenRobot, Identified, IdentifyOptions, PayloadOn, PlannedRecordings,
-    has_commands_only, identify, identify_planned, identify_servos, plan_in, split_recordings,
+    CardFiles, CardOptions, Failure, GivenRobot, Identified, IdentifyOptions, PayloadOn,
+    PlannedRecordings, card_files, card_paths, has_commands_only, identify, identify_planned,
+    identify_servos, plan_in, split_recordings,
 };
 use armident_ident::{Stage, StructureSearch};
 use armident_recording::Recording;
@@ -21,10 +22,10 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
     let files = split_recordings(&args.recordings, &args.holdout).unwrap_or_default();
     let read = files.training.iter().chain(&files.holdout);
     let inputs = read.clone().chain([&args.robot]).map(PathBuf::as_path);
-    output::protect(
-        inputs,
-        [args.output.json.as_ref(), args.save_model.as_ref(), args.page.report.as_ref()],
-    )?;
+    let card = args.card.card.as_deref().map(card_paths).transpose()?;
+    let of_card = card.iter().flatten().map(Some);
+    let others = [args.output.json.as_ref(), args.save_model.as_ref(), args.page.report.as_ref()];
+    output::protect(inputs, others.into_iter().chain(of_card))?;
     args.page.check()?;
     let with_plan: Vec<PathBuf> = args.recordings.iter().filter_map(|p| plan_in(p)).collect();
     let found = match &with_plan[..] {
@@ -53,12 +54,35 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<Outcome, Failure> {
         found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
     output::say_all(&args.output, "note", &[&files.notes[..], &found.report.notes].concat());
+    if let Some(path) = &args.card.card {
+        let files = CardFiles {
+            robot: Some(args.robot.as_path()),
+            mapping: args.reading.mapping.as_deref(),
+            plan: with_plan.first().map(PathBuf::as_path),
+        };
+        write_card(args, &found, files, path)?;
+    }
     let used = [&args.robot].into_iter().chain(read);
     let used = used.chain(&args.reading.mapping).chain(&with_plan);
     let drawing = page::drawn(&args.page, used, || found.drawing())?;
     let report = &found.report;
     let (text, warnings) = (report.text(output::bars()), &report.warnings);
     page::write_result(&args.page, &args.output, &text, report, warnings, drawing.as_ref())
+}
+
+/// The model card and its JSON.
+fn write_card(
+    args: &IdentifyArgs,
+    found: &Identified,
+    files: CardFiles<'_>,
+    path: &Path,
+) -> Result<(), Failure> {
+    let options = CardOptions { serial: args.card.serial.clone(), date: args.card.date.clone() };
+    let written = card_files(&found.card(files, &options), path)?;
+    for (path, text) in &written {
+        output::write_file(path, text.as_bytes())?;
+    }
+    Ok(())
 }
 
 fn options(args: &IdentifyArgs) -> IdentifyOptions {
@@ -89,10 +113,10 @@ fn by_commands(
     train: &[Recording],
     holdout: &[Recording],
 ) -> Result<Outcome, Failure> {
-    if args.page.report.is_some() || args.page.traces {
+    if args.page.report.is_some() || args.page.traces || args.card.card.is_some() {
         return Err(Failure::new(
             "no page of an identification from commands",
-            "--report, --traces",
+            "--report, --traces, --card",
             Some("omit the option, or use --json FILE"),
         ));
     }

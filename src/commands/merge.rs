@@ -1,11 +1,6 @@
 //! `armident merge`.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use armident_commands::Failure;
-use armident_ident::{RecordingState, StateColumns};
-use armident_report::{MergeReport, SetAside};
+use armident_commands::{Failure, merge};
 
 use crate::args::MergeArgs;
 use crate::failure::Outcome;
@@ -14,60 +9,9 @@ use crate::{output, robot};
 pub(crate) fn run(args: &MergeArgs) -> Result<Outcome, Failure> {
     let inputs = args.states.iter().chain([&args.robot]).map(std::path::PathBuf::as_path);
     output::protect(inputs, [args.save_model.as_ref(), args.output.json.as_ref()])?;
-    let model = robot::open(&args.robot, &args.chain)?.arm(None)?;
-    // a recording that is in several files counts once
-    let (mut states, mut set_aside) = (BTreeMap::new(), Vec::new());
-    for path in &args.states {
-        let (read, faults) = read_states(path)?;
-        set_aside.extend(faults);
-        for state in read {
-            states.entry(state.recording.clone()).or_insert(state);
-        }
-    }
-    let cutoff_hz = states.values().next().map_or(f64::NAN, |state| state.arm.cutoff_hz);
-    let columns = StateColumns::new(&model, cutoff_hz)?;
-    let mut used = Vec::new();
-    for state in states.values() {
-        match columns.check(state) {
-            Ok(()) => used.push(state),
-            Err(error) => set_aside
-                .push(SetAside { file: state.recording.clone(), reason: error.to_string() }),
-        }
-    }
-    let found = columns.identify(used.iter().copied()).map_err(|error| {
-        let what = match set_aside.first() {
-            Some(first) if used.is_empty() => first.reason.clone(),
-            _ => error.to_string(),
-        };
-        let hint = "pass states that `armident accumulate` made for this robot";
-        Failure::new(what, args.states[0].display(), Some(hint))
-    })?;
+    let found = merge(&robot::open(&args.robot, &args.chain)?, &args.states)?;
     if let Some(path) = &args.save_model {
         found.model.save(path).map_err(|error| Failure::unwritable(path, &error))?;
     }
-    let seconds = used.iter().map(|state| state.seconds).sum();
-    let report = MergeReport::new(&model, &found, (used.len(), seconds, cutoff_hz), set_aside);
-    output::write_result(&args.output, &report.text(), &report, &[])
-}
-
-/// States of a file, one a line, and lines that are none.
-pub(super) fn read_states(path: &Path) -> Result<(Vec<RecordingState>, Vec<SetAside>), Failure> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        Failure::new(
-            format!("cannot read: {error}"),
-            path.display(),
-            Some("pass a file that `armident accumulate` has written"),
-        )
-    })?;
-    let (mut states, mut faults) = (Vec::new(), Vec::new());
-    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        match serde_json::from_str(line) {
-            Ok(state) => states.push(state),
-            Err(error) => faults.push(SetAside {
-                file: format!("{}, line {}", path.display(), number + 1),
-                reason: format!("this is no state of a recording: {error}"),
-            }),
-        }
-    }
-    Ok((states, faults))
+    output::write_result(&args.output, &found.report.text(), &found.report, &[])
 }

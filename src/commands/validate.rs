@@ -15,9 +15,15 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
     output::protect(
         inputs,
-        [args.output.json.as_ref(), args.predictions.as_ref(), args.page.report.as_ref()],
+        [
+            args.output.json.as_ref(),
+            args.predictions.as_ref(),
+            args.mcap.as_ref(),
+            args.page.report.as_ref(),
+        ],
     )?;
     args.page.check()?;
+    recordings::check_mcap(args.mcap.as_ref())?;
     let recorded = recordings::read_all(&files, &args.reading, &args.output)?;
     if args.predictions.is_some() && recorded.len() != 1 {
         return Err(Failure::new(
@@ -35,6 +41,9 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
         let predicted = found.prediction(&found.recordings[0])?;
         let bytes = recordings::encoded(&predicted, path, &args.output)?;
         output::write_file(path, &bytes)?;
+    }
+    if let Some(path) = &args.mcap {
+        recordings::write_mcap(path, found.mcap()?, &args.output)?;
     }
     output::say_all(&args.output, "note", &found.report.notes);
     let files = [&args.robot].into_iter().chain(&files).chain(&args.reading.mapping);

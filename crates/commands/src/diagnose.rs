@@ -9,13 +9,14 @@ use armident_ident::validation::{REPLAY_WINDOW_S, replay};
 use armident_model::{ArmModel, PreparedRecording};
 use armident_motion::common_cutoff_hz;
 use armident_page::{Drawing, RecordingRole};
-use armident_recording::Recording;
+use armident_recording::{Encoded, Recording};
 use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair};
 
 use crate::drawing;
 use crate::failure::Failure;
 use crate::recordings::{joints_with_position, motions_with_effort};
 use crate::robot::{GivenRobot, chain_warnings};
+use crate::topics::{PredictedEfforts, as_mcap};
 
 /// How recordings are diagnosed.
 #[derive(Debug, Clone, Default)]
@@ -155,6 +156,38 @@ impl Diagnosed {
                 drawing::of_models(&model.chain, &models, &recorded, cutoff_hz)
             }
         }
+    }
+}
+
+impl Diagnosed {
+    /// The recordings as topics of MCAP, with the efforts that the diagnosed model predicts, their residuals, and the findings.
+    /// Without a diagnosis: with the efforts of the given model.
+    ///
+    /// # Errors
+    /// Recordings that cannot be predicted; a build without MCAP.
+    pub fn mcap(&self) -> Result<Encoded, Failure> {
+        let mut predicted = Vec::new();
+        let chain = match &self.found {
+            Found::Diagnosis(diagnosis) => {
+                for recordings in [&diagnosis.recordings, &diagnosis.holdout] {
+                    for (seen, recording) in diagnosis.prepared(recordings)?.iter().zip(recordings)
+                    {
+                        let efforts = diagnosis.model.predict_prepared(seen)?;
+                        predicted.push(PredictedEfforts { recording, efforts });
+                    }
+                }
+                &diagnosis.model.chain
+            }
+            Found::WrongColumns { model, recordings } => {
+                let cutoff_hz = common_cutoff_hz(recordings, &model.chain.joint_names(), None)?;
+                for recording in recordings {
+                    let efforts = model.predict(recording, cutoff_hz)?.efforts;
+                    predicted.push(PredictedEfforts { recording, efforts });
+                }
+                &model.chain
+            }
+        };
+        as_mcap(chain, predicted, Some(&self.report))
     }
 }
 

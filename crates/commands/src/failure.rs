@@ -5,6 +5,7 @@ use std::path::Path;
 
 use armident_diagnose::{DiagnoseError, Unusable};
 use armident_excitation::ExcitationError;
+use armident_export::ThresholdError;
 use armident_ident::experiment::Algorithm2Error;
 use armident_kinematics::{ChainError, UrdfError};
 use armident_model::ModelError;
@@ -161,6 +162,28 @@ impl From<armident_model::PredictError> for Failure {
             armident_model::PredictError::Recording(error) => error.into(),
             armident_model::PredictError::Effect(error) => error.into(),
             other => Self::new(other, "the motion", None::<String>),
+        }
+    }
+}
+
+impl From<ThresholdError> for Failure {
+    fn from(error: ThresholdError) -> Self {
+        match error {
+            ThresholdError::Recording(error) => error.into(),
+            ThresholdError::Predict(error) => error.into(),
+            ThresholdError::NoEffort { ref recording, .. } => {
+                let place = recording.clone();
+                Self::new(error, place, Some("record <joint>/effort of every chain joint"))
+            }
+            ThresholdError::Gain { ref recording, most, .. } => {
+                let (place, hint) = (recording.clone(), format!("pass --observer-gain {most:.0}"));
+                Self::new(error, place, Some(hint))
+            }
+            other => Self::new(
+                other,
+                "--without-contact",
+                Some("add recordings of ordinary motion without contact, some minutes in all"),
+            ),
         }
     }
 }

@@ -15,14 +15,21 @@
 //! # Ok::<(), armident_commands::Failure>(())
 //! ```
 
+mod accumulate;
+mod card;
 mod check;
 mod closed_loop;
+mod compare;
+mod convert;
 mod diagnose;
 mod drawing;
 mod excerpt;
+mod excite;
 mod export;
 mod failure;
 mod identify;
+mod info;
+mod merge;
 mod params;
 mod planned_motion;
 mod predict;
@@ -32,19 +39,27 @@ mod robot;
 mod servos;
 mod simulate;
 mod suite;
+mod topics;
 mod validate;
 
+pub use accumulate::accumulate;
+pub use card::{CardFiles, CardOptions, card_files, card_paths};
 pub use check::{Checked, check};
 pub use closed_loop::predict_closed_loop;
+pub use compare::compare;
+pub use convert::{ConvertReport, convert, one_to_convert};
 pub use diagnose::{DiagnoseOptions, DiagnoseRecordings, Diagnosed, diagnose};
 pub use drawing::Drawn;
 pub use excerpt::Excerpt;
-pub use export::{ExportFormat, ExportReport, export};
+pub use excite::{ExciteOptions, Excited, excite};
+pub use export::{ExportFormat, ExportReport, FalseAlarms, ThresholdsReport, export};
 pub use failure::Failure;
 pub use identify::{
     Identified, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings, identify,
     identify_planned, plan_in,
 };
+pub use info::{InfoReport, info};
+pub use merge::{Merged, merge};
 pub use params::params;
 pub use planned_motion::MotionFormat;
 pub use predict::{PredictReport, Predicted, predict};

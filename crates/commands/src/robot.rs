@@ -53,6 +53,14 @@ enum Given {
 }
 
 impl GivenRobot {
+    /// Names of the joints of the arm in order.
+    ///
+    /// # Errors
+    /// A chain that cannot be chosen.
+    pub fn joint_names(&self) -> Result<Vec<String>, Failure> {
+        Ok(self.arm(None)?.chain.joints.into_iter().map(|joint| joint.name).collect())
+    }
+
     /// Reads a URDF, or a model file (`.json`), which has its chain already.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use armident_ident::validation::{EffortError, REPLAY_WINDOW_S, effort_errors, re
 use armident_model::ArmModel;
 use armident_motion::Motion;
 use armident_page::{Drawing, RecordingRole};
-use armident_recording::Recording;
+use armident_recording::{Encoded, Recording};
 use armident_report::{ByJoint, EffortErrorRow, ReplayReport, ValidateReport};
 
 use crate::drawing;
@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::predict::as_recording;
 use crate::recordings::{joints_with_position, motions_with_effort, notes};
 use crate::robot::{GivenRobot, chain_warnings};
+use crate::topics::{PredictedEfforts, as_mcap};
 
 /// A model beside recordings.
 #[derive(Debug, Clone)]
@@ -102,6 +103,19 @@ impl Validated {
     pub fn prediction(&self, recording: &Recording) -> Result<Recording, Failure> {
         let efforts = self.model.predict(recording, self.report.cutoff_hz)?.efforts;
         as_recording(&self.model, recording, efforts)
+    }
+
+    /// The recordings as topics of MCAP, with the efforts that the model predicts, and their residuals.
+    ///
+    /// # Errors
+    /// Recordings that cannot be predicted; a build without MCAP.
+    pub fn mcap(&self) -> Result<Encoded, Failure> {
+        let of = |recording| {
+            let efforts = self.model.predict(recording, self.report.cutoff_hz)?.efforts;
+            Ok(PredictedEfforts { recording, efforts })
+        };
+        let predicted = self.recordings.iter().map(of).collect::<Result<Vec<_>, Failure>>()?;
+        as_mcap(&self.model.chain, predicted, None)
     }
 
     /// What the page shows beside the result.

@@ -16,6 +16,7 @@ use armident_kinematics::JointKind;
 use armident_model::ArmModel;
 use nalgebra::Vector3;
 
+use crate::thresholds::{AlarmThresholds, JointThresholds};
 use crate::{Companion, Exported, Held, Lost};
 
 /// The model as C source, whose header is the companion.
@@ -23,7 +24,36 @@ use crate::{Companion, Exported, Held, Lost};
 /// Identifiers begin with the name of the robot. Efforts are in recorded terms, as those of
 /// [`predict`](ArmModel::predict): with the gains of the channels, in recorded positions.
 pub fn controller(model: &ArmModel) -> Exported {
+    with_alarm(model, None)
+}
+
+/// The same with thresholds of the observer's residual.
+pub fn controller_with_alarm(model: &ArmModel, thresholds: &AlarmThresholds) -> Exported {
+    with_alarm(model, Some(thresholds))
+}
+
+/// The arm that the source has: with its tilt and its encoder zeros.
+pub(crate) fn controlled_arm(model: &ArmModel) -> RigidArm {
+    let chain = &model.chain;
+    let mut arm = RigidArm::from_chain(chain);
+    let tilt = Vector3::new(model.base_tilt_rad[0], model.base_tilt_rad[1], 0.0);
+    arm.gravity_e0 = tilted(&chain.base_from_e0, &arm.gravity_e0, &tilt);
+    arm
+}
+
+/// Inertia that effects add to each joint \[kg m² or kg\].
+pub(crate) fn rotor_inertias(model: &ArmModel) -> Vec<f64> {
+    let of = |name: &str| {
+        let own = model.joint_effects().filter(|on| on.joint == name);
+        own.filter_map(|on| Some(model.library.get(&on.effect)?.added_inertia(&on.parameters)))
+            .sum()
+    };
+    model.chain.joint_names().into_iter().map(of).collect()
+}
+
+fn with_alarm(model: &ArmModel, thresholds: Option<&AlarmThresholds>) -> Exported {
     let mut source = Source::of(model);
+    source.thresholds = thresholds.cloned();
     for on_joint in &model.effects {
         source.add(model, on_joint);
     }
@@ -57,6 +87,7 @@ struct Source {
     remembered: String,
     /// statements that add efforts
     friction: String,
+    thresholds: Option<AlarmThresholds>,
     held: Vec<Held>,
     lost: Vec<Lost>,
     notes: Vec<String>,
@@ -65,9 +96,7 @@ struct Source {
 impl Source {
     fn of(model: &ArmModel) -> Self {
         let chain = &model.chain;
-        let mut arm = RigidArm::from_chain(chain);
-        let tilt = Vector3::new(model.base_tilt_rad[0], model.base_tilt_rad[1], 0.0);
-        arm.gravity_e0 = tilted(&chain.base_from_e0, &arm.gravity_e0, &tilt);
+        let mut arm = controlled_arm(model);
         let frames = armident_effects::ArmFrames::of_chain(chain);
         for (joint, offset) in model.encoder_offset.iter().enumerate() {
             EncoderOffset.change_arm(&[*offset], joint, &frames, &mut arm);
@@ -83,6 +112,7 @@ impl Source {
             memories: Vec::new(),
             remembered: String::new(),
             friction: String::new(),
+            thresholds: None,
             held: Vec::new(),
             lost: Vec::new(),
             notes: Vec::new(),
@@ -165,11 +195,16 @@ impl Source {
         } else {
             format!("direction[{joint}]")
         };
+        // laws are of true positions
+        let position = match model.encoder_offset[joint] {
+            0.0 => format!("q[{joint}]"),
+            offset => format!("(q[{joint}] - {offset:?})"),
+        };
         let expression = law.c_expression(
             parameters,
             &ControllerVariables {
                 kind: model.chain.joints[joint].kind,
-                position: &format!("q[{joint}]"),
+                position: &position,
                 velocity: &format!("dq[{joint}]"),
                 direction: &direction,
                 load: &format!("load[{joint}]"),
@@ -230,6 +265,8 @@ impl Source {
             ("deflected", self.deflected()),
             ("remember", self.remember_statements()),
             ("friction", self.friction.clone()),
+            ("alarm", self.alarm(include_str!("c/alarm.c"))),
+            ("alarm_header", self.alarm(include_str!("c/alarm.h"))),
         ];
         // identifiers before names: these may hold the same letters
         let text = filled(template.to_owned(), code)
@@ -257,6 +294,32 @@ impl Source {
             ("gravity", list(self.arm.gravity_e0.iter().copied().map(number))),
         ];
         filled(text, values)
+    }
+
+    /// What thresholds need; nothing without them.
+    fn alarm(&self, template: &str) -> String {
+        let Some(thresholds) = &self.thresholds else { return String::new() };
+        let joints = &thresholds.joints;
+        let columns = joints.iter().map(|joint| joint.speed.len()).max().unwrap_or(1);
+        let rows = |of: fn(&JointThresholds) -> &Vec<f64>| -> String {
+            let row = |joint: &JointThresholds| {
+                let values = of(joint);
+                let last = values.last().copied().unwrap_or_default();
+                let padded = values.iter().copied().chain(std::iter::repeat(last)).take(columns);
+                format!("  {{ {} }},\n", list(padded.map(number)))
+            };
+            joints.iter().map(row).collect()
+        };
+        let values = [
+            ("speeds", list(joints.iter().map(|joint| joint.speed.len()))),
+            ("columns", columns.to_string()),
+            ("speed", rows(|joint| &joint.speed)),
+            ("threshold", rows(|joint| &joint.threshold)),
+            ("gain", number(thresholds.gain)),
+            ("rate_hz", format!("{:.0}", thresholds.rate_hz)),
+            ("per_hour", thresholds.false_alarms_per_hour.to_string()),
+        ];
+        filled(template.to_owned(), values)
     }
 
     /// The function that memories need.

@@ -35,12 +35,16 @@ mod chain;
 mod controller;
 mod effects;
 mod mjcf;
+mod observer;
+mod thresholds;
 mod urdf;
 mod xml;
 
-pub use controller::controller;
+pub use controller::{controller, controller_with_alarm};
 pub use effects::{Held, Lost};
 pub use mjcf::{mjcf, mjcf_in};
+pub use observer::{ALARM_S, ObserverResidual, ThresholdError};
+pub use thresholds::{AlarmThresholds, JointThresholds, ObservedAlarms};
 pub use urdf::{urdf, urdf_in};
 
 /// A model in another format.

@@ -9,10 +9,14 @@ use std::process::{Command, Stdio};
 
 use armident_dynamics::{inertia_matrix, inverse_dynamics, inverse_dynamics_of_motion};
 use armident_effects::{Effect, EffectOnJoint, JointMotion, LoadDependentFriction, ReversalModel};
-use armident_export::controller;
+use armident_export::{
+    AlarmThresholds, Exported, ObserverResidual, controller, controller_with_alarm,
+};
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_model::ArmModel;
 use armident_recording::{JointChannels, Recording};
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 
 const ARMS: [&str; 4] = ["stanford", "scara", "ur5", "panda"];
 const STEP_S: f64 = 1e-3;
@@ -40,7 +44,10 @@ struct Program(PathBuf);
 
 impl Program {
     fn compile(test: &str, model: &ArmModel, body: &str) -> Self {
-        let exported = controller(model);
+        Self::of(test, controller(model), body)
+    }
+
+    fn of(test: &str, exported: Exported, body: &str) -> Self {
         let companion = exported.companion.unwrap();
         let name = companion.file.strip_suffix(".h").unwrap().to_owned();
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("controller_{test}"));
@@ -368,4 +375,209 @@ fn what_has_no_place_is_listed() {
     assert_eq!(exported.lost.len(), 1);
     assert_eq!(exported.notes, ["omitted: the lag of the efforts, 0.0100 s"]);
     assert!(exported.companion.unwrap().text.contains("omitted: friction_drift"));
+}
+
+/// Rate of recordings in software \[Hz\].
+const RATE_HZ: f64 = 20.0;
+/// Gain of the observer on them \[1/s\].
+const OBSERVER_GAIN: f64 = 2.0;
+
+/// An arm in motion without contact: its efforts are those of the model, white noise, and a disturbance that lasts for half a
+/// second and grows with the speed.
+fn moving(model: &ArmModel, seconds: f64, seed: u64) -> Recording {
+    let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let dof = model.chain.dof();
+    let samples = (seconds * RATE_HZ) as usize;
+    let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / RATE_HZ).collect();
+    let waves: Vec<[[f64; 2]; 3]> = (0..dof)
+        .map(|j| [0.9, 1.7, 0.31].map(|rate| [rate * (1.0 + 0.13 * j as f64), 3.0 * normal()]))
+        .collect();
+    let of = |f: &dyn Fn(f64, f64, f64) -> f64| -> Vec<Vec<f64>> {
+        let at = |wave: &[[f64; 2]; 3], t: f64| wave.iter().map(|[w, p]| f(*w, w * t + p, t)).sum();
+        waves.iter().map(|wave| time_s.iter().map(|t| at(wave, *t)).collect()).collect()
+    };
+    let position = of(&|_, x, _| 0.4 * x.sin());
+    let velocity = of(&|w, x, _| 0.4 * w * x.cos());
+    let acceleration = of(&|w, x, _| -0.4 * w * w * x.sin());
+    let exact = |j: usize| JointChannels {
+        position: Some(position[j].clone()),
+        velocity: Some(velocity[j].clone()),
+        acceleration: Some(acceleration[j].clone()),
+        ..JointChannels::new(&model.chain.joints[j].name)
+    };
+    let motion = Recording::new("motion", time_s.clone(), (0..dof).map(exact).collect()).unwrap();
+    let efforts = model.predict(&motion, None).unwrap().efforts;
+    let keep = (-1.0 / (0.5 * RATE_HZ)).exp();
+    let joints = (0..dof).map(|j| {
+        let mut slow = 0.0;
+        let effort = efforts[j].iter().zip(&velocity[j]).map(|(effort, v)| {
+            slow = keep * slow + (1.0 - keep * keep).sqrt() * normal();
+            effort + 0.5 * normal() + (0.1 + 0.4 * v.abs()) * slow
+        });
+        JointChannels { effort: Some(effort.collect()), acceleration: None, ..exact(j) }
+    });
+    Recording::new("recording", time_s, joints.collect()).unwrap()
+}
+
+fn with_friction(arm: &str) -> ArmModel {
+    let mut model = model_of(arm);
+    for joint in &model.chain.joints {
+        model.effects.push(EffectOnJoint::new("viscous_friction", &joint.name, [0.8]));
+        model.effects.push(EffectOnJoint::new("rotor_inertia", &joint.name, [0.2]));
+    }
+    model
+}
+
+/// The residual on recordings is that of the C source, with what dry friction remembers, tilt, encoder zeros and gains.
+#[test]
+fn residual_of_recordings_is_that_of_the_source() {
+    let body = format!(
+        "  double state[3 * N];
+  static arm_memory memory;
+  static arm_observer observer;
+  while (read_all(state, 3 * N)) {{
+    arm_observe(&observer, &memory, {OBSERVER_GAIN:?}, {:?}, state, state + N, state + 2 * N);
+    print_all(observer.residual, N);
+  }}",
+        1.0 / RATE_HZ
+    );
+    let mut model = with_effects(model_of("ur5"));
+    let dof = model.chain.dof();
+    let recording = moving(&model, 30.0, 3);
+    model.base_tilt_rad = [0.05, -0.2];
+    model.encoder_offset = (0..dof).map(|j| 0.02 * (j as f64 - 2.0)).collect();
+    model.channel_gain = (0..dof).map(|j| 1.0 + 0.1 * j as f64).collect();
+    let column = |of: fn(&JointChannels) -> &Option<Vec<f64>>, k: usize| {
+        recording.joints.iter().map(move |joint| of(joint).as_ref().unwrap()[k])
+    };
+    let states: Vec<Vec<f64>> = (0..recording.len())
+        .map(|k| {
+            let of_motion = column(|j| &j.position, k).chain(column(|j| &j.velocity, k));
+            of_motion.chain(column(|j| &j.effort, k)).collect()
+        })
+        .collect();
+    let answers = Program::compile("recorded", &model, &body).answers(&states);
+    let found = ObserverResidual::of(&model, &recording, OBSERVER_GAIN).unwrap();
+    let start = answers.len() - found.residual[0].len();
+    assert_eq!(start as f64, 5.0 / OBSERVER_GAIN * RATE_HZ);
+    for (j, residual) in found.residual.iter().enumerate() {
+        let largest = residual.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        assert!(largest > 0.5);
+        for (k, x) in residual.iter().enumerate() {
+            let answer = answers[start + k][j];
+            assert!((answer - x).abs() < 1e-6 * largest, "joint {j}, {k}: {answer} {x}");
+        }
+    }
+}
+
+/// Observed on hours that the thresholds are not of: within a factor of two, down to a rate that the recordings of the
+/// thresholds have ten alarms at.
+#[test]
+fn false_alarms_are_as_rare_as_requested() {
+    let model = with_friction("planar_2r");
+    let training = moving(&model, 3600.0, 1);
+    let holdout = moving(&model, 4.0 * 3600.0, 2);
+    for per_hour in [60.0, 10.0] {
+        let recordings = std::slice::from_ref(&training);
+        let thresholds = AlarmThresholds::of(&model, recordings, per_hour, OBSERVER_GAIN).unwrap();
+        let found = thresholds.observed_on(&model, std::slice::from_ref(&holdout)).unwrap();
+        assert!((found.hours - 4.0).abs() < 0.01);
+        let ratio = found.per_hour / per_hour;
+        assert!((0.5..=2.0).contains(&ratio), "{per_hour} requested: {found:?} {thresholds:?}");
+    }
+}
+
+/// A constant effort of the smallest detectable size is above the threshold in 95 % of the samples, half of it in few.
+#[test]
+fn smallest_detectable_effort_is_detected() {
+    let model = with_friction("planar_2r");
+    let free = moving(&model, 1800.0, 1);
+    let thresholds =
+        AlarmThresholds::of(&model, std::slice::from_ref(&free), 10.0, OBSERVER_GAIN).unwrap();
+    let holdout = moving(&model, 1800.0, 5);
+    let found = ObserverResidual::of(&model, &holdout, OBSERVER_GAIN).unwrap();
+    for (j, joint) in thresholds.joints.iter().enumerate() {
+        // the effort of the surroundings takes that of the motor off, in proportion to the speed's threshold
+        let share_above = |part: f64| {
+            let pairs = found.residual[j].iter().zip(&found.speed[j]);
+            let above = pairs.filter(|(residual, speed)| {
+                let [threshold, detectable] = [&joint.threshold, &joint.detectable]
+                    .map(|of| between(&joint.speed, of, **speed));
+                *residual + part * detectable > threshold
+            });
+            above.count() as f64 / found.residual[j].len() as f64
+        };
+        let (whole, half) = (share_above(1.0), share_above(0.5));
+        assert!((0.93..=0.995).contains(&whole), "joint {j}: {whole}");
+        assert!(half < 0.2, "joint {j}: {half}");
+    }
+}
+
+/// Linear between the speeds, constant outside.
+fn between(speeds: &[f64], values: &[f64], speed: f64) -> f64 {
+    let k = speeds.iter().filter(|known| **known < speed).count();
+    match k {
+        0 => values[0],
+        k if k == speeds.len() => values[k - 1],
+        k => {
+            let share = (speed - speeds[k - 1]) / (speeds[k] - speeds[k - 1]);
+            values[k - 1] + share * (values[k] - values[k - 1])
+        }
+    }
+}
+
+/// Thresholds in C are those by joint and speed, and the alarm names the joint that is above its own.
+#[test]
+fn alarms_of_the_source_follow_the_thresholds() {
+    let body = "  double state[2 * N], threshold[N];
+  while (read_all(state, 2 * N)) {
+    int i;
+    arm_observer observer;
+    memset(&observer, 0, sizeof observer);
+    for (i = 0; i < N; i++) observer.residual[i] = state[N + i];
+    arm_thresholds(state, threshold);
+    printf(\"%d %g \", arm_alarm(&observer, state), ARM_OBSERVER_GAIN);
+    print_all(threshold, N);
+  }";
+    let model = with_friction("planar_2r");
+    let free = moving(&model, 600.0, 1);
+    let thresholds =
+        AlarmThresholds::of(&model, std::slice::from_ref(&free), 30.0, OBSERVER_GAIN).unwrap();
+    let program = Program::of("alarm", controller_with_alarm(&model, &thresholds), body);
+    let mut states = Vec::new();
+    for speed in [-2.5, -0.3, 0.0, 0.04, 0.6, 1.1, 40.0] {
+        let own = [0, 1].map(|j| {
+            let joint = &thresholds.joints[j];
+            between(&joint.speed, &joint.threshold, f64::abs(speed))
+        });
+        for (shares, joint) in [([0.9, -0.9], -1.0), ([1.1, 0.0], 0.0), ([1.2, -1.4], 1.0)] {
+            states.push((speed, own, shares, joint));
+        }
+    }
+    let input: Vec<Vec<f64>> = states
+        .iter()
+        .map(|(speed, own, shares, _)| {
+            vec![*speed, -*speed, shares[0] * own[0], shares[1] * own[1]]
+        })
+        .collect();
+    for (answer, (speed, own, _, joint)) in program.answers(&input).iter().zip(&states) {
+        assert_eq!((answer[0], answer[1]), (*joint, OBSERVER_GAIN), "{speed}");
+        for j in 0..2 {
+            assert!((answer[2 + j] - own[j]).abs() < 1e-12 * own[j], "{speed}: {answer:?} {own:?}");
+        }
+    }
+}
+
+#[test]
+fn short_recordings_give_no_thresholds() {
+    let model = with_friction("planar_2r");
+    let short = moving(&model, 6.0, 1);
+    let of = |gain| AlarmThresholds::of(&model, std::slice::from_ref(&short), 1.0, gain);
+    assert_eq!(
+        of(2.0).unwrap_err().to_string(),
+        "4 s without contact are too short for thresholds"
+    );
+    let error = of(40.0).unwrap_err().to_string();
+    assert_eq!(error, "a gain of 40 1/s is too high for 20.0 Hz: at most 6.7 1/s");
 }

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use armident_commands::{
-    Checked, Diagnosed, Drawn, ExportReport, Failure, GivenRobot, Identified, PredictReport,
-    Validated,
+    CardFiles, CardOptions, Checked, ConvertReport, Diagnosed, Drawn, Excited, ExportReport,
+    Failure, GivenRobot, Identified, InfoReport, Merged, PredictReport, Validated, card_files,
+    card_paths,
 };
 use armident_page::{Drawing, Provenance};
-use armident_report::{Bars, ParamsReport};
+use armident_report::{AccumulateReport, Bars, ParamsReport};
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -25,6 +26,11 @@ pub(crate) enum Found {
     Params(Box<ParamsReport>),
     Predicted(PredictReport),
     Exported(ExportReport),
+    Informed(InfoReport),
+    Converted(ConvertReport),
+    Excited(Box<Excited>),
+    Accumulated(AccumulateReport),
+    Merged(Box<Merged>),
 }
 
 /// The result of a command.
@@ -52,6 +58,7 @@ impl Answer {
         match &*self.found {
             Found::Identified(found) => Some(("identified", &found.model)),
             Found::Diagnosed(found) => Some(("diagnosed", found.model()?)),
+            Found::Merged(found) => Some(("merged", &found.model)),
             _ => None,
         }
     }
@@ -83,13 +90,23 @@ impl Answer {
             Found::Predicted(report) => {
                 format!("{} joints, {} samples\n", report.joints.len(), report.samples)
             }
-            Found::Exported(report) => format!(
-                "{}, {} joints; {} effects exported, {} omitted\n",
-                report.format,
-                report.joints.len(),
-                report.held.len(),
-                report.lost.len()
-            ),
+            Found::Exported(report) => {
+                format!(
+                    "{}, {} joints; {} effects exported, {} omitted\n",
+                    report.format,
+                    report.joints.len(),
+                    report.held.len(),
+                    report.lost.len()
+                ) + &report
+                    .thresholds
+                    .as_ref()
+                    .map_or_else(String::new, |thresholds| thresholds.text())
+            }
+            Found::Informed(report) => report.text(),
+            Found::Converted(report) => report.text(),
+            Found::Excited(found) => found.report.text(),
+            Found::Accumulated(report) => report.text(),
+            Found::Merged(found) => found.report.text(),
         }
     }
 
@@ -100,6 +117,54 @@ impl Answer {
         done(py, move || {
             let document = document(&found, true, command, &files)?;
             armident_page::html(&document).map_err(unpaged)
+        })
+    }
+
+    /// The recordings as topics of an MCAP file, with predicted efforts and residuals; of a diagnosis with its findings.
+    fn save_mcap(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let found = Arc::clone(&self.found);
+        done(py, move || {
+            let topics = match &*found {
+                Found::Diagnosed(found) => found.mcap()?,
+                Found::Validated(found) => found.mcap()?,
+                _ => {
+                    let what = "expected a diagnosis or a validation, found another result";
+                    return Err(Failure::new(what, "the result", None::<String>));
+                }
+            };
+            armident_recording::write_whole(&path, |file| {
+                std::io::Write::write_all(file, &topics.bytes)
+            })
+            .map_err(|error| Failure::unwritable(&path, &error))
+        })
+    }
+
+    /// The model card of an identification: a page, and its JSON beside it.
+    fn save_card(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        serial: Option<String>,
+        date: Option<String>,
+    ) -> PyResult<()> {
+        let found = Arc::clone(&self.found);
+        let robot = self.files.first().cloned();
+        done(py, move || {
+            card_paths(&path)?;
+            let Found::Identified(found) = &*found else {
+                let what = "expected an identification, found another result";
+                return Err(Failure::new(what, "the result", None::<String>));
+            };
+            let files = CardFiles { robot: robot.as_deref(), ..CardFiles::default() };
+            for (path, text) in
+                card_files(&found.card(files, &CardOptions { serial, date }), &path)?
+            {
+                armident_recording::write_whole(&path, |file| {
+                    std::io::Write::write_all(file, text.as_bytes())
+                })
+                .map_err(|error| Failure::unwritable(&path, &error))?;
+            }
+            Ok(())
         })
     }
 
@@ -126,6 +191,9 @@ impl Answer {
             Found::Params(report) => report.warnings().to_vec(),
             Found::Predicted(report) => report.warnings.clone(),
             Found::Exported(report) => report.warnings.clone(),
+            Found::Informed(report) => report.warnings(),
+            Found::Excited(found) => found.warnings.clone(),
+            Found::Converted(_) | Found::Accumulated(_) | Found::Merged(_) => Vec::new(),
         }
     }
 
@@ -137,7 +205,13 @@ impl Answer {
             Found::Validated(found) => &found.report.notes,
             Found::Predicted(report) => &report.notes,
             Found::Exported(report) => &report.notes,
-            Found::Diagnosed(_) | Found::Params(_) => &[],
+            Found::Converted(report) => &report.notes,
+            Found::Excited(found) => &found.notes,
+            Found::Diagnosed(_)
+            | Found::Params(_)
+            | Found::Informed(_)
+            | Found::Accumulated(_)
+            | Found::Merged(_) => &[],
         };
         own.iter().chain(&self.notes).cloned().collect()
     }
@@ -160,7 +234,7 @@ fn document(
         Found::Identified(found) => Some(found.drawing()?),
         Found::Diagnosed(found) => Some(found.drawing()?),
         Found::Validated(found) => Some(found.drawing()?),
-        Found::Params(_) | Found::Predicted(_) | Found::Exported(_) => None,
+        _ => None,
     };
     // recordings in memory have no file to be digested
     let files = files.iter().filter(|file| file.is_file()).map(PathBuf::as_path);
@@ -174,6 +248,11 @@ fn document(
         Found::Params(report) => written(report, None),
         Found::Predicted(report) => written(report, None),
         Found::Exported(report) => written(report, None),
+        Found::Informed(report) => written(report, None),
+        Found::Converted(report) => written(report, None),
+        Found::Excited(found) => written(&found.report, None),
+        Found::Accumulated(report) => written(report, None),
+        Found::Merged(found) => written(&found.report, None),
     }
 }
 

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use armident_commands::{
-    self as run, DiagnoseOptions, DiagnoseRecordings, ExportFormat, Failure, GivenRobot,
-    IdentifyOptions, PayloadOn, PlannedRecordings, SimulateOptions, SimulatedDirection, Simulator,
+    self as run, DiagnoseOptions, DiagnoseRecordings, ExciteOptions, ExportFormat, Failure,
+    FalseAlarms, GivenRobot, IdentifyOptions, MotionFormat, PayloadOn, PlannedRecordings,
+    ReadingOptions, SimulateOptions, SimulatedDirection, Simulator,
 };
 use armident_effects::EffectOnJoint;
+use armident_excitation::{Part, SuiteSettings};
 use armident_ident::StructureSearch;
 use armident_ident::estimators;
 use armident_recording::Recording as Recorded;
@@ -215,6 +217,10 @@ pub(crate) fn export(
     robot: &Robot,
     path: PathBuf,
     format: Option<&str>,
+    false_alarms_per_hour: Option<f64>,
+    without_contact: Vec<PyRef<'_, Recording>>,
+    holdout: Vec<PyRef<'_, Recording>>,
+    observer_gain: Option<f64>,
 ) -> PyResult<(Answer, String)> {
     let format = match format {
         Some("urdf") => Some(ExportFormat::Urdf),
@@ -227,19 +233,177 @@ pub(crate) fn export(
         None => None,
     };
     let given = robot.given.clone();
-    let files = sources(&given, &[]);
+    let (contact_free, holdout) = (recorded(&without_contact), recorded(&holdout));
+    let files = sources(&given, &[&contact_free, &holdout]);
     let (text, report) = done(py, move || {
+        let false_alarms = false_alarms_per_hour.map(|per_hour| FalseAlarms {
+            per_hour,
+            gain: observer_gain,
+            recordings: &contact_free,
+            holdout: &holdout,
+        });
         let path: &Path = &path;
         let format = format.map_or_else(|| ExportFormat::of_path(path), Ok)?;
-        let (files, report) = run::export(&given, format, path)?;
+        let (files, report) = run::export(&given, format, path, false_alarms)?;
         for (path, text) in &files {
-            armident_recording::write_whole(path, |file| {
-                std::io::Write::write_all(file, text.as_bytes())
-            })
-            .map_err(|error| Failure::unwritable(path, &error))?;
+            write(path, text.as_bytes())?;
         }
         let text = files.into_iter().next().map(|(_, text)| text).unwrap_or_default();
         Ok((text, report))
     })?;
     Ok((Answer::new(Found::Exported(report), "export", files), text))
+}
+
+/// What logs hold; the guessed mapping of the first is written where a path is given.
+#[pyfunction]
+pub(crate) fn info(
+    py: Python<'_>,
+    recordings: Vec<PathBuf>,
+    robot: Option<&Robot>,
+    write_mapping: Option<PathBuf>,
+    mapping: Option<PathBuf>,
+    topic: Option<String>,
+) -> PyResult<Answer> {
+    let given = robot.map(|robot| robot.given.clone());
+    let (files, report) = done(py, move || {
+        let files = run::expand(&recordings)?;
+        let joints = given.map_or_else(|| Ok(Vec::new()), |given| given.joint_names())?;
+        let report = run::info(&files, &joints, &ReadingOptions { mapping, topic })?;
+        if let Some(path) = &write_mapping {
+            write(path, report.mapping()?.as_bytes())?;
+        }
+        Ok((files, report))
+    })?;
+    Ok(Answer::new(Found::Informed(report), "info", files))
+}
+
+/// A recording as a file with standard names: the result and the channels that the format cannot hold.
+#[pyfunction]
+pub(crate) fn convert(
+    py: Python<'_>,
+    recording: &Recording,
+    path: PathBuf,
+) -> PyResult<(Answer, Vec<String>)> {
+    let recording = recording.recorded.clone();
+    let files = vec![PathBuf::from(&recording.source)];
+    let (omitted, report) = done(py, move || {
+        let (encoded, report) = run::convert(&recording, &path)?;
+        write(&path, &encoded.bytes)?;
+        Ok((encoded.omitted, report))
+    })?;
+    Ok((Answer::new(Found::Converted(report), "convert", files), omitted))
+}
+
+/// The one file that is converted to a name.
+#[pyfunction]
+pub(crate) fn one_to_convert(
+    py: Python<'_>,
+    recording: PathBuf,
+    path: PathBuf,
+) -> PyResult<PathBuf> {
+    done(py, move || run::one_to_convert(&recording, &path))
+}
+
+/// Motions of an identification, in a folder.
+#[pyfunction]
+pub(crate) fn excite(
+    py: Python<'_>,
+    robot: &Robot,
+    folder: PathBuf,
+    limits: Option<PathBuf>,
+    keep_out: Option<PathBuf>,
+    diagnosis: Option<PathBuf>,
+    formats: Vec<String>,
+    given: Vec<PyRef<'_, Recording>>,
+    seconds: f64,
+    budget: f64,
+    rate_hz: f64,
+    only: Vec<String>,
+    seed: u64,
+) -> PyResult<Answer> {
+    let format = |name: &String| {
+        let known = MotionFormat::ALL.map(MotionFormat::name).join(", ");
+        let found = MotionFormat::ALL.into_iter().find(|format| format.name() == name);
+        let (what, hint) = (format!("unknown format `{name}`"), format!("pass one of {known}"));
+        found.ok_or_else(|| wrong(py, what, "format", &hint))
+    };
+    let part = |name: &String| {
+        let known = Part::ALL.map(Part::name).join(", ");
+        let found = Part::ALL.into_iter().find(|part| part.name() == name);
+        let (what, hint) = (format!("unknown part `{name}`"), format!("pass some of {known}"));
+        found.ok_or_else(|| wrong(py, what, "only", &hint))
+    };
+    for (name, value) in [("seconds", seconds), ("rate_hz", rate_hz)] {
+        if !(value.is_finite() && value > 0.0) {
+            let what = format!("expected a positive number, found {value}");
+            return Err(wrong(py, what, name, "pass a number above 0"));
+        }
+    }
+    if !(budget.is_finite() && budget >= 0.0) {
+        let what = format!("expected seconds, found {budget}");
+        return Err(wrong(py, what, "budget", "pass a number of seconds"));
+    }
+    let formats: Vec<MotionFormat> = formats.iter().map(format).collect::<PyResult<_>>()?;
+    let settings = SuiteSettings {
+        seconds,
+        rate_hz,
+        budget: std::time::Duration::from_secs_f64(budget),
+        seed,
+        parts: only.iter().map(part).collect::<PyResult<_>>()?,
+    };
+    let (robot, given) = (robot.given.clone(), recorded(&given));
+    let files = sources(&robot, &[&given]);
+    let found = done(py, move || {
+        let options = ExciteOptions {
+            limits: limits.as_deref(),
+            keep_out: keep_out.as_deref(),
+            diagnosis: diagnosis.as_deref(),
+            formats: &formats,
+            given: &given,
+            settings,
+        };
+        let found = run::excite(&robot, &options)?;
+        std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+        for (name, bytes) in &found.files {
+            write(&folder.join(name), bytes)?;
+        }
+        Ok(found)
+    })?;
+    Ok(Answer::new(Found::Excited(Box::new(found)), "excite", files))
+}
+
+/// Recordings reduced to states in a file.
+#[pyfunction]
+pub(crate) fn accumulate(
+    py: Python<'_>,
+    robot: &Robot,
+    recordings: Vec<PathBuf>,
+    output_file: PathBuf,
+    cutoff_hz: f64,
+    mapping: Option<PathBuf>,
+    topic: Option<String>,
+) -> PyResult<Answer> {
+    let given = robot.given.clone();
+    let (files, report) = done(py, move || {
+        let files = run::expand(&recordings)?;
+        let reading = ReadingOptions { mapping, topic };
+        let report = run::accumulate(&given, &files, &output_file, cutoff_hz, &reading, || ())?;
+        Ok((files, report))
+    })?;
+    Ok(Answer::new(Found::Accumulated(report), "accumulate", files))
+}
+
+/// An arm from states of its recordings.
+#[pyfunction]
+pub(crate) fn merge(py: Python<'_>, robot: &Robot, states: Vec<PathBuf>) -> PyResult<Answer> {
+    let given = robot.given.clone();
+    let files = states.clone();
+    let found = done(py, move || run::merge(&given, &states))?;
+    Ok(Answer::new(Found::Merged(Box::new(found)), "merge", files))
+}
+
+/// Writes a file, whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    armident_recording::write_whole(path, |file| std::io::Write::write_all(file, bytes))
+        .map_err(|error| Failure::unwritable(path, &error))
 }

@@ -21,7 +21,8 @@ mod _armident {
     use crate::answer::Answer;
     #[pymodule_export]
     use crate::commands::{
-        check, diagnose, export, identify, params, predict, schemas, simulate, validate,
+        accumulate, check, convert, diagnose, excite, export, identify, info, merge,
+        one_to_convert, params, predict, schemas, simulate, validate,
     };
     #[pymodule_export]
     use crate::error::{ArmidentError, refuse};

@@ -104,7 +104,8 @@ pub use error::{Fault, RecordingError};
 pub use finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
 pub use formats::{
     ALL as STANDARD_FORMATS, Bag, ColumnRequest, Csv, Db3, Echo, Encoded, FileStart, Format,
-    Formats, Input, Matlab, Mcap, Npz, Parquet, ReadSettings, Sage, Support, write_csv_to,
+    Formats, Input, JointTopic, Matlab, Mcap, Npz, Parquet, ReadSettings, Sage, Status,
+    StatusLevel, StatusTopic, Support, write_csv_to,
 };
 pub use inspect::{Inspection, inspect};
 pub use interpolation::{BRIDGED_STEPS, Interpolation};

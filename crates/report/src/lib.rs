@@ -31,12 +31,14 @@ pub use layout::{
     unit_after_number,
 };
 pub use results::{
-    AccumulateReport, AlternativeRow, ByJoint, ChannelRow, CharacterRow, CheckReport, CheckRow,
-    CheckTopic, CheckVerdict, ConsistencyReport, ConstantCheckRow, ConstantRow, DiagnoseInputs,
+    AccumulateReport, AlternativeRow, ByJoint, CardEffort, CardInput, CardLink, ChannelRow,
+    CharacterRow, CheckReport, CheckRow, CheckTopic, CheckVerdict, ComparedResult, ComparisonError,
+    ComparisonReport, ConsistencyReport, ConstantCheckRow, ConstantRow, DiagnoseInputs,
     DiagnoseReport, DriveGainOfMasses, DriveGainRow, EffectRow, EffortErrorRow, EffortErrors,
-    EndogeneityRow, EstimateRow, EvidenceRow, ExciteReport, FindingRow, FitReport, FitRows, Fits,
-    IdentifyReport, InputCheckRows, JointResiduals, MergeReport, MergedRow, MoreData, MotionRow,
-    NOT_IDENTIFIED, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, ServoNumber,
+    EndogeneityRow, ErrorDifference, EstimateRow, EvidenceRow, ExciteReport, FindingDifference,
+    FindingRow, FitReport, FitRows, Fits, IdentifyReport, InputCheckRows, JointResiduals,
+    MergeReport, MergedRow, ModelCard, MoreData, MotionRow, NOT_IDENTIFIED, ParameterDifference,
+    ParameterRow, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, ServoNumber,
     ServoRow, ServosReport, SetAside, StepRow, ValidateReport, VariableShare, in_noise_levels,
     plan_text,
 };
@@ -51,5 +53,5 @@ pub use words::{capital, counted, effect_at, effect_label, location, parameter_l
 
 /// Lists of the sections of each result.
 pub mod standard_sections {
-    pub use crate::sections::{CHECK, DIAGNOSIS, IDENTIFY, VALIDATE};
+    pub use crate::sections::{CARD, CHECK, COMPARISON, DIAGNOSIS, IDENTIFY, VALIDATE};
 }

@@ -3,7 +3,10 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
-use crate::results::{CheckReport, DiagnoseReport, IdentifyReport, ServosReport, ValidateReport};
+use crate::results::{
+    CheckReport, ComparisonReport, DiagnoseReport, IdentifyReport, ModelCard, ServosReport,
+    ValidateReport,
+};
 use crate::section::DiagnosisSection;
 use crate::sections;
 
@@ -15,6 +18,8 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         (CheckReport::SCHEMA, of::<CheckReport>(&[])),
         (DiagnoseReport::SCHEMA, of::<DiagnoseReport>(sections::DIAGNOSIS)),
         (ValidateReport::SCHEMA, of::<ValidateReport>(&[])),
+        (ComparisonReport::SCHEMA, of::<ComparisonReport>(&[])),
+        (ModelCard::SCHEMA, of::<ModelCard>(&[])),
     ]
 }
 

@@ -318,3 +318,4 @@ void arm_observe(arm_observer *observer, arm_memory *memory, double gain, double
   }
   observer->is_set = 1;
 }
+{{alarm}}

@@ -46,7 +46,7 @@ void arm_inertia_matrix(const double q[ARM_JOINTS], double inertia[ARM_JOINTS][A
 /* One step of dt [s] of the observer, whose residual follows the effort of the surroundings with a bandwidth of gain [1/s]. */
 void arm_observe(arm_observer *observer, arm_memory *memory, double gain, double dt, const double q[ARM_JOINTS],
                  const double dq[ARM_JOINTS], const double effort[ARM_JOINTS]);
-
+{{alarm_header}}
 #ifdef __cplusplus
 }
 #endif

@@ -1,7 +1,9 @@
 //! Content of the page of each command's result.
 
+mod card;
 mod charts;
 mod check;
+mod comparison;
 mod diagnosis;
 mod identify;
 mod joint_cards;
@@ -36,6 +38,8 @@ pub(crate) fn view(
         "armident.identify" => identify::view(&read(document)?, drawing),
         "armident.validate" => validate::view(&read(document)?, drawing),
         "armident.check" => check::view(&read(document)?, drawing),
+        "armident.comparison" => comparison::view(&read(document)?),
+        "armident.card" => card::view(&read(document)?),
         "armident.scoreboard" => scoreboard::view(&read(document)?, drawing),
         _ => other::view(kind, document),
     })

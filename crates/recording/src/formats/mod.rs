@@ -24,7 +24,7 @@ pub use db3::Db3;
 pub use echo::Echo;
 pub use format::{ColumnRequest, Encoded, FileStart, Format, Input, ReadSettings, Support};
 pub use mat::Matlab;
-pub use mcap::Mcap;
+pub use mcap::{JointTopic, Mcap, Status, StatusLevel, StatusTopic};
 pub use npz::Npz;
 pub use parquet::Parquet;
 pub use sage::Sage;

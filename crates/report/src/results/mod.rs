@@ -1,13 +1,16 @@
 //! Results of the commands as data: what their JSON holds.
 
 mod by_joint;
+mod card;
 pub(crate) mod check;
+mod comparison;
 mod consistency;
 pub(crate) mod constants;
 pub(crate) mod diagnosis;
 mod excite;
 mod identify;
 mod merge;
+mod parameters;
 mod params;
 mod plan;
 mod servos;
@@ -15,7 +18,13 @@ mod units;
 mod validate;
 
 pub use by_joint::ByJoint;
+pub use card::{CardEffort, CardInput, CardLink, ModelCard};
 pub use check::{ChannelRow, CheckReport, CheckRow, CheckTopic, CheckVerdict, ConstantCheckRow};
+pub(crate) use comparison::DIFFERS;
+pub use comparison::{
+    ComparedResult, ComparisonError, ComparisonReport, ErrorDifference, FindingDifference,
+    ParameterDifference,
+};
 pub use consistency::ConsistencyReport;
 pub use constants::{ConstantRow, NOT_IDENTIFIED};
 pub use diagnosis::{
@@ -29,6 +38,7 @@ pub use identify::{
     PayloadRow, StepRow,
 };
 pub use merge::{AccumulateReport, MergeReport, SetAside};
+pub use parameters::ParameterRow;
 pub use params::ParamsReport;
 pub use plan::plan_text;
 pub use servos::{ServoNumber, ServoRow, ServosReport};

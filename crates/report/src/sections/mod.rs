@@ -1,7 +1,9 @@
 //! What each result shows: lists of sections, in the order of the text and of the page. A new section is a file
 //! and a line here.
 
+mod card;
 mod check;
+mod comparison;
 mod diagnosis;
 mod identify;
 mod model;
@@ -12,7 +14,7 @@ pub use diagnosis::{
     PlaceboTest, PositionErrors, PositionFit, ReferenceSpeed, ReplayPair,
 };
 
-use crate::results::{CheckReport, IdentifyReport, ValidateReport};
+use crate::results::{CheckReport, ComparisonReport, IdentifyReport, ModelCard, ValidateReport};
 use crate::section::{DiagnosisSection, Section, shows};
 
 /// Sections of `armident diagnose`.
@@ -58,3 +60,11 @@ pub const VALIDATE: &[&dyn Section<ValidateReport>] = &[&validate::EffortError, 
 /// Sections of `armident check`.
 pub const CHECK: &[&dyn Section<CheckReport>] =
     &[&check::Checks, &check::Columns, &check::Excitation];
+
+/// Sections of two results side by side.
+pub const COMPARISON: &[&dyn Section<ComparisonReport>] =
+    &[&comparison::Findings, &comparison::Parameters, &comparison::EffortError];
+
+/// Sections of a model card.
+pub const CARD: &[&dyn Section<ModelCard>] =
+    &[&card::Parameters, &card::Links, &card::Effort, &card::Inputs];

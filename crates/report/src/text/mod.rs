@@ -1,6 +1,8 @@
 //! The text of each result: first lines, then its sections.
 
+mod card;
 mod check;
+mod comparison;
 mod diagnosis;
 mod identification;
 mod identify;

@@ -4,8 +4,11 @@
 
 #[cfg(feature = "mcap")]
 mod reader;
+mod topics;
 #[cfg(feature = "mcap")]
 mod writer;
+
+pub use topics::{JointTopic, Status, StatusLevel, StatusTopic};
 
 use super::format::{FileStart, Format, Support};
 #[cfg(feature = "mcap")]

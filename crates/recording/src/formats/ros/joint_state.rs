@@ -6,11 +6,19 @@
 //! position, velocity, effort   float64[]
 //! ```
 
-use super::serialised::{BadMessage, Encoding, NS_PER_S, Reader};
+use super::serialised::{BadMessage, Encoding, Reader, Writer};
 use crate::quantity::Quantity;
 
 /// Name of the message in ROS 2.
 pub(in crate::formats) const SCHEMA_NAME: &str = "sensor_msgs/msg/JointState";
+/// Definition of the message, as ROS 2 writes it; that of its header follows.
+pub(in crate::formats) const DEFINITION: &str = "\
+std_msgs/Header header
+string[] name
+float64[] position
+float64[] velocity
+float64[] effort
+";
 /// Quantities of a joint state.
 pub(in crate::formats) const HELD: [Quantity; 3] =
     [Quantity::Position, Quantity::Velocity, Quantity::Effort];
@@ -25,9 +33,6 @@ pub(in crate::formats) struct JointState {
     pub(in crate::formats) velocity: Vec<f64>,
     pub(in crate::formats) effort: Vec<f64>,
 }
-
-/// ROS 2 in little endian, as this module writes it.
-const CDR_LITTLE: [u8; 4] = [0, 1, 0, 0];
 
 impl JointState {
     /// Reads a message.
@@ -51,11 +56,7 @@ impl JointState {
 
     /// The message for ROS 2.
     pub(in crate::formats) fn to_cdr(&self) -> Vec<u8> {
-        let mut writer = Writer { bytes: CDR_LITTLE.to_vec() };
-        let sec = self.stamp_ns.div_euclid(NS_PER_S) as i32;
-        writer.bytes.extend(sec.to_le_bytes());
-        writer.u32(self.stamp_ns.rem_euclid(NS_PER_S) as u32);
-        writer.string("");
+        let mut writer = Writer::with_header(self.stamp_ns);
         writer.u32(self.name.len() as u32);
         for name in &self.name {
             writer.string(name);
@@ -63,37 +64,7 @@ impl JointState {
         for list in [&self.position, &self.velocity, &self.effort] {
             writer.list(list);
         }
-        writer.bytes
-    }
-}
-
-struct Writer {
-    bytes: Vec<u8>,
-}
-
-impl Writer {
-    fn align(&mut self, to: usize) {
-        let length = (self.bytes.len() - CDR_LITTLE.len()).next_multiple_of(to);
-        self.bytes.resize(length + CDR_LITTLE.len(), 0);
-    }
-
-    fn u32(&mut self, x: u32) {
-        self.align(4);
-        self.bytes.extend(x.to_le_bytes());
-    }
-
-    fn string(&mut self, text: &str) {
-        self.u32(text.len() as u32 + 1);
-        self.bytes.extend(text.as_bytes());
-        self.bytes.push(0);
-    }
-
-    fn list(&mut self, list: &[f64]) {
-        self.u32(list.len() as u32);
-        for x in list {
-            self.align(8);
-            self.bytes.extend(x.to_le_bytes());
-        }
+        writer.into_bytes()
     }
 }
 

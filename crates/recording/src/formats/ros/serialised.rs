@@ -130,3 +130,66 @@ impl<'a> Reader<'a> {
         Ok(list)
     }
 }
+
+/// ROS 2 in little endian, as it is written here.
+const CDR_LITTLE: [u8; 4] = [0, 1, 0, 0];
+
+/// Definition of the header that messages begin with.
+pub(in crate::formats) const HEADER_DEFINITION: &str = "\
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+";
+
+/// Writes the fields of a message for ROS 2, one after the other.
+pub(super) struct Writer {
+    bytes: Vec<u8>,
+}
+
+impl Writer {
+    /// A message that begins with a header without a frame.
+    pub(super) fn with_header(stamp_ns: i64) -> Self {
+        let mut writer = Self { bytes: CDR_LITTLE.to_vec() };
+        writer.bytes.extend((stamp_ns.div_euclid(NS_PER_S) as i32).to_le_bytes());
+        writer.u32(stamp_ns.rem_euclid(NS_PER_S) as u32);
+        writer.string("");
+        writer
+    }
+
+    fn align(&mut self, to: usize) {
+        let length = (self.bytes.len() - CDR_LITTLE.len()).next_multiple_of(to);
+        self.bytes.resize(length + CDR_LITTLE.len(), 0);
+    }
+
+    pub(super) fn byte(&mut self, x: u8) {
+        self.bytes.push(x);
+    }
+
+    pub(super) fn u32(&mut self, x: u32) {
+        self.align(4);
+        self.bytes.extend(x.to_le_bytes());
+    }
+
+    pub(super) fn string(&mut self, text: &str) {
+        self.u32(text.len() as u32 + 1);
+        self.bytes.extend(text.as_bytes());
+        self.bytes.push(0);
+    }
+
+    pub(super) fn list(&mut self, list: &[f64]) {
+        self.u32(list.len() as u32);
+        for x in list {
+            self.align(8);
+            self.bytes.extend(x.to_le_bytes());
+        }
+    }
+
+    pub(super) fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
+}

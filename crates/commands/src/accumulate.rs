@@ -1,0 +1,109 @@
+//! `accumulate`: recordings reduced to states, one line of a file each.
+
+use std::collections::BTreeSet;
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use armident_ident::{RecordingState, StateColumns};
+use armident_report::{AccumulateReport, SetAside};
+
+use crate::failure::Failure;
+use crate::merge::read_states;
+use crate::recordings::{ReadingOptions, read_all};
+use crate::robot::GivenRobot;
+
+/// Reduces recordings to states in a file, which is continued where it exists; `done` is called after each. `cutoff_hz`:
+/// low-pass \[Hz\], the same for all recordings that are merged.
+///
+/// # Errors
+/// An output file that holds something else, or states of another arm; no recording that can be reduced. Single recordings
+/// that cannot are set aside.
+pub fn accumulate(
+    robot: &GivenRobot,
+    files: &[PathBuf],
+    output_file: &Path,
+    cutoff_hz: f64,
+    reading: &ReadingOptions,
+    done: impl Fn(),
+) -> Result<AccumulateReport, Failure> {
+    let model = robot.arm(None)?;
+    let columns = StateColumns::new(&model, cutoff_hz)?;
+    // what an interrupted run has written is kept; its last line may be cut off
+    let before = match output_file.exists() {
+        true => read_states(output_file)?,
+        false => (Vec::new(), Vec::new()),
+    };
+    if let ([], [fault, ..]) = (&before.0[..], &before.1[..]) {
+        return Err(Failure::new(
+            "the output file holds something else",
+            &fault.file,
+            Some("choose another output file; it is not overwritten"),
+        ));
+    }
+    let mut known = BTreeSet::new();
+    for state in &before.0 {
+        columns.check(state).map_err(|error| {
+            Failure::new(
+                error,
+                output_file.display(),
+                Some("pass the same robot and cut-off, or another output file"),
+            )
+        })?;
+        known.insert(state.recording.clone());
+    }
+    let mut file = None;
+    let (mut reduced, mut there, mut set_aside) = (Vec::new(), Vec::new(), Vec::new());
+    for path in files {
+        let name = path.display().to_string();
+        if known.contains(&name) {
+            there.push(name);
+            done();
+            continue;
+        }
+        let state = read_all(std::slice::from_ref(path), reading, || ())
+            .map_err(|failure| failure.what().to_owned())
+            .and_then(|recordings| {
+                let recording = recordings.into_iter().next().ok_or("no recording in it")?;
+                columns.reduce(&recording).map_err(|error| error.to_string())
+            });
+        match state {
+            Ok(state) => {
+                let state = RecordingState { recording: name.clone(), ..state };
+                let line = serde_json::to_string(&state).map_err(|error| {
+                    Failure::new(format!("cannot write JSON: {error}"), &name, None::<String>)
+                })?;
+                if file.is_none() {
+                    file = Some(append(output_file, !before.1.is_empty())?);
+                }
+                if let Some(file) = &mut file {
+                    file.write_all((line + "\n").as_bytes())
+                        .map_err(|error| Failure::unwritable(output_file, &error))?;
+                }
+                known.insert(name.clone());
+                reduced.push(name);
+            }
+            Err(reason) => set_aside.push(SetAside { file: name, reason }),
+        }
+        done();
+    }
+    if reduced.is_empty() && there.is_empty() {
+        let reason = set_aside.first().map_or("there is none", |first| first.reason.as_str());
+        return Err(Failure::new(
+            format!("no recording could be reduced: {reason}"),
+            files.first().map(|path| path.display().to_string()).unwrap_or_default(),
+            Some("`armident check` shows what a recording lacks"),
+        ));
+    }
+    Ok(AccumulateReport::new(reduced, there, set_aside))
+}
+
+/// The file opened behind its last line, which an interrupted run may have cut off.
+fn append(path: &Path, is_cut_off: bool) -> Result<File, Failure> {
+    let unwritable = |error: std::io::Error| Failure::unwritable(path, &error);
+    let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(unwritable)?;
+    if is_cut_off {
+        file.write_all(b"\n").map_err(unwritable)?;
+    }
+    Ok(file)
+}
