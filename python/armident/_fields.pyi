@@ -242,7 +242,7 @@ class CheckRow(Fields):
     verdict: CheckVerdict
     """The verdict."""
 
-CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["order"] | Literal["gravity"] | Literal["joint_sign"] | Literal["delay"] | Literal["excitation"] | Literal["quality"] | Literal["command"]
+CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["order"] | Literal["gravity"] | Literal["joint_sign"] | Literal["geometry"] | Literal["delay"] | Literal["excitation"] | Literal["quality"] | Literal["command"]
 
 CheckVerdict = Literal["ok"] | Literal["cannot_tell"] | Literal["doubtful"] | Literal["wrong"]
 
