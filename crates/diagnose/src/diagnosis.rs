@@ -97,7 +97,8 @@ impl Diagnosis {
 
     /// The first finding is a distance between two axes, which the models of the arm have; the given one has its own.
     pub(crate) fn report_length(&mut self, found: &LinkLength, without: Option<ArmModel>) {
-        self.believed = found.as_given(&self.believed);
+        let given = &mut self.believed;
+        *given = found.as_given(given);
         let shown_by = &self.joints[found.shown_by];
         let noise = self.effort_noise.get(shown_by).copied().unwrap_or(0.0);
         self.findings.insert(0, length_finding(found, &self.joints, noise));

@@ -26,7 +26,7 @@ pub struct OperatingPoint {
 }
 
 impl OperatingPoint {
-    /// Level, on time, with rigid joints and the believed links.
+    /// Level, on time, with rigid joints and the given links.
     pub fn of(joints: usize) -> Self {
         let (offset, gain) = (vec![0.0; joints], vec![1.0; joints]);
         let (springs, reversals) = (Vec::new(), vec![SHARP; joints]);

@@ -16,11 +16,11 @@ use armident_motion::{BandMotion, Standstill};
 pub struct PosedRecording<'a> {
     /// The recording on its grid.
     pub signals: &'a BandMotion,
-    /// The believed arm at the tilt of the operating point.
+    /// The given arm at the tilt of the operating point.
     pub arm: RigidArm,
     /// True positions: low-passed, less the encoder offsets \[rad or m\].
     pub position: Vec<Vec<f64>>,
-    /// Efforts of the believed rigid body \[N m or N\].
+    /// Efforts of the given rigid body \[N m or N\].
     pub rigid: Vec<Vec<f64>>,
     /// of joints that rest somewhere: with their held acceleration
     answered: Vec<Option<Vec<f64>>>,

@@ -360,6 +360,9 @@ mod tests {
         assert!(off.abs() < 0.01, "{off}");
         let [size, motor_inertia] = found.estimate.fit.of_candidate(elastic)[..] else { panic!() };
         assert!(size == 1.0, "{size}");
-        assert!((motor_inertia / MOTOR_INERTIA - 1.0).abs() < 0.05, "{motor_inertia}");
+        let names: Vec<String> =
+            candidates().map(|g| format!("{} {:?}", g.slug(), g.location.joints)).collect();
+        let off = motor_inertia / MOTOR_INERTIA - 1.0;
+        assert!(off.abs() < 0.05, "{motor_inertia} beside {names:?}, {:?}", elastic.shape);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Method: likelihood of the free model of each joint, with the distance as a factor of the given one. All inertial constants and
 //! friction are free at each distance, so that no wrong inertia looks like a wrong length: what shows a length is how weight and
-//! coupling of the same body go together. Three values about the given one show where the likelihood rises; from there on it is
+//! coupling of the same body are related. Three values about the given one show where the likelihood rises; from there on it is
 //! followed uphill, and its top is that of a [table](super::likelihood_top). A length is wrong where the top is a thousand times as
 //! likely as the given one, for each length that was tried, where it takes a seventh of the residual of a joint, and where its interval
 //! excludes the given one.
@@ -62,7 +62,7 @@ pub struct LinkLength {
     pub interval_95_m: [f64; 2],
     /// `2 ln` of the likelihood of it over that of the given one.
     pub evidence: f64,
-    /// RMS residual of the joint on which it matters most, over that with the given one.
+    /// RMS residual of the joint on which it is worth most, over that with the given one.
     pub residual_ratio: f64,
     /// That joint.
     pub shown_by: usize,
