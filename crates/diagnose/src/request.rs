@@ -67,7 +67,7 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     let known = request.is_beyond_a_model().then(|| KnownModel::of(model.clone()));
     // gains of drives come from recordings of the arm as it is believed to be; friction that a model has too much of,
     // taken out, would look like a sign
-    let checks = match &known {
+    let mut checks = match &known {
         Some(known) => InputChecks::of(known.body(), recordings)?,
         None => InputChecks::of(model, if reference.is_empty() { recordings } else { reference })?,
     };
@@ -80,7 +80,6 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     };
     let given = model;
     let model = corrected.as_ref().unwrap_or(given);
-    let mut checks = checks;
     let in_effort = |recordings: &[Recording]| -> Vec<Recording> {
         recordings.iter().map(|r| checks.in_effort(r)).collect()
     };

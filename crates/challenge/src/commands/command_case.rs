@@ -185,23 +185,19 @@ impl Scene {
         let matrix = inertia_matrix(&arm, &centre);
         let inertia: Vec<f64> = (0..n).map(|j| matrix[(j, j)]).collect();
         let delayed = random.chance(DELAYED);
+        let (rate_hz, step_rad) = (random.choose(&RATES_HZ), random.choose(&STEPS_RAD));
+        let delay_s = if delayed { random.log_between(DELAY_S[0], DELAY_S[1]) } else { 0.0 };
+        let of = |inertia: &f64| inertia * random.log_between(NATURAL[0], NATURAL[1]).powi(2);
         Self {
-            rate_hz: random.choose(&RATES_HZ),
-            step_rad: random.choose(&STEPS_RAD),
-            stiffness: vec![0.0; n],
-            delay_s: if delayed { random.log_between(DELAY_S[0], DELAY_S[1]) } else { 0.0 },
+            rate_hz,
+            step_rad,
+            stiffness: inertia.iter().map(of).collect(),
+            delay_s,
             weight: gravity_effort(&arm, &centre),
             centre,
             travel,
             inertia,
         }
-        .with_stiffness(random)
-    }
-
-    fn with_stiffness(mut self, random: &mut RandomStream) -> Self {
-        let of = |inertia: &f64| inertia * random.log_between(NATURAL[0], NATURAL[1]).powi(2);
-        self.stiffness = self.inertia.iter().map(of).collect();
-        self
     }
 
     /// Controllers, what damps them, and the rotors.

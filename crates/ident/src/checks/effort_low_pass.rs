@@ -11,7 +11,7 @@ use armident_motion::{Motion, differentiate};
 use armident_numeric::{AccumulatedQr, NumericError};
 
 use super::excitation::activity;
-use super::likelihood_top::Top;
+use super::likelihood_top::{CLEARLY, Top};
 use super::rows::{ChannelRows, SHIFTS_ASIDE, ShiftedResiduals, independent, shifts_s};
 use crate::regression::BatchProblem;
 
@@ -21,8 +21,6 @@ const LONGEST_S: f64 = 0.08;
 const TRIED: usize = 161;
 /// Time constants that are tried beside presliding friction.
 const TRIED_BESIDE: usize = 41;
-/// `2 ln` of a thousand to one: by so much a low-pass must explain more than a delay, and than nothing.
-const CLEARLY: f64 = 13.8;
 
 /// A low-pass of first order of all efforts.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,6 +7,9 @@
 
 use armident_inference::student_t_975;
 
+/// `2 ln` of a thousand to one: by so much an explanation must be better than another.
+pub(super) const CLEARLY: f64 = 13.8;
+
 /// Where the likelihood of all joints together is highest.
 pub(super) struct Top {
     /// Index of the highest value.

@@ -16,7 +16,7 @@ use armident_recording::Recording;
 use rayon::prelude::*;
 
 use super::arm_columns::JointMap;
-use super::likelihood_top::Top;
+use super::likelihood_top::{CLEARLY, Top};
 use super::rows::{self, ChannelRows, edge};
 use crate::minimal_set::MinimalSet;
 use crate::regression::{BatchProblem, RANK_CUT, TermColumn};
@@ -29,8 +29,6 @@ const STEP: f64 = 1.15;
 const FINE_STEP: f64 = 1.02;
 /// Largest factor of a distance, either way: beyond it the file is of another arm.
 const MOST: f64 = 4.0;
-/// `2 ln` of a thousand to one.
-const CLEARLY: f64 = 13.8;
 /// Residual of a joint at the found distance over that at the given one: a sixth more without it, as for a finding.
 const MATERIAL: f64 = 6.0 / 7.0;
 /// Cut-off \[Hz\]: below it the efforts of an arm are those of its links; springs of transmissions and controllers are above it.
@@ -212,43 +210,51 @@ pub(super) fn link_length(
     let clearly = CLEARLY + 2.0 * (tried.len().max(1) as f64).ln();
     let found: Vec<Option<LinkLength>> = tried
         .par_iter()
-        .map(|&(joint, along, length)| {
+        .map(|&(joint, along, given_m)| {
             let with = |factor: f64| -> Result<Vec<f64>, NumericError> {
                 let mut arm = arm.clone();
-                *length_of(&mut arm.joints[joint].frame, along) = factor * length;
+                *length_of(&mut arm.joints[joint].frame, along) = factor * given_m;
                 observed.squares(&arm)
             };
-            let top = top_of(&observed, &given, clearly, &with)?;
-            Ok(top.map(|found| LinkLength { joint, along, ..found.times(length) }))
+            let Some(found) = wrong_factor(&observed, &given, clearly, &with)? else {
+                return Ok(None);
+            };
+            let shown_by = observed.joints[found.shown_by];
+            let [a, b] = found.interval_95.map(|factor| factor * given_m);
+            Ok(Some(LinkLength {
+                joint,
+                along,
+                given_m,
+                length_m: found.factor * given_m,
+                interval_95_m: [a.min(b), a.max(b)],
+                evidence: found.evidence,
+                residual_ratio: found.residual_ratio,
+                shown_by,
+                residual_given: rows[shown_by].residual_rms,
+            }))
         })
         .collect::<Result<_, NumericError>>()?;
-    let best = found.into_iter().flatten().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-    Ok(best.map(|best| {
-        let shown_by = observed.joints[best.shown_by];
-        LinkLength { shown_by, residual_given: rows[shown_by].residual_rms, ..best }
-    }))
+    Ok(found.into_iter().flatten().max_by(|a, b| a.evidence.total_cmp(&b.evidence)))
 }
 
-impl LinkLength {
-    /// Of a factor, the length; the sign is that of the given one.
-    fn times(self, length: f64) -> Self {
-        let [a, b] = self.interval_95_m.map(|factor| factor * length);
-        Self {
-            given_m: length,
-            length_m: self.length_m * length,
-            interval_95_m: [a.min(b), a.max(b)],
-            ..self
-        }
-    }
+/// A factor of a length that is clearly not 1.
+struct WrongFactor {
+    factor: f64,
+    interval_95: [f64; 2],
+    /// as of a [`LinkLength`]
+    evidence: f64,
+    residual_ratio: f64,
+    /// place among the joints that count
+    shown_by: usize,
 }
 
 /// The most likely factor of a length with its interval, where it is clear, material, and not 1.
-fn top_of(
+fn wrong_factor(
     observed: &Observed<'_>,
     given: &[f64],
     clearly: f64,
     with: &(dyn Fn(f64) -> Result<Vec<f64>, NumericError> + Sync),
-) -> Result<Option<LinkLength>, NumericError> {
+) -> Result<Option<WrongFactor>, NumericError> {
     let total = |squares: &[f64]| observed.log_likelihood(squares).iter().sum::<f64>();
     let here = total(given);
     let [shorter, longer] = [total(&with(1.0 / STEP)?), total(&with(STEP)?)];
@@ -292,15 +298,11 @@ fn top_of(
         return Ok(None);
     };
     let is_wrong = evidence > clearly && residual_ratio < MATERIAL && log_factor.abs() > half;
-    Ok(is_wrong.then(|| LinkLength {
-        joint: 0,
-        along: FrameLength::Normal,
-        given_m: 1.0,
-        length_m: log_factor.exp(),
-        interval_95_m: [(log_factor - half).exp(), (log_factor + half).exp()],
+    Ok(is_wrong.then(|| WrongFactor {
+        factor: log_factor.exp(),
+        interval_95: [(log_factor - half).exp(), (log_factor + half).exp()],
         evidence,
         residual_ratio,
         shown_by,
-        residual_given: 0.0,
     }))
 }
