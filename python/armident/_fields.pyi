@@ -418,7 +418,7 @@ class ErrorWithoutLaw(Fields):
     joint: str
     """Joint."""
     law: str
-    """`sag` (weight that no controller carries), `delay`, `damping`, `lag` (both), `dry_friction`, `static_friction`, `load_friction`, `offset` or `inertia`."""
+    """`sag` (weight that no controller carries), `sag_and_offset` (both), `delay`, `damping`, `lag` (both), `dry_friction`, `static_friction`, `load_friction`, `offset` or `inertia`."""
     train: float
     """On the training recordings."""
 

@@ -47,6 +47,7 @@ pub struct ServoJoint<'a> {
     joint: usize,
     servo: PositionServo,
     added_inertia: f64,
+    has_load_friction: bool,
 }
 
 impl<'a> ServoJoint<'a> {
@@ -56,13 +57,16 @@ impl<'a> ServoJoint<'a> {
     /// A joint without a position controller.
     pub fn of(arm: &'a SimulatedArm, joint: usize) -> Result<Self, SimulationError> {
         let servo = arm.servo_or_error(joint)?;
-        Ok(Self { arm, joint, servo, added_inertia: arm.added_inertia(joint) })
+        let has_load_friction =
+            arm.dry_friction(joint, 1.0, 1.0) != arm.dry_friction(joint, 1.0, 0.0);
+        Ok(Self { arm, joint, servo, added_inertia: arm.added_inertia(joint), has_load_friction })
     }
 
     /// Position at each stamp \[rad or m\], from a start (position, velocity) on; steps of at most `step_s` \[s\].
     pub fn simulate(&self, drive: &JointDrive<'_>, start: [f64; 2], step_s: f64) -> Vec<f64> {
         let [mut q, mut v] = start;
         let stamps = drive.time_s;
+        let mut commands = lines::Forward::new(stamps, drive.command);
         let mut positions = Vec::with_capacity(stamps.len());
         for k in 0..stamps.len() {
             positions.push(q);
@@ -74,7 +78,7 @@ impl<'a> ServoJoint<'a> {
                 let share = part as f64 / steps;
                 let between = |of: &[f64]| of[k] + share * (of[k + 1] - of[k]);
                 let time_s = stamps[k] + share * cycle_s;
-                let command = lines::at(stamps, drive.command, time_s - self.servo.delay_s);
+                let command = commands.at(time_s - self.servo.delay_s);
                 let slope = between(drive.load_slope);
                 let load = between(drive.load) + slope * (q - between(drive.recorded));
                 let inertia = between(drive.inertia);
@@ -103,6 +107,9 @@ impl<'a> ServoJoint<'a> {
         let matrix = mass + slope + h * (stiffness + load_slope.max(0.0));
         let mut dry = self.arm.dry_friction(self.joint, v, load);
         let mut next = solve_one_row(matrix, driving, dry);
+        if !self.has_load_friction {
+            return next;
+        }
         for _ in 0..LOAD_ROUNDS {
             // the gear accelerates the links too
             let carried = load + inertia * (next - v) / h;

@@ -195,15 +195,23 @@ impl JointFindings<'_> {
             let stderr = lag.interval_95.map(|[low, high]| (high - low) / (2.0 * 1.96));
             put("lag", lag.value_s, stderr, "s");
         }
-        // a lag that the delay or the damping alone explains may be either
+        // a lag that the delay or the damping alone explains may be either; so may a sag under a weight that hardly changes and
+        // an offset
         let lag = [ServoParameter::Delay, ServoParameter::Damping];
-        let alone: [&[ServoParameter]; 2] = [&[ServoParameter::Compliance], &lag[..1]];
-        let by_lag: [&[ServoParameter]; 1] = [&lag];
+        let sag = [ServoParameter::Compliance, ServoParameter::Offset];
+        let alone: [&[ServoParameter]; 2] = [&sag[..1], &lag[..1]];
         let alternatives = self.lag_by(&ViscousFriction, &PositionControl);
-        self.finding(&PositionControl, &alone, parameters.clone(), alternatives).or_else(|| {
-            let either = vec![self.alternative(&ViscousFriction, &PositionControl)];
-            self.finding(&PositionControl, &by_lag, parameters, either)
-        })
+        let by_two = |two: &[ServoParameter], other: &dyn Effect| {
+            let either = vec![self.alternative(other, &PositionControl)];
+            self.finding(&PositionControl, &[two], parameters.clone(), either)
+        };
+        self.finding(&PositionControl, &alone, parameters.clone(), alternatives)
+            .or_else(|| by_two(&lag, &ViscousFriction))
+            .or_else(|| by_two(&sag, &TorqueOffset).filter(|_| self.is_beyond_errors(sag[0])))
+    }
+
+    fn is_beyond_errors(&self, parameter: ServoParameter) -> bool {
+        self.size(parameter).is_some_and(|size| size >= 1.0)
     }
 
     /// The other law of a lag, where the recordings do not separate delay and damping.

@@ -31,6 +31,10 @@ const LAW: Law = Law {
             slug: "rotor_inertia",
             separated_by: "Record quick reversals: a delay moves the whole response, inertia only its accelerated part.",
         },
+        LookAlike {
+            slug: "torque_offset",
+            separated_by: "Rest in poses in which the weight on the joint differs, best with its other sign: a sag follows the weight, an offset does not.",
+        },
     ],
     ..Law::BLANK
 };

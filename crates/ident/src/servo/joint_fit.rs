@@ -95,12 +95,13 @@ pub struct ServoValue {
 /// RMS errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoAblation {
-    /// Without these: one, or delay and damping, which make up a lag together, or dry friction and that by load; of dry friction
-    /// without its static part too.
+    /// Without these: one, or delay and damping, which make up a lag together, or dry friction and that by load, or compliance and
+    /// offset, which make up a sag where the weight hardly changes; of dry friction without its static part too.
     pub parameters: Vec<ServoParameter>,
     /// Training recordings: with it, without it.
     pub train: [f64; 2],
-    /// Logarithm of the squared size without it over that with it, in each block of the training recordings.
+    /// Logarithm of the squared size without it over that with it, in each block of the training recordings in which the positions of
+    /// the two differ by more than rounding: the others show nothing of it.
     pub block_gains: Vec<f64>,
     /// Hold-out recordings; none without any.
     pub holdout: Option<[f64; 2]>,
@@ -368,24 +369,32 @@ pub(super) fn ablations(
 ) -> Vec<ServoAblation> {
     let fitter = Fitter::of(data, &Start::of(data));
     let parts = BLOCKS.div_ceil(data.len().max(1));
-    let sizes = |x: &[f64; 9]| {
-        let of = |data: &[JointData]| residuals(&fitter.arm, data, x, fitter.error_limit);
-        let train = of(data);
-        let block = |recording: &Vec<f64>| -> Vec<f64> {
+    let of = |data: &[JointData], x: &[f64; 9]| residuals(&fitter.arm, data, x, fitter.error_limit);
+    // `[block][sample]`
+    let blocks = |of: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let block = |recording: &Vec<f64>| -> Vec<Vec<f64>> {
             let length = recording.len().div_ceil(parts).max(1);
-            recording.chunks(length).map(|part| fitter.size(&[part.to_vec()])).collect()
+            recording.chunks(length).map(<[f64]>::to_vec).collect()
         };
-        let blocks: Vec<f64> = train.iter().flat_map(block).collect();
-        let holdout = (!holdout.is_empty()).then(|| fitter.size(&of(holdout)));
-        (fitter.size(&train), blocks, holdout)
+        of.iter().flat_map(block).collect()
     };
-    let with = sizes(&found.x);
+    let held_out = |x: &[f64; 9]| (!holdout.is_empty()).then(|| fitter.size(&of(holdout, x)));
+    let least = OF_ROUNDING * fitter.resolution;
+    let gain = |(with, without): (Vec<f64>, Vec<f64>)| -> Option<f64> {
+        let moved = with.iter().zip(&without).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        let is_seen = moved > least.powi(2) * with.len() as f64;
+        let size = |residual: Vec<f64>| fitter.size(&[residual]).max(least);
+        is_seen.then(|| 2.0 * (size(without) / size(with)).ln())
+    };
+    let with = of(data, &found.x);
+    let held_out_with = held_out(&found.x);
     let is_own = |p: &&ServoParameter| **p != ServoParameter::StribeckVelocity;
     let own: Vec<ServoParameter> = found.free.iter().filter(is_own).copied().collect();
     // what one of two may do for the other
     let either = [
         [ServoParameter::Delay, ServoParameter::Damping],
         [ServoParameter::DryFriction, ServoParameter::LoadFriction],
+        [ServoParameter::Compliance, ServoParameter::Offset],
     ];
     let both = either.into_iter().filter(|pair| pair.iter().all(|p| own.contains(p)));
     let sets: Vec<Vec<ServoParameter>> =
@@ -404,15 +413,13 @@ pub(super) fn ablations(
             x[ServoParameter::StaticExcess as usize] = 0.0;
         }
         let free: Vec<ServoParameter> = found.free.iter().filter(|p| !goes(p)).copied().collect();
-        let (train, blocks, holdout) = sizes(&fitter.fit(x, &free, MOST_STEPS).x);
-        let least = OF_ROUNDING * fitter.resolution;
-        let gain =
-            |(with, without): (&f64, &f64)| 2.0 * (without.max(least) / with.max(least)).ln();
+        let x = fitter.fit(x, &free, MOST_STEPS).x;
+        let without = of(data, &x);
         ServoAblation {
             parameters: parameters.clone(),
-            train: [with.0, train],
-            block_gains: with.1.iter().zip(&blocks).map(gain).collect(),
-            holdout: with.2.zip(holdout).map(|(with, without)| [with, without]),
+            train: [fitter.size(&with), fitter.size(&without)],
+            block_gains: blocks(&with).into_iter().zip(blocks(&without)).filter_map(gain).collect(),
+            holdout: held_out_with.zip(held_out(&x)).map(Into::into),
         }
     };
     sets.par_iter().map(without).collect()

@@ -25,7 +25,7 @@ pub struct PositionErrors {
 pub struct ErrorWithoutLaw {
     /// Joint.
     pub joint: String,
-    /// `sag` (weight that no controller carries), `delay`, `damping`, `lag` (both), `dry_friction`, `static_friction`, `load_friction`, `offset` or
+    /// `sag` (weight that no controller carries), `sag_and_offset` (both), `delay`, `damping`, `lag` (both), `dry_friction`, `static_friction`, `load_friction`, `offset` or
     /// `inertia`.
     pub law: String,
     /// On the training recordings.
@@ -34,8 +34,9 @@ pub struct ErrorWithoutLaw {
     pub holdout: Option<f64>,
 }
 
-const LAWS: [(&[ServoParameter], &str); 9] = [
+const LAWS: [(&[ServoParameter], &str); 10] = [
     (&[ServoParameter::Compliance], "sag"),
+    (&[ServoParameter::Compliance, ServoParameter::Offset], "sag_and_offset"),
     (&[ServoParameter::Delay, ServoParameter::Damping], "lag"),
     (&[ServoParameter::Delay], "delay"),
     (&[ServoParameter::Damping], "damping"),
