@@ -33,6 +33,8 @@ mod run;
 mod challenge;
 /// `check` on recordings with and without faults
 mod check;
+/// an arm of MuJoCo from its commands, and back
+mod commands;
 /// two results side by side, and the model card
 mod comparison;
 /// a fixed small sample of the coverage study

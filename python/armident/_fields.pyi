@@ -161,6 +161,8 @@ class ValidateReport:
     """Chain joints in order."""
     model: str
     """Model file or URDF."""
+    positions: PositionsUnderCommands | None
+    """Position errors under commands; `null` where efforts are recorded."""
     prismatic_joints: list[str] | None
     """Joints that translate: their positions are in m and their efforts in N, all others in rad and N m. `null` where that is not known."""
     recordings: list[str]
@@ -629,6 +631,22 @@ Presliding = dict[str, float | None]
 Projection = float
 
 ReferenceSpeed = dict[str, float | None]
+
+class PositionsUnderCommands(Fields):
+    """RMS position errors of an arm behind its controllers [rad or m]."""
+
+    command: dict[str, float | None]
+    """Of the command itself."""
+    diverged: int
+    """Windows that diverged."""
+    in_windows: dict[str, float | None]
+    """Of the model, from the recorded state at the start of each window on."""
+    whole: dict[str, float | None]
+    """Of the model, from the first sample of each recording on."""
+    window_s: float
+    """Length of a window [s]."""
+    windows: int
+    """Windows simulated to their end."""
 
 class Regressor(Fields):
     """A function of the motion and the share of the residual variance that it explains alone."""

@@ -308,6 +308,9 @@ pub(crate) struct ValidateArgs {
     /// Write recordings with predicted efforts and residuals as topics of MCAP
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
+    /// Gain of the position controllers in a recording of commands, over the gain of the model; repeatable
+    #[arg(long, value_name = "FILE=RATIO", value_parser = parse_file_gain)]
+    pub(crate) servo_gain: Vec<(PathBuf, f64)>,
     /// Skip forward replay
     #[arg(long)]
     pub(crate) no_replay: bool,

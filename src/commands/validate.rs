@@ -35,7 +35,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<Outcome, Failure> {
     let robot = robot::open(&args.robot, &args.chain)?;
     let found = {
         let _progress = Progress::of(&args.output, "validating");
-        validate(&robot, recorded, args.cutoff_hz, !args.no_replay)?
+        validate(&robot, recorded, args.cutoff_hz, !args.no_replay, &args.servo_gain)?
     };
     if let Some(path) = &args.predictions {
         let predicted = found.prediction(&found.recordings[0])?;

@@ -110,13 +110,13 @@ fn sources(recordings: &[Recording]) -> Vec<String> {
 
 /// Gain of the controllers in each recording.
 #[derive(Debug)]
-struct Gains {
-    train: Vec<f64>,
+pub(crate) struct Gains {
+    pub(crate) train: Vec<f64>,
     holdout: Vec<f64>,
 }
 
 impl Gains {
-    fn of(
+    pub(crate) fn of(
         train: &[Recording],
         holdout: &[Recording],
         gains: &[(PathBuf, f64)],
@@ -161,6 +161,7 @@ impl Gains {
 pub(crate) fn failure(error: ServoError) -> Failure {
     match error {
         ServoError::Recording(error) => error.into(),
+        ServoError::Simulation(error) => error.into(),
         ServoError::Command { fault, ref source_name, ref joint } => Failure::new(
             &error,
             format!("{source_name}, column `{joint}/command`"),

@@ -1,6 +1,6 @@
 //! MJCF, the format of MuJoCo: bodies in one another, joints with armature and losses, motors.
 
-use armident_effects::{EffectOnJoint, Library, Mechanism, PositionServo};
+use armident_effects::{Effect, EffectOnJoint, Library, Mechanism, PositionServo, TorqueOffset};
 use armident_model::ArmModel;
 use nalgebra::Isometry3;
 
@@ -10,11 +10,14 @@ use crate::{Exported, Held, Lost, effects};
 
 /// Name of the body that every model of MuJoCo has.
 const WORLD: &str = "world";
+/// Shortest step of a simulation \[s\] whose commands the memory of a delay holds: a quarter of MuJoCo's own.
+const SHORTEST_STEP_S: f64 = 5e-4;
 
 /// The model as MJCF.
 ///
 /// Every joint has a motor of gear 1 (control is the effort), limited where the joint is; a joint with a position controller has
-/// a position actuator (control is the command). A position actuator has no delay and no dead band.
+/// a position actuator (control is the command), or a general one where its effort has an offset. Neither has a dead band, and
+/// delays need MuJoCo 3.5 or newer.
 pub fn mjcf(model: &ArmModel) -> Exported {
     mjcf_in(Library::standard(), model)
 }
@@ -24,6 +27,9 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     let (servos, others) = servos(library, &model.effects);
     let (mut held, mut lost) = effects::sorted(library, &others, |export| export.mjcf);
     let mut said = notes(model);
+    if servos.iter().any(|controller| controller.servo.delay_s > 0.0) {
+        said.push("actuators have delays: needs MuJoCo 3.5 or newer".to_owned());
+    }
     let (chain, tip) = moved(model);
     let mut inner = has_own_tip(model)
         .then(|| place(Element::new("site").with("name", model.chain.tip_link.as_str()), &tip));
@@ -45,9 +51,9 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     }
     let mut actuators = Element::new("actuator");
     for link in &chain {
-        let servo = servos.iter().find(|(on, _)| on.joint == link.joint);
-        actuators.push(match servo {
-            Some((on, servo)) => position(link, on, servo, &mut held, &mut lost),
+        let controller = servos.iter().find(|controller| controller.on.joint == link.joint);
+        actuators.push(match controller {
+            Some(controller) => controller.actuator(link, &mut held, &mut lost),
             None => motor(link),
         });
     }
@@ -60,18 +66,33 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     Exported { text: root.document(&model.provenance), companion: None, held, lost, notes: said }
 }
 
-/// The position controllers among effects, and the other effects.
-fn servos(
-    library: &Library,
-    effects: &[EffectOnJoint],
-) -> (Vec<(EffectOnJoint, PositionServo)>, Vec<EffectOnJoint>) {
-    let (mut servos, mut others) = (Vec::new(), Vec::new());
+/// A position controller of a joint.
+struct Controller {
+    on: EffectOnJoint,
+    servo: PositionServo,
+    /// constant effort that the joint takes \[N m or N\]
+    offset: f64,
+}
+
+/// The position controllers among effects, with the offsets of their joints, and the other effects.
+fn servos(library: &Library, effects: &[EffectOnJoint]) -> (Vec<Controller>, Vec<EffectOnJoint>) {
+    let (mut servos, mut others): (Vec<Controller>, _) = (Vec::new(), Vec::new());
     for on in effects {
         match library.resolve(on).map(|effect| effect.mechanism(&on.parameters)) {
-            Ok(Mechanism::Servo(servo)) => servos.push((on.clone(), servo)),
+            Ok(Mechanism::Servo(servo)) => {
+                servos.push(Controller { on: on.clone(), servo, offset: 0.0 });
+            }
             _ => others.push(on.clone()),
         }
     }
+    others.retain(|on| {
+        let controller = servos.iter_mut().find(|controller| controller.on.joint == on.joint);
+        let Some(controller) = controller.filter(|_| on.effect == TorqueOffset.slug()) else {
+            return true;
+        };
+        controller.offset += on.parameters[0];
+        false
+    });
     (servos, others)
 }
 
@@ -83,40 +104,50 @@ fn motor(link: &Moved<'_>) -> Element {
     }
 }
 
-/// A position actuator, with what it holds and what it cannot.
-fn position(
-    link: &Moved<'_>,
-    on: &EffectOnJoint,
-    servo: &PositionServo,
-    held: &mut Vec<Held>,
-    lost: &mut Vec<Lost>,
-) -> Element {
-    let holds = |attribute, value| Held {
-        effect: on.effect.clone(),
-        joint: on.joint.clone(),
-        attribute,
-        value,
-    };
-    held.push(holds("kp", servo.stiffness));
-    if let Some(limit) = servo.effort_limit {
-        held.push(holds("forcerange", limit));
-    }
-    for (value, reason) in [
-        (servo.delay_s, "position actuators have no delay"),
-        (servo.dead_band, "position actuators have no dead band"),
-    ] {
-        if value != 0.0 {
-            let (effect, joint) = (on.effect.clone(), on.joint.clone());
-            lost.push(Lost { effect, joint, parameters: vec![value], reason });
+impl Controller {
+    /// With what it holds and what it cannot.
+    fn actuator(&self, link: &Moved<'_>, held: &mut Vec<Held>, lost: &mut Vec<Lost>) -> Element {
+        let Self { on, servo, offset } = self;
+        let holds = |effect: &str, attribute, value| Held {
+            effect: effect.to_owned(),
+            joint: on.joint.clone(),
+            attribute,
+            value,
+        };
+        let tag = if *offset == 0.0 { "position" } else { "general" };
+        let actuator = Element::new(tag).with("name", link.joint).with("joint", link.joint);
+        let mut actuator = if *offset == 0.0 {
+            held.push(holds(&on.effect, "kp", servo.stiffness));
+            actuator.numbers("kp", &[servo.stiffness])
+        } else {
+            // effort = kp command - offset - kp position
+            held.push(holds(&on.effect, "gainprm", servo.stiffness));
+            held.push(holds(TorqueOffset.slug(), "biasprm", -offset));
+            actuator
+                .numbers("gainprm", &[servo.stiffness])
+                .with("biastype", "affine")
+                .numbers("biasprm", &[-offset, -servo.stiffness, 0.0])
+        };
+        if servo.delay_s > 0.0 {
+            held.push(holds(&on.effect, "delay", servo.delay_s));
+            let steps = (servo.delay_s / SHORTEST_STEP_S).ceil() + 2.0;
+            actuator = actuator
+                .numbers("delay", &[servo.delay_s])
+                .numbers("nsample", &[steps])
+                .with("interp", "linear");
         }
-    }
-    let actuator = Element::new("position")
-        .with("name", link.joint)
-        .with("joint", link.joint)
-        .numbers("kp", &[servo.stiffness]);
-    match servo.effort_limit.or(link.limits.effort) {
-        Some(limit) => actuator.numbers("forcerange", &[-limit, limit]),
-        None => actuator,
+        if servo.dead_band != 0.0 {
+            let (effect, joint) = (on.effect.clone(), on.joint.clone());
+            let reason = "position actuators have no dead band";
+            lost.push(Lost { effect, joint, parameters: vec![servo.dead_band], reason });
+        }
+        if let Some(limit) = servo.effort_limit {
+            held.push(holds(&on.effect, "forcerange", limit));
+        }
+        match servo.effort_limit.or(link.limits.effort) {
+            Some(limit) => actuator.numbers("forcerange", &[-limit, limit]),
+            None => actuator,
+        }
     }
 }
 

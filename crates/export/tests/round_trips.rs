@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use armident_dynamics::{RigidArm, inverse_dynamics};
-use armident_effects::{Effect, EffectOnJoint, PositionControl, PositionServo};
+use armident_effects::{Effect, EffectOnJoint, PositionControl, PositionServo, TorqueOffset};
 use armident_export::{mjcf, urdf};
 use armident_ident::MinimalSet;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_urdf};
@@ -162,7 +162,8 @@ fn base_named_world_becomes_worldbody() {
 }
 
 /// Every body of MJCF stands in the one before, so that opening and closing tags are of one number.
-/// A position controller is a position actuator; what that has no attribute for is listed with its value.
+/// A position controller is a position actuator, or a general one that holds an offset too; what these have no attribute for is listed
+/// with its value.
 #[test]
 fn position_controllers_are_actuators() {
     let mut model = arms().remove(0).1;
@@ -172,14 +173,19 @@ fn position_controllers_are_actuators() {
     let on = EffectOnJoint::new(PositionControl.slug(), &names[0], servo.parameters());
     model.effects.push(on);
     let exported = mjcf(&model);
-    let actuator =
-        format!("<position name=\"{0}\" joint=\"{0}\" kp=\"80\" forcerange=\"-5 5\"/>", names[0]);
+    let delay = "delay=\"0.02\" nsample=\"42\" interp=\"linear\" forcerange=\"-5 5\"/>";
+    let actuator = format!("<position name=\"{0}\" joint=\"{0}\" kp=\"80\" {delay}", names[0]);
     assert!(exported.text.contains(&actuator), "{}", exported.text);
     assert_eq!(exported.text.matches("<motor ").count(), names.len() - 1);
-    assert_eq!(exported.held.len(), 2);
-    assert_eq!(exported.lost.len(), 1);
-    assert_eq!(exported.lost[0].parameters, [0.02]);
+    assert_eq!(exported.held.len(), 3);
+    assert!(exported.lost.is_empty());
     assert_eq!(urdf(&model).lost.len(), 1);
+    model.effects.push(EffectOnJoint::new(TorqueOffset.slug(), &names[0], [1.5]));
+    let affine = "gainprm=\"80\" biastype=\"affine\" biasprm=\"-1.5 -80 0\"";
+    let actuator = format!("<general name=\"{0}\" joint=\"{0}\" {affine} {delay}", names[0]);
+    let exported = mjcf(&model);
+    assert!(exported.text.contains(&actuator), "{}", exported.text);
+    assert!(exported.lost.is_empty());
 }
 
 #[test]

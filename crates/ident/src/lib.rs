@@ -50,8 +50,9 @@ pub use regression::{
     JointRows, KnownLoad, LAWS, MergedTerm, Term, without_loads,
 };
 pub use servo::{
-    CommandFault, Lag, OF_ROUNDING, ServoAblation, ServoError, ServoIdentification, ServoJointFit,
-    ServoParameter, ServoRequest, ServoValue, check_commands, identify_servos,
+    COMMAND_WINDOW_S, CommandFault, CommandReplay, CommandReplayError, Lag, OF_ROUNDING,
+    ServoAblation, ServoError, ServoIdentification, ServoJointFit, ServoParameter, ServoRequest,
+    ServoValue, check_commands, identify_servos, replay_commands,
 };
 pub use structure::{
     CouplingFound, ReversalCandidates, Structure, StructureSearch, SublinearFound,

@@ -149,7 +149,7 @@ pub(crate) fn validate(
 ) -> PyResult<Answer> {
     let (given, recordings) = (robot.given.clone(), recorded(&recordings));
     let files = sources(&given, &[&recordings]);
-    let found = done(py, move || run::validate(&given, recordings, cutoff_hz, replay))?;
+    let found = done(py, move || run::validate(&given, recordings, cutoff_hz, replay, &[]))?;
     Ok(Answer::new(Found::Validated(found), "validate", files))
 }
 

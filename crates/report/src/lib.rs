@@ -38,9 +38,9 @@ pub use results::{
     EndogeneityRow, ErrorDifference, EstimateRow, EvidenceRow, ExciteReport, FindingDifference,
     FindingRow, FitReport, FitRows, Fits, IdentifyReport, InputCheckRows, JointResiduals,
     MergeReport, MergedRow, ModelCard, MoreData, MotionRow, NOT_IDENTIFIED, ParameterDifference,
-    ParameterRow, ParamsReport, PayloadRow, Regressor, RegressorBin, ReplayReport, ServoNumber,
-    ServoRow, ServosReport, SetAside, StepRow, ValidateReport, VariableShare, in_noise_levels,
-    plan_text,
+    ParameterRow, ParamsReport, PayloadRow, PositionsUnderCommands, Regressor, RegressorBin,
+    ReplayReport, ServoNumber, ServoRow, ServosReport, SetAside, StepRow, ValidateReport,
+    VariableShare, in_noise_levels, plan_text,
 };
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};

@@ -1,5 +1,7 @@
 //! An arm whose joints have position controllers: commands in, motion out.
 
+use std::ops::Range;
+
 use armident_effects::PositionServo;
 use armident_recording::{Quantity, Recording};
 
@@ -28,6 +30,21 @@ pub fn closed_loop(
     start: ArmState,
     step_s: f64,
 ) -> Result<Recording, SimulationError> {
+    closed_loop_over(arm, gain, commands, 0..commands.time_s.len(), start, step_s)
+}
+
+/// The same over a span of samples, from a state at its first stamp on; commands before the span are known to the controllers.
+///
+/// # Errors
+/// As [`closed_loop`]; a span that is empty or beyond the recording.
+pub fn closed_loop_over(
+    arm: &SimulatedArm,
+    gain: f64,
+    commands: &Recording,
+    span: Range<usize>,
+    start: ArmState,
+    step_s: f64,
+) -> Result<Recording, SimulationError> {
     commands.check()?;
     let columns = arm.joints().iter().map(|name| {
         let column = commands.joint(name).and_then(|joint| joint.channel(Quantity::Command));
@@ -46,13 +63,18 @@ pub fn closed_loop(
         };
         servos.iter().enumerate().map(of_joint).collect()
     };
-    let mut stepper = ForwardStepper::new(arm, start, stamps_s[0])?;
-    let mut log = MotionLog::new(arm.dof(), stamps_s.len());
-    for (k, &stamp_s) in stamps_s.iter().enumerate() {
+    let moved_s = stamps_s.get(span).unwrap_or(&[]);
+    let mut log = MotionLog::new(arm.dof(), moved_s.len());
+    let source = format!("closed loop under {}", commands.source);
+    let Some(&start_s) = moved_s.first() else {
+        return log.into_recording(source, arm, Vec::new());
+    };
+    let mut stepper = ForwardStepper::new(arm, start, start_s)?;
+    for (k, &stamp_s) in moved_s.iter().enumerate() {
         let now = effort(stamp_s, 0.0, stepper.state());
         let acceleration = stepper.acceleration(&now)?;
         log.push(stamp_s, stepper.state(), &acceleration, &now);
-        let Some(next_s) = stamps_s.get(k + 1) else { break };
+        let Some(next_s) = moved_s.get(k + 1) else { break };
         let cycle_s = next_s - stamp_s;
         let steps = (cycle_s / step_s - 1e-9).ceil().max(1.0);
         let h = cycle_s / steps;
@@ -65,7 +87,7 @@ pub fn closed_loop(
     }
     let mut notes = commands.notes.clone();
     notes.push(scheme_note(arm, step_s));
-    log.into_recording(format!("closed loop under {}", commands.source), arm, notes)
+    log.into_recording(source, arm, notes)
 }
 
 #[cfg(test)]

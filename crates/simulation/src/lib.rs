@@ -112,7 +112,7 @@ mod tracking;
 mod trajectory;
 mod transmission;
 
-pub use closed_loop::closed_loop;
+pub use closed_loop::{closed_loop, closed_loop_over};
 pub use error::SimulationError;
 pub use forward::{DEFAULT_STEP_S, ForwardSettings, forward};
 pub use inverse::inverse;

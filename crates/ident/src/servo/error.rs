@@ -3,6 +3,7 @@
 use std::fmt;
 
 use armident_recording::{Quantity, RecordingError};
+use armident_simulation::SimulationError;
 
 /// What a column of commands is instead of the position that a joint is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +65,9 @@ pub enum ServoError {
     /// A recording cannot become a motion.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// The arm cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
     /// A recording lacks a channel.
     #[error("no {quantity} column for {joint}")]
     MissingChannel {

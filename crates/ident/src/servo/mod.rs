@@ -9,6 +9,7 @@
 //! ones. Only the weight of the links has a known unit: where a joint carries none, parameters are known over its stiffness.
 
 mod command_checks;
+mod command_replay;
 mod commands;
 mod error;
 mod joint_data;
@@ -24,6 +25,7 @@ use joint_data::JointData;
 use joint_fit::{JointEstimate, ablations, fit};
 
 pub use command_checks::check_commands;
+pub use command_replay::{COMMAND_WINDOW_S, CommandReplay, CommandReplayError, replay_commands};
 pub use commands::Lag;
 pub use error::{CommandFault, ServoError};
 pub use joint_fit::{OF_ROUNDING, ServoAblation, ServoParameter, ServoValue};

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use armident_report::{
-    ByJoint, EffortErrorRow, ValidateReport, counted, percent, standard_sections,
+    ByJoint, EffortErrorRow, PositionsUnderCommands, ValidateReport, counted, percent,
+    standard_sections,
 };
 
 use super::joint_cards::joint_cards;
@@ -14,12 +15,18 @@ use crate::view::{Step, Tone, View, number};
 
 /// Relative error up to which a model predicts well.
 const WELL: f64 = 0.05;
+/// Share of the command's position error up to which a model follows well: what a gain, an offset and a lag of each joint
+/// seldom reach.
+const FOLLOWED: f64 = 0.5;
 /// p-value below which a residual is not white.
 const WHITE: f64 = 0.01;
 /// Coverage of the 95 % band below which the noise level is too small.
 const UNDER_COVERED: f64 = 0.9;
 
 pub(crate) fn view(of: &ValidateReport, drawing: &Drawing) -> View {
+    if let Some(errors) = &of.positions {
+        return view_of_positions(of, errors, drawing);
+    }
     let mut errors: Vec<(f64, &String)> =
         of.joints.iter().filter_map(|j| Some((of.after.get(j)?.relative, j))).collect();
     errors.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -70,6 +77,60 @@ pub(crate) fn view(of: &ValidateReport, drawing: &Drawing) -> View {
             .into_iter()
             .chain(figures::over_time(drawing))
             .collect(),
+        joints: joint_cards(drawing, &open, &ByJoint::default()),
+        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
+        sections: parts(shown, |_| None),
+        cards: Vec::new(),
+        robot: format!("{}: {}", of.robot, of.model),
+        warnings: [&of.warnings[..], &of.notes].concat(),
+    }
+}
+
+/// Of an arm behind its controllers.
+fn view_of_positions(
+    of: &ValidateReport,
+    errors: &PositionsUnderCommands,
+    drawing: &Drawing,
+) -> View {
+    let share = |joint: &String| Some(errors.whole.get(joint)? / errors.command.get(joint)?);
+    let shares = of.joints.iter().filter_map(|joint| Some((share(joint)?, joint)));
+    let worst = shares.max_by(|a, b| a.0.total_cmp(&b.0));
+    let is_good = worst.is_some_and(|(share, _)| share < FOLLOWED);
+    let next =
+        if is_good {
+            Step::new("Export the controllers for a simulator.")
+                .by(format!("armident export {} -o robot.xml", of.model))
+        } else {
+            Step::new("Run diagnose on recordings of commands to find what is missing.")
+                .by(format!("armident diagnose {} {}", of.model, of.recordings.join(" ")))
+        };
+    let values = |errors: &ByJoint| of.joints.iter().map(|j| errors.get(j).copied()).collect();
+    let bars = figures::errors(
+        &of.joints,
+        &[
+            ("command".to_owned(), values(&errors.command)),
+            ("model".to_owned(), values(&errors.whole)),
+        ],
+        DrawnQuantity::Position,
+    );
+    let shown = standard_sections::VALIDATE.iter();
+    let shown = shown.map(|section| (section.key(), section.page(of)));
+    let open: Vec<String> = worst.map(|w| w.1.clone()).into_iter().collect();
+    View {
+        kind: "Validation",
+        tone: if is_good { Tone::Good } else { Tone::Bad },
+        headline: match worst {
+            Some((share, joint)) => {
+                format!("Worst joint: {joint}, {} of the command's position error", percent(share))
+            }
+            None => "No joint has both a command and a position".to_owned(),
+        },
+        sentences: vec![format!(
+            "Positions on {}: simulated from the commands, from the first recorded position on.",
+            counted(of.recordings.len(), "hold-out recording")
+        )],
+        next: vec![next],
+        overview: bars.into_iter().chain(figures::over_time(drawing)).collect(),
         joints: joint_cards(drawing, &open, &ByJoint::default()),
         skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
         sections: parts(shown, |_| None),

@@ -42,4 +42,4 @@ pub use parameters::ParameterRow;
 pub use params::ParamsReport;
 pub use plan::plan_text;
 pub use servos::{ServoNumber, ServoRow, ServosReport};
-pub use validate::{EffortErrorRow, ReplayReport, ValidateReport};
+pub use validate::{EffortErrorRow, PositionsUnderCommands, ReplayReport, ValidateReport};

@@ -31,6 +31,8 @@ pub struct ValidateReport {
     pub before: BTreeMap<String, EffortErrorRow>,
     /// Effort error of the model, by joint.
     pub after: BTreeMap<String, EffortErrorRow>,
+    /// Position errors under commands; `null` where efforts are recorded.
+    pub positions: Option<PositionsUnderCommands>,
     /// Forward replay of the URDF; `null` where it cannot be simulated, and with `--no-replay`.
     pub replay_before: Option<ReplayReport>,
     /// Forward replay of the model, likewise.
@@ -60,6 +62,24 @@ pub struct EffortErrorRow {
     pub lag1_correlation: Option<f64>,
     /// p-value of the Ljung-Box test over 10 lags, residual thinned to twice the cut-off frequency.
     pub whiteness_p: Option<f64>,
+}
+
+/// RMS position errors of an arm behind its controllers \[rad or m\].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct PositionsUnderCommands {
+    /// Of the command itself.
+    pub command: ByJoint,
+    /// Of the model, from the first sample of each recording on.
+    pub whole: ByJoint,
+    /// Of the model, from the recorded state at the start of each window on.
+    pub in_windows: ByJoint,
+    /// Length of a window \[s\].
+    pub window_s: f64,
+    /// Windows simulated to their end.
+    pub windows: usize,
+    /// Windows that diverged.
+    pub diverged: usize,
 }
 
 /// Forward replay of all joints.

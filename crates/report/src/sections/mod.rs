@@ -55,7 +55,8 @@ pub const IDENTIFY: &[&dyn Section<IdentifyReport>] = &[
 ];
 
 /// Sections of `armident validate`.
-pub const VALIDATE: &[&dyn Section<ValidateReport>] = &[&validate::EffortError, &validate::Replay];
+pub const VALIDATE: &[&dyn Section<ValidateReport>] =
+    &[&validate::EffortError, &validate::PositionError, &validate::Replay];
 
 /// Sections of `armident check`.
 pub const CHECK: &[&dyn Section<CheckReport>] =

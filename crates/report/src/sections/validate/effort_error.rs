@@ -16,10 +16,16 @@ impl Section<ValidateReport> for EffortError {
     }
 
     fn text(&self, result: &ValidateReport) -> Vec<Block> {
+        if result.after.is_empty() {
+            return Vec::new();
+        }
         vec![Block::heading_with_note("Effort error", NOTE), table(result, "")]
     }
 
     fn page(&self, result: &ValidateReport) -> Vec<Block> {
+        if result.after.is_empty() {
+            return Vec::new();
+        }
         let low_pass = result
             .cutoff_hz
             .map(|hz| Block::Line(format!("Low-pass of {} Hz.", significant(hz, 3, 0.0))));
