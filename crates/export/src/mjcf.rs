@@ -1,10 +1,11 @@
 //! MJCF, the format of MuJoCo: bodies in one another, joints with armature and losses, motors.
 
-use armident_effects::{EffectOnJoint, Library, Mechanism, PositionServo};
+use armident_effects::{EffectOnJoint, Library, PositionServo};
 use armident_model::ArmModel;
 use nalgebra::Isometry3;
 
 use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
+use crate::servos::{lost_of_servo, servos};
 use crate::xml::Element;
 use crate::{Exported, Held, Lost, effects};
 
@@ -60,21 +61,6 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     Exported { text: root.document(&model.provenance), companion: None, held, lost, notes: said }
 }
 
-/// The position controllers among effects, and the other effects.
-fn servos(
-    library: &Library,
-    effects: &[EffectOnJoint],
-) -> (Vec<(EffectOnJoint, PositionServo)>, Vec<EffectOnJoint>) {
-    let (mut servos, mut others) = (Vec::new(), Vec::new());
-    for on in effects {
-        match library.resolve(on).map(|effect| effect.mechanism(&on.parameters)) {
-            Ok(Mechanism::Servo(servo)) => servos.push((on.clone(), servo)),
-            _ => others.push(on.clone()),
-        }
-    }
-    (servos, others)
-}
-
 fn motor(link: &Moved<'_>) -> Element {
     let motor = Element::new("motor").with("name", link.joint).with("joint", link.joint);
     match link.limits.effort {
@@ -101,15 +87,12 @@ fn position(
     if let Some(limit) = servo.effort_limit {
         held.push(holds("forcerange", limit));
     }
-    for (value, reason) in [
-        (servo.delay_s, "position actuators have no delay"),
-        (servo.dead_band, "position actuators have no dead band"),
-    ] {
-        if value != 0.0 {
-            let (effect, joint) = (on.effect.clone(), on.joint.clone());
-            lost.push(Lost { effect, joint, parameters: vec![value], reason });
-        }
-    }
+    lost.extend(lost_of_servo(
+        on,
+        servo,
+        "position actuators have no delay",
+        "position actuators have no dead band",
+    ));
     let actuator = Element::new("position")
         .with("name", link.joint)
         .with("joint", link.joint)
