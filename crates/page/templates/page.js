@@ -177,8 +177,11 @@
         told.textContent = said(Number(input.value));
         draw();
       });
+      const track = document.createElement("span");
+      track.className = "track";
+      track.append(input);
       const both = document.createElement("span");
-      both.append(input, " ", told);
+      both.append(track, " ", told);
       control(place, text, both);
       return input;
     };
@@ -198,8 +201,8 @@
       told.className = "legend";
       told.setAttribute("role", "status");
       place.after(told);
-      // the stretches of time in which a finding acts, on the slider
-      const stretches = (finding) => {
+      // the times at which a finding acts, below the slider
+      const intervals = (finding) => {
         const first = arm.time_s[0];
         const length = arm.time_s[arm.time_s.length - 1] - first || 1;
         const share = (t) => `${Math.min(100, Math.max(0, (100 * (t - first)) / length)).toFixed(1)}%`;
@@ -213,14 +216,14 @@
         lit = k;
         select.value = k === null ? 0 : k + 1;
         place.dataset.lit = k === null ? "" : arm.findings[k].title;
-        time.style.background = "";
+        time.parentElement.style.background = "";
         told.textContent = "";
         if (k !== null) {
           const finding = arm.findings[k];
           const parts = [finding.title];
           if (finding.regime) parts.push(`regime: ${finding.regime}`);
           if (finding.acts_s.length) {
-            time.style.background = stretches(finding);
+            time.parentElement.style.background = intervals(finding);
             parts.push(`acts ${finding.acts_s.map(([from, to]) => `${Math.max(0, from).toFixed(1)} s to ${to.toFixed(1)} s`).join(", ")}`);
           }
           told.textContent = `${parts.join("; ")}.`;
