@@ -185,7 +185,7 @@ fn cells(dataset: &Dataset) -> Result<Content, String> {
 /// A row of letters, which MATLAB stores as UTF-16.
 #[cfg(feature = "all-formats")]
 fn letters(dataset: &Dataset) -> Result<String, String> {
-    if dataset.dtype() != Ok(DType::U16) {
+    if !matches!(dataset.dtype(), Ok(DType::U16)) {
         return Err("no letters".to_owned());
     }
     let letters = dataset.read_u16().map_err(|error| error.to_string())?;
