@@ -6,11 +6,11 @@
 #     log.t = t; log.q = q; log.tau = tau; log.joint_names = {'shoulder_pan_joint', ...};
 #     save('log.mat', 'log')
 #
-# With joint_names no mapping is needed to know the joints.
+# With joint_names no mapping is needed; without it, add --robot and --write-mapping as in rtde.sh.
 set -eu
 here=$(dirname "$0")
 log=${1:-$here/logs/matlab.mat}
 robot=${2:-$here/../urdf/ur5.urdf}
 
-armident info "$log" --robot "$robot" --write-mapping matlab_mapping.toml
-armident diagnose "$robot" "$log" --mapping matlab_mapping.toml --report matlab_report.html
+armident info "$log"
+armident diagnose "$robot" "$log" --report matlab_report.html

@@ -127,9 +127,9 @@ fn logs_of_other_programs_need_two_commands() {
     for (log, is_mapped) in [
         ("ros2_bag", false),
         ("rtde.csv", true),
-        ("matlab.mat", true),
+        ("matlab.mat", false),
         ("sage/state_motor.csv", false),
-        ("numpy.npz", true),
+        ("numpy.npz", false),
     ] {
         let (path, mapping) =
             (project(&format!("examples/logs/{log}")), folder.join("mapping.toml"));

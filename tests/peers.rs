@@ -95,10 +95,10 @@ const HAND_WRITTEN: &str = r#"<mujoco model="hand_written">
     <geom type="plane" size="1 1 0.1"/>
     <frame pos="0 0 0.2" axisangle="0 0 1 30">
       <body name="turret" euler="10 20 30" childclass="big">
-        <inertial pos="0.01 0.02 0.1" mass="4" diaginertia="0.02 0.03 0.01" quat="0.9 0.1 0.2 0.3"/>
+        <inertial pos="0.01 0.02 0.1" mass="4" diaginertia="0.025 0.03 0.01" quat="0.9 0.1 0.2 0.3"/>
         <joint name="turn" axis="0 0 1" ref="15"/>
         <body name="upper" pos="0 0.1 0.3" xyaxes="0 1 0 -1 0 0.2">
-          <inertial pos="0.2 0 0" mass="2.5" fullinertia="0.01 0.06 0.07 0.001 -0.002 0.003"/>
+          <inertial pos="0.2 0 0" mass="2.5" fullinertia="0.03 0.06 0.07 0.001 -0.002 0.003"/>
           <joint name="shoulder" class="main" axis="0 1 1" pos="0.05 0 -0.02"/>
           <body name="tube" pos="0.4 0 0" zaxis="1 0 0.1">
             <inertial pos="0 0 0.1" mass="1.2" diaginertia="0.004 0.004 0.001"/>

@@ -16,9 +16,9 @@ MAPPED = {
     "ros1.bag": False,
     "lerobot": True,
     "rtde.csv": True,
-    "matlab.mat": True,
+    "matlab.mat": False,
     "sage/state_motor.csv": False,
-    "numpy.npz": True,
+    "numpy.npz": False,
 }
 
 
