@@ -50,14 +50,14 @@ fn exported_urdf_predicts_the_same_efforts() {
 fn unknown_extension_requires_format() {
     let folder = scratch("export_format");
     let urdf = project("urdf/scara.urdf");
-    let ran = run_in(&folder, &["export", text(&urdf), "-o", "scara.sdf"]);
+    let ran = run_in(&folder, &["export", text(&urdf), "-o", "scara.dae"]);
     assert_eq!(ran.code, 1);
     assert_eq!(
         ran.stderr,
-        "error: cannot infer the output format from `scara.sdf`\n   in: scara.sdf\n hint: use the \
-         extension .urdf, .xml for MJCF, or .c, or pass --format\n"
+        "error: cannot infer the output format from `scara.dae`\n   in: scara.dae\n hint: use the \
+         extension .urdf, .xml for MJCF, .sdf, .usda, .py for Isaac Lab, or .c, or pass --format\n"
     );
-    assert!(!folder.join("scara.sdf").exists());
+    assert!(!folder.join("scara.dae").exists());
 }
 
 /// An inconsistent estimate is kept with --raw-estimate, with a note at the export.

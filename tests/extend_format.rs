@@ -119,7 +119,7 @@ fn foreign_format_round_trips() {
     let formats = Formats::standard().with(&Lines);
     assert_eq!(
         formats.extensions(),
-        ["lines", "csv", "mcap", "npz", "mat", "parquet", "db3", "bag"]
+        ["lines", "csv", "mcap", "npz", "mat", "parquet", "db3", "bag", "h5", "hdf5"]
     );
     let path = written(&formats, "extend_format_round_trip", "run.lines");
     let found = formats.read(&path, &ReadSettings::default()).unwrap();

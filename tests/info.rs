@@ -97,3 +97,57 @@ fn conversions_return_to_the_same_file() {
     assert_eq!(ran.code, 1);
     assert!(ran.stderr.contains(".csv, .mcap, .npz, .parquet"), "{}", ran.stderr);
 }
+
+/// Scripts of the users of a program, with the logs beside them; LeRobot's is in Python and runs in `python/tests`.
+#[cfg(unix)]
+#[test]
+fn example_scripts_end_in_a_diagnosis() {
+    let programs = std::path::Path::new(env!("CARGO_BIN_EXE_armident")).parent().unwrap();
+    for name in ["ros2_bag", "rtde", "matlab"] {
+        let folder = scratch(&format!("example_{name}"));
+        let ran = std::process::Command::new("sh")
+            .arg(project(&format!("examples/{name}.sh")))
+            .current_dir(&folder)
+            .env("PATH", format!("{}:/usr/bin:/bin", programs.display()))
+            .output()
+            .unwrap();
+        let output = String::from_utf8_lossy(&ran.stdout);
+        let errors = String::from_utf8_lossy(&ran.stderr);
+        assert!(ran.status.success(), "{name}: {errors}");
+        assert!(output.contains("effects are missing from the model"), "{name}: {output}");
+        assert!(folder.join(format!("{}_report.html", name.trim_end_matches("_bag"))).exists());
+    }
+}
+
+/// Logs of the table in `docs/book/src/formats.md` that the default build reads; the others are in `python/tests/test_logs.py`.
+#[test]
+fn logs_of_other_programs_need_two_commands() {
+    let folder = scratch("example_logs");
+    let urdf = project("urdf/ur5.urdf");
+    for (log, is_mapped) in [
+        ("ros2_bag", false),
+        ("rtde.csv", true),
+        ("matlab.mat", false),
+        ("sage/state_motor.csv", false),
+        ("numpy.npz", false),
+    ] {
+        let (path, mapping) =
+            (project(&format!("examples/logs/{log}")), folder.join("mapping.toml"));
+        let mut args = vec!["info", text(&path), "--robot", text(&urdf), "--json", "-"];
+        if is_mapped {
+            args.extend(["--write-mapping", text(&mapping)]);
+        }
+        let found = &run(&args).fine().json()["recordings"][0];
+        let names = if is_mapped { "guess" } else { "standard" };
+        assert_eq!(string(&found["names"]), names, "{log}: {found}");
+        let mut args = vec!["diagnose", text(&urdf), text(&path), "--no-replay", "--json", "-"];
+        if is_mapped {
+            args.extend(["--mapping", text(&mapping)]);
+        }
+        let result = run(&args).fine().json();
+        let friction = list(&result["findings"])
+            .iter()
+            .any(|f| f["effect"] == "coulomb_friction" && f["joints"][0] == "wrist_1_joint");
+        assert!(friction, "{log}: {}", result["findings"]);
+    }
+}

@@ -183,6 +183,7 @@ def look(browser, page, pictures):
             f"const s = document.querySelectorAll('.control input')[{slider}];"
             " s.value = s.max / 2; s.dispatchEvent(new Event('input'))"
         )
+    lit = light(browser)
     hovered = hover(browser)
     if pictures and browser.run("return !!document.getElementById('skeleton')"):
         browser.run("document.getElementById('skeleton').scrollIntoView({block: 'center', behavior: 'instant'})")
@@ -199,9 +200,22 @@ def look(browser, page, pictures):
                 requests.append(url)
     return {
         "page": page.name, "ready": ready, "seconds": round(seconds, 2), "charts": charts, "drawn": drawn,
-        "views": views, "closed": closed, "hovered": hovered, "overflow": overflow, "errors": errors,
+        "views": views, "closed": closed, "lit": lit, "hovered": hovered, "overflow": overflow, "errors": errors,
         "requests": requests,
     }  # fmt: skip
+
+
+def light(browser):
+    """What the arm says of the first finding once its button is pressed; none without one."""
+    if not browser.run("return !!document.querySelector('button.light')"):
+        return None
+    browser.run("document.querySelector('button.light').click()")
+    wait(browser, "!!document.getElementById('skeleton').dataset.lit", 5)
+    return browser.run(
+        "const s = document.getElementById('skeleton');"
+        " return [s.dataset.lit, s.nextElementSibling.textContent, s.querySelectorAll('.legendtext').length,"
+        " [...s.querySelectorAll('.legendtext')].some((t) => t.textContent === s.dataset.lit)]"
+    )
 
 
 def hover(browser):

@@ -127,7 +127,14 @@ fn every_page_opens_in_browser() {
                 assert_eq!(page["hovered"], true, "{page}");
             }
             // six joints with at least three charts each, the arm, the errors over time
-            _ => {
+            name => {
+                if name == "diagnose.html" {
+                    // a finding that is clicked lights its joint, its regime and its time range
+                    let lit = list(&page["lit"]);
+                    let (title, shown) = (string(&lit[0]), string(&lit[1]));
+                    assert!(shown.starts_with(title) && lit[3] == true, "{page}");
+                    assert!(shown.contains("; regime: ") && shown.contains("; acts "), "{page}");
+                }
                 assert!(charts >= 20.0, "{page}");
                 assert_eq!(page["hovered"], true, "{page}");
             }

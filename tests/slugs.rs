@@ -8,7 +8,9 @@ use armident_effects::{Effect, Library, UNMODELLED};
 use crate::shared::project;
 
 /// Sources where a string that is also a slug stands for something else, with the string.
-const OTHER_MEANINGS: [(&str, &str); 1] = [
+const OTHER_MEANINGS: [(&str, &str); 2] = [
+    // the argument of Isaac Lab's actuators
+    ("crates/export/src/isaac_lab.rs", "viscous_friction"),
     // the key of the model file
     ("crates/model/src/file.rs", "encoder_offset"),
 ];

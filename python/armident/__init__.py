@@ -25,6 +25,7 @@ from ._commands import (
     simulate,
     validate,
 )
+from ._progress import show_progress
 from ._recordings import read
 from ._results import (
     Accumulation,
@@ -76,6 +77,7 @@ __all__ = [
     "params",
     "predict",
     "read",
+    "show_progress",
     "simulate",
     "validate",
 ]

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from . import _armident
 from ._armident import Recording
+from ._progress import working
 from ._recordings import Path, RecordingsLike, RobotLike, as_recordings, as_robot
 from ._results import (
     Accumulation,
@@ -103,11 +104,12 @@ def identify(
         (os.fspath(load["file"]), load["mass"], load.get("com"), load.get("com_error", 0.0))
         for load in payload
     ]
-    return Identification(
-        _armident.identify(
+    held_out = as_recordings(holdout, mapping, topic)
+    with working("fitting"):
+        answer = _armident.identify(
             as_robot(robot),
             train,
-            as_recordings(holdout, mapping, topic),
+            held_out,
             plan,
             cutoff_hz,
             method,
@@ -118,7 +120,7 @@ def identify(
             _one_of("viscous", viscous, ("auto", "linear")) == "auto",
             raw_estimate,
         )
-    )
+    return Identification(answer)
 
 
 def diagnose(
@@ -150,16 +152,13 @@ def diagnose(
         ArmidentError: Recordings that cannot be used.
     """
     path = None if next_motion is None else os.fspath(next_motion)
-    answer, motion = _armident.diagnose(
-        as_robot(robot),
-        as_recordings(recordings, mapping, topic),
-        as_recordings(holdout, mapping, topic),
-        as_recordings(reference, mapping, topic),
-        placebo,
-        replay,
-        trust_columns,
-        path,
+    train, held_out, earlier = (
+        as_recordings(each, mapping, topic) for each in (recordings, holdout, reference)
     )
+    with working("diagnosing"):
+        answer, motion = _armident.diagnose(
+            as_robot(robot), train, held_out, earlier, placebo, replay, trust_columns, path
+        )
     result = Diagnosis(answer)
     result.separating_motion = motion
     if motion is not None and path is not None:
@@ -188,7 +187,9 @@ def validate(
         ArmidentError: Recordings without the joints or efforts of the arm.
     """
     read = as_recordings(recordings, mapping, topic)
-    return Validation(_armident.validate(as_robot(robot), read, cutoff_hz, replay))
+    with working("validating"):
+        answer = _armident.validate(as_robot(robot), read, cutoff_hz, replay)
+    return Validation(answer)
 
 
 def predict(
@@ -251,9 +252,10 @@ def simulate(
     effects = [(name, joint, list(parameters)) for name, joint, parameters in effect]
     noise = None if torque_noise is None else str(torque_noise)
     read = as_recordings(trajectories, mapping, topic)
-    simulated, _ = _armident.simulate(
-        as_robot(robot), read, forward, noise, encoder_bits, rate_hz, effects, seed
-    )
+    with working("simulating"):
+        simulated, _ = _armident.simulate(
+            as_robot(robot), read, forward, noise, encoder_bits, rate_hz, effects, seed
+        )
     return simulated
 
 
@@ -261,7 +263,7 @@ def export(
     robot: RobotLike,
     path: Path,
     *,
-    format: Literal["urdf", "mjcf", "c"] | None = None,
+    format: Literal["urdf", "mjcf", "drake-sdf", "isaaclab", "usd", "c"] | None = None,
     false_alarms_per_hour: float | None = None,
     without_contact: RecordingsLike | None = None,
     holdout: RecordingsLike | None = None,
@@ -269,10 +271,10 @@ def export(
     mapping: Path | None = None,
     topic: str | None = None,
 ) -> Export:
-    """Export a model to URDF, MJCF or C.
+    """Export a model to URDF, MJCF, SDFormat, USD, Isaac Lab or C.
 
     Args:
-        path: Output file (`.urdf`, `.xml` for MJCF, or `.c`).
+        path: Output file (`.urdf`, `.xml` for MJCF, `.sdf`, `.usda`, `.py` for Isaac Lab, or `.c`).
         format: Output format. Default: from the extension.
         false_alarms_per_hour: Thresholds of the momentum observer for this rate of the whole arm (C).
         without_contact: Recordings of ordinary motion without contact, for the thresholds.
@@ -397,22 +399,23 @@ def excite(
     Raises:
         ArmidentError: Limits or regions that cannot be read; a robot without limits.
     """
-    return Suite(
-        _armident.excite(
+    recorded = as_recordings(given, mapping, topic)
+    with working("designing motions"):
+        answer = _armident.excite(
             as_robot(robot),
             os.fspath(folder),
             _path(limits),
             _path(keep_out),
             _path(diagnosis),
             list(format),
-            as_recordings(given, mapping, topic),
+            recorded,
             seconds,
             budget,
             rate_hz,
             list(only),
             seed,
         )
-    )
+    return Suite(answer)
 
 
 def accumulate(
@@ -437,11 +440,11 @@ def accumulate(
         ArmidentError: An output file that holds something else; no recording that can be reduced.
     """
     paths = _paths(recordings)
-    return Accumulation(
-        _armident.accumulate(
+    with working("reducing recordings"):
+        answer = _armident.accumulate(
             as_robot(robot), paths, os.fspath(output_file), cutoff_hz, _path(mapping), topic
         )
-    )
+    return Accumulation(answer)
 
 
 def merge(robot: RobotLike, states: Path | Iterable[Path]) -> Merge:

@@ -8,6 +8,7 @@ from typing import Union
 
 from . import _armident
 from ._armident import Recording, Robot
+from ._progress import steps
 
 #: A path.
 Path = Union[str, "os.PathLike[str]"]
@@ -48,7 +49,7 @@ def as_recordings(
         return []
     several = [given] if isinstance(given, (Recording, str, os.PathLike)) else list(given)
     found: list[Recording] = []
-    for one in several:
+    for one in steps(several, "reading"):
         if isinstance(one, Recording):
             found.append(one)
         else:

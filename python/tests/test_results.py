@@ -53,3 +53,34 @@ def test_warnings_of_a_result_are_python_warnings(tmp_path, train):
     with pytest.warns(armident.ArmidentWarning, match="link_6"):
         result = armident.params(urdf)
     assert any("link_6" in warning for warning in result.warnings)
+
+
+def test_every_result_shows_in_notebooks(tmp_path, robot, train, holdout, identification):
+    path = tmp_path / "log.csv"
+    results = [
+        armident.info(TRAIN),
+        armident.convert(train, path),
+        armident.export(identification.model, tmp_path / "arm.sdf"),
+        armident.predict(robot, train),
+        armident.validate(robot, holdout, replay=False),
+        identification,
+    ]
+    for result in results:
+        html = result._repr_html_()
+        # a notebook runs no script of a result, and shows each as its own
+        assert "<script" not in html and "ur5" in html.lower() or "train.csv" in html, type(result)
+
+
+def test_models_go_into_simulators(tmp_path, identification):
+    for name, start in [("arm.sdf", "<?xml"), ("arm.usda", "#usda 1.0"), ("arm.py", '"""Actuators of ur5')]:
+        exported = armident.export(identification.model, tmp_path / name)
+        assert exported.text.startswith(start)
+        assert (tmp_path / name).read_text() == exported.text
+        assert {one.effect for one in exported.lost} == {"torque_offset"}
+
+
+def test_mjcf_is_a_robot(tmp_path, robot, train):
+    armident.export(robot, tmp_path / "arm.xml")
+    again = armident.Robot(tmp_path / "arm.xml")
+    difference = again.predict(train) - robot.predict(train)
+    assert abs(difference).max() < 1e-6

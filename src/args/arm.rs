@@ -266,32 +266,43 @@ pub(crate) enum FormatArg {
     Urdf,
     /// MuJoCo format: also armature, gravity and motors
     Mjcf,
+    /// SDFormat for Drake: also rotor inertia
+    DrakeSdf,
+    /// actuators of Isaac Lab, as Python source
+    #[value(name = "isaaclab")]
+    IsaacLab,
+    /// USD overlay: masses, rotor inertia and friction
+    Usd,
     /// C99 source and header for a controller
     C,
 }
 
-/// Export a model to URDF, MJCF or C
+/// Export a model to a simulator (URDF, MJCF, SDFormat, USD, Isaac Lab) or a controller (C)
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   armident export model.json -o robot.urdf
   armident export model.json -o robot.xml           (MJCF, for MuJoCo)
+  armident export model.json -o robot.sdf           (Drake)
+  armident export model.json -o robot.usda          (overlay of the robot's USD)
+  armident export model.json -o actuators.py        (Isaac Lab)
   armident export model.json -o robot.c             (C99, with its header beside it)
   armident export model.json -o robot.c --false-alarms-per-hour 1 --without-contact day1.csv --holdout day2.csv
   armident export urdf/panda.urdf -o - --format mjcf
 
-URDF and MJCF hold the chain with its links, limits and the joint effects that the format supports;
-shapes and meshes are omitted. C holds inverse dynamics, gravity and friction feed-forward, the inertia
+URDF, MJCF and SDFormat hold the chain with its links, limits and the joint effects that the format
+supports; shapes and meshes are omitted. USD is an overlay of the robot's own USD: masses, rotor inertia
+and friction. C holds inverse dynamics, gravity and friction feed-forward, the inertia
 matrix and a momentum observer, without allocation and without a library but libm. Unsupported effects
 are listed.")]
 pub(crate) struct ExportArgs {
     /// Model written by identify or diagnose, or a URDF
     pub(crate) robot: PathBuf,
-    /// Output file (.urdf, .xml for MJCF, or .c); - for stdout
+    /// Output file (.urdf, .xml for MJCF, .sdf, .usda, .py for Isaac Lab, or .c); - for stdout
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output_file: PathBuf,
     /// Output format [default: from the extension]
-    #[arg(long, value_enum)]
+    #[arg(long, visible_alias = "to", value_enum)]
     pub(crate) format: Option<FormatArg>,
     /// Thresholds of the momentum observer for this rate of false alarms of the whole arm (C)
     #[arg(long, value_name = "RATE", value_parser = parse_positive, requires = "without_contact")]

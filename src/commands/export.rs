@@ -27,6 +27,9 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome, Failure> {
     let format = match args.format {
         Some(FormatArg::Urdf) => ExportFormat::Urdf,
         Some(FormatArg::Mjcf) => ExportFormat::Mjcf,
+        Some(FormatArg::DrakeSdf) => ExportFormat::DrakeSdf,
+        Some(FormatArg::IsaacLab) => ExportFormat::IsaacLab,
+        Some(FormatArg::Usd) => ExportFormat::Usd,
         Some(FormatArg::C) => ExportFormat::C,
         None => ExportFormat::of_path(&args.output_file)?,
     };

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use armident_export::{
-    AlarmThresholds, Exported, Held, Lost, ObservedAlarms, controller, controller_with_alarm, mjcf,
-    urdf,
+    AlarmThresholds, Exported, Held, Lost, ObservedAlarms, controller, controller_with_alarm,
+    drake_sdf, isaac_lab, mjcf, urdf, usd,
 };
 use armident_model::ArmModel;
 use armident_motion::EvenGrid;
@@ -22,6 +22,12 @@ pub enum ExportFormat {
     Urdf,
     /// MuJoCo format: also armature, gravity and motors.
     Mjcf,
+    /// SDFormat for Drake: links, limits, damping, friction and rotor inertia.
+    DrakeSdf,
+    /// Actuators of Isaac Lab, as Python source.
+    IsaacLab,
+    /// USD overlay: masses of links, rotor inertia and friction of joints.
+    Usd,
     /// C99 source for a controller, with a header beside it.
     C,
 }
@@ -36,11 +42,16 @@ impl ExportFormat {
         match end.as_str() {
             "urdf" => Ok(Self::Urdf),
             "xml" | "mjcf" => Ok(Self::Mjcf),
+            "sdf" => Ok(Self::DrakeSdf),
+            "py" => Ok(Self::IsaacLab),
+            "usda" => Ok(Self::Usd),
             "c" => Ok(Self::C),
             _ => Err(Failure::new(
                 format!("cannot infer the output format from `{}`", path.display()),
                 path.display(),
-                Some("use the extension .urdf, .xml for MJCF, or .c, or pass --format"),
+                Some(
+                    "use the extension .urdf, .xml for MJCF, .sdf, .usda, .py for Isaac Lab, or .c, or pass --format",
+                ),
             )),
         }
     }
@@ -194,6 +205,9 @@ pub fn export(
     let (name, without_place, exported) = match format {
         ExportFormat::Urdf => ("URDF", without_place, urdf(&simulated)),
         ExportFormat::Mjcf => ("MJCF", without_place, mjcf(&simulated)),
+        ExportFormat::DrakeSdf => ("SDFormat", without_place, drake_sdf(&simulated)),
+        ExportFormat::IsaacLab => ("Isaac Lab", without_place, isaac_lab(&simulated)),
+        ExportFormat::Usd => ("USD", without_place, usd(&simulated)),
         ExportFormat::C => {
             let exported = match &thresholds {
                 Some(thresholds) => controller_with_alarm(&model, &thresholds.of),

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use armident_kinematics::nearest;
 use armident_motion::{Motion, MotionSettings, findings};
 use armident_recording::{
-    Action, Formats, Mapping, QualityIssueKind, Quantity, ReadSettings, Recording, read_recording,
+    Action, Formats, Mapping, QualityIssueKind, Quantity, ReadSettings, Recording,
+    is_one_recording, read_recording,
 };
 
 use crate::failure::Failure;
 
-/// Files as given; folders are replaced by their recordings, sorted by name.
+/// Files as given, and folders of bags of ROS 2; other folders are replaced by their recordings, sorted by name.
 ///
 /// # Errors
 /// A folder that cannot be read or has no recording.
@@ -21,6 +22,8 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         let episodes = episodes(path);
         if !episodes.is_empty() {
             files.extend(episodes);
+        } else if is_one_recording(path) {
+            files.push(path.clone());
         } else if path.is_dir() {
             let entries = std::fs::read_dir(path).map_err(|error| {
                 Failure::new(

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use armident_effects::{EffectOnJoint, Library};
 use armident_kinematics::{
-    ChainSelection, DrivingAxisChain, RobotDescription, SerialChain, load_urdf,
+    ChainSelection, DrivingAxisChain, MjcfRobot, RobotDescription, SerialChain, is_mjcf, load_urdf,
+    parse_mjcf,
 };
 use armident_model::ArmModel;
 
@@ -49,6 +51,7 @@ pub struct GivenRobot {
 #[derive(Debug, Clone)]
 enum Given {
     Urdf(Box<RobotDescription>),
+    Mjcf(Box<MjcfRobot>),
     Model(Box<ArmModel>),
 }
 
@@ -61,7 +64,7 @@ impl GivenRobot {
         Ok(self.arm(None)?.chain.joints.into_iter().map(|joint| joint.name).collect())
     }
 
-    /// Reads a URDF, or a model file (`.json`), which has its chain already.
+    /// Reads a URDF, MJCF, or a model file (`.json`), which has its chain already.
     ///
     /// # Errors
     /// A file that cannot be read or is not valid; chain options beside a model file.
@@ -73,7 +76,10 @@ impl GivenRobot {
             let model = ArmModel::load(path).map_err(|error| Failure::model(path, &error))?;
             Given::Model(Box::new(model))
         } else {
-            Given::Urdf(Box::new(load_urdf(path)?))
+            match std::fs::read_to_string(path) {
+                Ok(text) if is_mjcf(&text) => Given::Mjcf(Box::new(parse_mjcf(&text, &source)?)),
+                _ => Given::Urdf(Box::new(load_urdf(path)?)),
+            }
         };
         Ok(Self { source, given, chain })
     }
@@ -108,9 +114,13 @@ impl GivenRobot {
         let robot = match &self.given {
             Given::Model(model) => return Ok((**model).clone()),
             Given::Urdf(robot) => robot,
+            Given::Mjcf(robot) => &robot.description,
         };
         let chain = &self.chain;
-        let default = ChainSelection::default();
+        let mut default = ChainSelection::default();
+        if let Given::Mjcf(robot) = &self.given {
+            default.gravity_base = robot.gravity;
+        }
         let selection = ChainSelection {
             base: chain.base.clone(),
             tip: chain.tip.clone(),
@@ -120,7 +130,11 @@ impl GivenRobot {
             snap_rpy_rad: chain.snap_rpy_rad,
         };
         let serial = SerialChain::from_description(robot, &selection)?;
-        Ok(ArmModel::from_chain(DrivingAxisChain::from_chain(&serial)))
+        let mut arm = ArmModel::from_chain(DrivingAxisChain::from_chain(&serial));
+        if let Given::Mjcf(robot) = &self.given {
+            arm.effects = effects_of(robot, &arm);
+        }
+        Ok(arm)
     }
 
     /// The links of the arm, with a note on the other content of its file.
@@ -144,6 +158,17 @@ impl GivenRobot {
         });
         Ok((model.links_only(), note))
     }
+}
+
+/// What the joints of a simulator's model lose and their rotors add, as the laws that hold it.
+fn effects_of(robot: &MjcfRobot, arm: &ArmModel) -> Vec<EffectOnJoint> {
+    let laws: Vec<_> = Library::standard().all().map(|effect| effect.law()).collect();
+    let on_joint = |value: &armident_kinematics::MjcfJointValue| {
+        arm.chain.joints.iter().find(|joint| joint.name == value.joint)?;
+        let law = laws.iter().find(|law| law.export.mjcf == Some(value.attribute))?;
+        Some(EffectOnJoint::new(law.slug, &value.joint, [value.value]))
+    };
+    robot.joint_values.iter().filter_map(on_joint).collect()
 }
 
 /// Notes on a chain, in addition to its warnings.

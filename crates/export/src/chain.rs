@@ -72,6 +72,16 @@ pub(crate) fn inertia_about_com(link: &Moved<'_>, notes: &mut Vec<String>) -> [f
     [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
 }
 
+/// Gravity of every reader that has one of its own \[m/s2\].
+const USUAL_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
+/// A note where the gravity of a model is not the usual one and the format has none, which `why` states.
+pub(crate) fn gravity_note(model: &ArmModel, why: &str) -> Option<String> {
+    let g = model.chain.gravity_base;
+    let is_usual = (g - USUAL_GRAVITY).norm() <= 1e-9;
+    (!is_usual).then(|| format!("{why}: set ({}, {}, {}) m/s2", g.x, g.y, g.z))
+}
+
 /// What a file cannot say beside effects.
 pub(crate) fn notes(model: &ArmModel) -> Vec<String> {
     let chain = &model.chain;

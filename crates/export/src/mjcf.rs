@@ -1,10 +1,11 @@
 //! MJCF, the format of MuJoCo: bodies in one another, joints with armature and losses, motors.
 
-use armident_effects::{Effect, EffectOnJoint, Library, Mechanism, PositionServo, TorqueOffset};
+use armident_effects::{Effect, EffectOnJoint, Library, PositionServo, TorqueOffset};
 use armident_model::ArmModel;
 use nalgebra::Isometry3;
 
 use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
+use crate::servos::servos;
 use crate::xml::Element;
 use crate::{Exported, Held, Lost, effects};
 
@@ -25,9 +26,10 @@ pub fn mjcf(model: &ArmModel) -> Exported {
 /// The model as MJCF, whose effects are of this library.
 pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     let (servos, others) = servos(library, &model.effects);
+    let (controllers, others) = with_offsets(servos, others);
     let (mut held, mut lost) = effects::sorted(library, &others, |export| export.mjcf);
     let mut said = notes(model);
-    if servos.iter().any(|controller| controller.servo.delay_s > 0.0) {
+    if controllers.iter().any(|controller| controller.servo.delay_s > 0.0) {
         said.push("actuators have delays: needs MuJoCo 3.5 or newer".to_owned());
     }
     let (chain, tip) = moved(model);
@@ -51,7 +53,7 @@ pub fn mjcf_in(library: &Library, model: &ArmModel) -> Exported {
     }
     let mut actuators = Element::new("actuator");
     for link in &chain {
-        let controller = servos.iter().find(|controller| controller.on.joint == link.joint);
+        let controller = controllers.iter().find(|controller| controller.on.joint == link.joint);
         actuators.push(match controller {
             Some(controller) => controller.actuator(link, &mut held, &mut lost),
             None => motor(link),
@@ -74,26 +76,22 @@ struct Controller {
     offset: f64,
 }
 
-/// The position controllers among effects, with the offsets of their joints, and the other effects.
-fn servos(library: &Library, effects: &[EffectOnJoint]) -> (Vec<Controller>, Vec<EffectOnJoint>) {
-    let (mut servos, mut others): (Vec<Controller>, _) = (Vec::new(), Vec::new());
-    for on in effects {
-        match library.resolve(on).map(|effect| effect.mechanism(&on.parameters)) {
-            Ok(Mechanism::Servo(servo)) => {
-                servos.push(Controller { on: on.clone(), servo, offset: 0.0 });
-            }
-            _ => others.push(on.clone()),
-        }
-    }
+/// Controllers with the offsets of their joints, and the other effects.
+fn with_offsets(
+    servos: Vec<(EffectOnJoint, PositionServo)>,
+    mut others: Vec<EffectOnJoint>,
+) -> (Vec<Controller>, Vec<EffectOnJoint>) {
+    let of = |(on, servo)| Controller { on, servo, offset: 0.0 };
+    let mut controllers: Vec<Controller> = servos.into_iter().map(of).collect();
     others.retain(|on| {
-        let controller = servos.iter_mut().find(|controller| controller.on.joint == on.joint);
+        let controller = controllers.iter_mut().find(|controller| controller.on.joint == on.joint);
         let Some(controller) = controller.filter(|_| on.effect == TorqueOffset.slug()) else {
             return true;
         };
         controller.offset += on.parameters[0];
         false
     });
-    (servos, others)
+    (controllers, others)
 }
 
 fn motor(link: &Moved<'_>) -> Element {

@@ -3,16 +3,14 @@
 use armident_effects::Library;
 use armident_kinematics::{InertialParameters, roll_pitch_yaw};
 use armident_model::ArmModel;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 
-use crate::chain::{Moved, has_own_tip, inertia_about_com, moved, notes};
+use crate::chain::{Moved, gravity_note, has_own_tip, inertia_about_com, moved, notes};
 use crate::xml::Element;
 use crate::{Exported, Held, effects};
 
 /// Limit where the robot description has none and the format requires one \[SI\].
 const NO_LIMIT: f64 = 1e9;
-/// Gravity of every reader of URDF \[m/s2\].
-const USUAL_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// The model as URDF.
 pub fn urdf(model: &ArmModel) -> Exported {
@@ -23,10 +21,7 @@ pub fn urdf(model: &ArmModel) -> Exported {
 pub fn urdf_in(library: &Library, model: &ArmModel) -> Exported {
     let (held, lost) = effects::sorted(library, &model.effects, |export| export.urdf);
     let mut said = notes(model);
-    if (model.chain.gravity_base - USUAL_GRAVITY).norm() > 1e-9 {
-        let g = model.chain.gravity_base;
-        said.push(format!("URDF has no gravity: set ({}, {}, {}) m/s2", g.x, g.y, g.z));
-    }
+    said.extend(gravity_note(model, "URDF has no gravity"));
     let (chain, tip) = moved(model);
     let mut robot = Element::new("robot").with("name", model.chain.robot.as_str());
     robot.push(Element::new("link").with("name", model.chain.base_link.as_str()));

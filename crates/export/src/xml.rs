@@ -11,11 +11,13 @@ pub(crate) struct Element {
     tag: &'static str,
     attributes: Vec<(&'static str, String)>,
     children: Vec<Element>,
+    /// instead of children
+    text: Option<String>,
 }
 
 impl Element {
     pub(crate) fn new(tag: &'static str) -> Self {
-        Self { tag, attributes: Vec::new(), children: Vec::new() }
+        Self { tag, attributes: Vec::new(), children: Vec::new(), text: None }
     }
 
     pub(crate) fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
@@ -32,6 +34,21 @@ impl Element {
         self.numbers(name, v.as_slice())
     }
 
+    /// Text between the tags.
+    pub(crate) fn containing(mut self, text: &str) -> Self {
+        self.text = Some(text.to_owned());
+        self
+    }
+
+    pub(crate) fn containing_numbers(self, values: &[f64]) -> Self {
+        let list: Vec<String> = values.iter().map(|&x| number(x)).collect();
+        self.containing(&list.join(" "))
+    }
+
+    pub(crate) fn children_of(&mut self, child: Option<Self>) {
+        self.children.extend(child);
+    }
+
     pub(crate) fn child(mut self, child: Self) -> Self {
         self.children.push(child);
         self
@@ -44,7 +61,9 @@ impl Element {
     fn write(&self, writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
         let attributes = self.attributes.iter().map(|(name, value)| (*name, value.as_str()));
         let element = writer.create_element(self.tag).with_attributes(attributes);
-        if self.children.is_empty() {
+        if let Some(text) = &self.text {
+            element.write_text_content(BytesText::new(text))?;
+        } else if self.children.is_empty() {
             element.write_empty()?;
         } else {
             element.write_inner_content(|writer| {

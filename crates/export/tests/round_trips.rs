@@ -8,7 +8,9 @@ use armident_dynamics::{RigidArm, inverse_dynamics};
 use armident_effects::{Effect, EffectOnJoint, PositionControl, PositionServo, TorqueOffset};
 use armident_export::{mjcf, urdf};
 use armident_ident::MinimalSet;
-use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_urdf};
+use armident_kinematics::{
+    ChainSelection, DrivingAxisChain, SerialChain, load_urdf, parse_mjcf, parse_urdf,
+};
 use armident_model::ArmModel;
 
 fn model_of(robot: &armident_kinematics::RobotDescription, tip: Option<&str>) -> ArmModel {
@@ -44,6 +46,17 @@ fn assert_same_efforts(name: &str, one: &RigidArm, other: &RigidArm) {
             // frames that were snapped (1e-6 m) are written as they are and snapped again
             assert!((a - b).abs() < 1e-7 * size, "{name}: {a} {b}");
         }
+    }
+}
+
+#[test]
+fn exported_mjcf_is_same_arm() {
+    for (name, model) in arms() {
+        let robot = parse_mjcf(&mjcf(&model).text, &name).unwrap();
+        let again = model_of(&robot.description, None);
+        assert_eq!(again.chain.joint_names(), model.chain.joint_names(), "{name}");
+        assert_eq!(robot.gravity, <[f64; 3]>::from(model.chain.gravity_base), "{name}");
+        assert_same_efforts(&name, &again.rigid_arm(), &model.rigid_arm());
     }
 }
 

@@ -83,6 +83,16 @@ pub enum UrdfError {
         /// Tag of the root element.
         found: String,
     },
+    /// MJCF that is not read, or whose values have no meaning.
+    #[error("{what}")]
+    Mjcf {
+        /// The element or attribute.
+        place: Box<UrdfPlace>,
+        /// What was expected and found.
+        what: String,
+        /// Hint for the user.
+        advice: String,
+    },
     /// A xacro file that was not expanded.
     #[error("expected a URDF, found unexpanded xacro: `{found}`")]
     Xacro {
@@ -280,6 +290,7 @@ impl UrdfError {
             | Self::Empty { place }
             | Self::NotXml { place, .. }
             | Self::NotRobot { place, .. }
+            | Self::Mjcf { place, .. }
             | Self::Xacro { place, .. }
             | Self::NoLinks { place, .. }
             | Self::MissingAttribute { place, .. }

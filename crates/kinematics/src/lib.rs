@@ -38,5 +38,8 @@ pub use error::{UrdfError, UrdfPlace};
 pub use inertial::InertialParameters;
 pub use names::nearest;
 pub use serial_chain::{ChainJoint, ChainSelection, JointKind, SerialChain};
-pub use urdf::{load_urdf, parse_urdf, parse_urdf_bytes, roll_pitch_yaw};
+pub use urdf::{
+    MjcfJointValue, MjcfRobot, is_mjcf, load_urdf, parse_mjcf, parse_urdf, parse_urdf_bytes,
+    roll_pitch_yaw,
+};
 pub use warning::Warning;

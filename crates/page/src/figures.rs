@@ -1,6 +1,7 @@
 //! Figures for plotly.js from what is drawn. A colour `@name` is one of the page's, which knows whether
 //! it is dark.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::drawing::{
@@ -369,12 +370,57 @@ pub(crate) fn finding(drawing: &Drawing, index: usize, of: &FindingTraces) -> Op
     })
 }
 
+/// What a finding lights in the arm.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub(crate) struct LitFinding {
+    /// The finding, with its place.
+    pub(crate) title: String,
+    /// Joints, from 0.
+    pub(crate) joints: Vec<usize>,
+    /// Links, by the joints that move them, from 0.
+    pub(crate) links: Vec<usize>,
+    /// What its law depends on.
+    pub(crate) regime: String,
+    /// Intervals of the recordings in which it acts \[s\].
+    pub(crate) acts_s: Vec<[f64; 2]>,
+    /// Where its effort is largest \[s\].
+    pub(crate) strongest_s: Option<f64>,
+}
+
+impl LitFinding {
+    /// With what the recordings show of a finding.
+    pub(crate) fn with(self, traces: &FindingTraces) -> Self {
+        // a law acts where its effort is above this share of its largest
+        const ACTS: f64 = 0.1;
+        let regime = traces.views.first().map_or_else(String::new, |view| view.over.clone());
+        let over_time = traces.views.iter().find(|view| view.over.starts_with("time in"));
+        let Some(view) = over_time else { return Self { regime, ..self } };
+        let size = |k: usize| view.law.get(k).copied().flatten().map_or(0.0, f64::abs);
+        let largest = (0..view.x.len()).map(size).fold(0.0, f64::max);
+        let strongest = (0..view.x.len()).max_by(|a, b| size(*a).total_cmp(&size(*b)));
+        let half = match view.x[..] {
+            [first, second, ..] => 0.5 * (second - first),
+            _ => 0.0,
+        };
+        let mut acts_s: Vec<[f64; 2]> = Vec::new();
+        for (k, x) in view.x.iter().enumerate().filter(|(k, _)| size(*k) > ACTS * largest) {
+            match acts_s.last_mut().filter(|last| k > 0 && x - half - last[1] < half) {
+                Some(last) => last[1] = x + half,
+                None => acts_s.push([x - half, x + half]),
+            }
+        }
+        let strongest_s = strongest.filter(|_| largest > 0.0).map(|k| view.x[k]);
+        Self { regime, acts_s, strongest_s, ..self }
+    }
+}
+
 /// The arm in motion; drawn by the page's script, which projects the points.
 pub(crate) fn skeleton(
     drawing: &Drawing,
     of: &Skeleton,
     blamed_joints: &[usize],
     blamed_links: &[usize],
+    findings: &[LitFinding],
 ) -> Figure {
     let share = |m: usize| -> Vec<Option<f64>> {
         drawing
@@ -411,6 +457,7 @@ pub(crate) fn skeleton(
                 "joints": drawing.joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>(),
                 "links": drawing.joints.iter().map(|j| j.link.as_str()).collect::<Vec<_>>(),
                 "blamed_joints": blamed_joints, "blamed_links": blamed_links,
+                "findings": findings,
             }
         }),
     }

@@ -103,6 +103,7 @@
     let at = 0;
     let turn = (35 * Math.PI) / 180;
     let model = 0;
+    let lit = null;
     const seen = ([x, y, z]) => {
       const across = -x * Math.sin(turn) + y * Math.cos(turn);
       const away = x * Math.cos(turn) + y * Math.sin(turn);
@@ -134,14 +135,18 @@
         line(path, "path of the tip", colours.faint, 1, { showlegend: true, line: { color: colours.faint, width: 1, dash: "dot" } }),
         line(flat, "links", colours.soft, 6),
       ];
-      arm.blamed_links.forEach((j, k) => {
-        data.push(line([flat[j + 1], flat[j + 2]], "link with a finding", colours.before, 10, { showlegend: k === 0 }));
+      // one finding, or all of them
+      const links = lit === null ? arm.blamed_links : arm.findings[lit].links;
+      const ringed = lit === null ? arm.blamed_joints : arm.findings[lit].joints;
+      const name = (what) => (lit === null ? `${what} with a finding` : arm.findings[lit].title);
+      links.forEach((j, k) => {
+        data.push(line([flat[j + 1], flat[j + 2]], name("link"), colours.before, lit === null ? 10 : 16, { showlegend: k === 0 }));
       });
-      if (arm.blamed_joints.length) {
-        const rings = arm.blamed_joints.map((j) => flat[j + 1]);
+      if (ringed.length) {
+        const rings = ringed.map((j) => flat[j + 1]);
         data.push({
-          type: "scatter", mode: "markers", x: xs(rings), y: ys(rings), name: "joint with a finding", hoverinfo: "skip",
-          marker: { size: 24, color: "rgba(0,0,0,0)", line: { color: colours.before, width: 3 } },
+          type: "scatter", mode: "markers", x: xs(rings), y: ys(rings), name: name("joint"), hoverinfo: "skip",
+          marker: { size: lit === null ? 24 : 32, color: "rgba(0,0,0,0)", line: { color: colours.before, width: lit === null ? 3 : 6 } },
         });
       }
       data.push({
@@ -172,11 +177,15 @@
         told.textContent = said(Number(input.value));
         draw();
       });
+      const track = document.createElement("span");
+      track.className = "track";
+      track.append(input);
       const both = document.createElement("span");
-      both.append(input, " ", told);
+      both.append(track, " ", told);
       control(place, text, both);
+      return input;
     };
-    slider("Time ", arm.time_s.length - 1, 0, (v) => { at = v; }, (v) => `${arm.time_s[v].toFixed(2)} s`);
+    const time = slider("Time ", arm.time_s.length - 1, 0, (v) => { at = v; }, (v) => `${arm.time_s[v].toFixed(2)} s`);
     slider("Turn ", 360, 35, (v) => { turn = (v * Math.PI) / 180; }, (v) => `${v}°`);
     if (arm.shares.length > 1) {
       const select = choice(arm.shares.map((s) => s.label));
@@ -185,6 +194,55 @@
         draw();
       });
       control(place, "Model ", select);
+    }
+    if (arm.findings.length) {
+      const select = choice(["all", ...arm.findings.map((finding) => finding.title)]);
+      const told = document.createElement("p");
+      told.className = "legend";
+      told.setAttribute("role", "status");
+      place.after(told);
+      // the times at which a finding acts, below the slider
+      const intervals = (finding) => {
+        const first = arm.time_s[0];
+        const length = arm.time_s[arm.time_s.length - 1] - first || 1;
+        const share = (t) => `${Math.min(100, Math.max(0, (100 * (t - first)) / length)).toFixed(1)}%`;
+        const colour = theme().before;
+        const stops = finding.acts_s.flatMap(([from, to]) => [
+          `transparent ${share(from)}`, `${colour} ${share(from)}`, `${colour} ${share(to)}`, `transparent ${share(to)}`,
+        ]);
+        return `linear-gradient(to right, ${["transparent 0%", ...stops, "transparent 100%"].join(", ")}) bottom / 100% 4px no-repeat`;
+      };
+      const light = (k) => {
+        lit = k;
+        select.value = k === null ? 0 : k + 1;
+        place.dataset.lit = k === null ? "" : arm.findings[k].title;
+        time.parentElement.style.background = "";
+        told.textContent = "";
+        if (k !== null) {
+          const finding = arm.findings[k];
+          const parts = [finding.title];
+          if (finding.regime) parts.push(`regime: ${finding.regime}`);
+          if (finding.acts_s.length) {
+            time.parentElement.style.background = intervals(finding);
+            parts.push(`acts ${finding.acts_s.map(([from, to]) => `${Math.max(0, from).toFixed(1)} s to ${to.toFixed(1)} s`).join(", ")}`);
+          }
+          told.textContent = `${parts.join("; ")}.`;
+          if (finding.strongest_s !== null) {
+            const near = arm.time_s.reduce((best, t, j) => (Math.abs(t - finding.strongest_s) < Math.abs(arm.time_s[best] - finding.strongest_s) ? j : best), 0);
+            time.value = near;
+            time.dispatchEvent(new Event("input"));
+          }
+        }
+        draw();
+      };
+      select.addEventListener("change", () => light(Number(select.value) ? Number(select.value) - 1 : null));
+      control(place, "Finding ", select);
+      for (const button of document.querySelectorAll("button.light")) {
+        button.addEventListener("click", () => {
+          light(Number(button.dataset.finding));
+          place.closest("section").scrollIntoView({ block: "start" });
+        });
+      }
     }
     return draw;
   };

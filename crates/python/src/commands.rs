@@ -225,10 +225,18 @@ pub(crate) fn export(
     let format = match format {
         Some("urdf") => Some(ExportFormat::Urdf),
         Some("mjcf") => Some(ExportFormat::Mjcf),
+        Some("drake-sdf") => Some(ExportFormat::DrakeSdf),
+        Some("isaaclab") => Some(ExportFormat::IsaacLab),
+        Some("usd") => Some(ExportFormat::Usd),
         Some("c") => Some(ExportFormat::C),
         Some(other) => {
             let what = format!("unknown format `{other}`");
-            return Err(wrong(py, what, "format", "pass urdf, mjcf or c"));
+            return Err(wrong(
+                py,
+                what,
+                "format",
+                "pass urdf, mjcf, drake-sdf, isaaclab, usd or c",
+            ));
         }
         None => None,
     };

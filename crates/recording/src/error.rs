@@ -143,6 +143,18 @@ pub enum Fault {
         /// Message of its reader.
         what: String,
     },
+    /// A bag of ROS 2 whose files or messages are compressed as a whole.
+    #[error("the bag is compressed ({compression}), expected plain files")]
+    CompressedBag {
+        /// Compression and what it is applied to.
+        compression: String,
+    },
+    /// A bag of ROS 2 without any of its files.
+    #[error("none of the files of the bag is in its folder: {}", listed(.files))]
+    MissingBagFiles {
+        /// Files that `metadata.yaml` lists.
+        files: Vec<String>,
+    },
     /// A format that needs a cargo feature which this build lacks.
     #[error("{format} is not supported by this build")]
     NotBuilt {
@@ -411,6 +423,14 @@ impl Fault {
                     .to_owned()
             }
             Self::Broken { .. } => "copy the file again".to_owned(),
+            Self::CompressedBag { .. } => {
+                "write it without compression: `ros2 bag convert -i BAG -o \
+                 out.yaml`, where out.yaml is `output_bags: [{uri: plain, all_topics: true}]`"
+                    .to_owned()
+            }
+            Self::MissingBagFiles { .. } => {
+                "copy the files beside `metadata.yaml`, or pass one of them".to_owned()
+            }
             Self::NotBuilt { feature, .. } => {
                 format!("build armident with `--features {feature}`, or export CSV")
             }

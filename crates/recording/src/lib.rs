@@ -24,7 +24,7 @@
 //!
 //! NumPy and MATLAB: the same columns as arrays, or arrays of samples by joints. Parquet (feature `parquet`): the same columns.
 //! Bags of ROS: messages of joints of one topic, in MCAP (feature `mcap`), SQLite or ROS 1 (feature `all-formats`). [`encode`]
-//! writes CSV, NumPy, MCAP and Parquet. Other formats (HDF5, spreadsheets) are recognised, and the error names a converter. A
+//! writes CSV, NumPy, MCAP and Parquet. HDF5 (feature `all-formats`) has arrays as MATLAB has. Other formats (spreadsheets) are recognised, and the error names a converter. A
 //! [`Format`] of another crate joins the list with [`Formats::with`]. [`inspect`] shows what a file with other names holds, and
 //! a [`MappingGuess`].
 //!
@@ -104,8 +104,8 @@ pub use error::{Fault, RecordingError};
 pub use finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
 pub use formats::{
     ALL as STANDARD_FORMATS, Bag, ColumnRequest, Csv, Db3, Echo, Encoded, FileStart, Format,
-    Formats, Input, JointTopic, Matlab, Mcap, Npz, Parquet, ReadSettings, Sage, Status,
-    StatusLevel, StatusTopic, Support, write_csv_to,
+    Formats, Hdf5, Input, JointTopic, Matlab, Mcap, Npz, Parquet, ReadSettings, Rosbag2, Sage,
+    Status, StatusLevel, StatusTopic, Support, is_one_recording, write_csv_to,
 };
 pub use inspect::{Inspection, inspect};
 pub use interpolation::{BRIDGED_STEPS, Interpolation};

@@ -82,6 +82,12 @@ fn arrays_of_other_writers_are_read() {
 
 #[cfg(feature = "all-formats")]
 #[test]
+fn hdf5_of_other_writers_is_read() {
+    assert_is_sample(&read(&judge("version73.mat"), None));
+}
+
+#[cfg(feature = "all-formats")]
+#[test]
 fn bags_of_other_writers_are_read() {
     for name in ["none.bag", "bz2.bag"] {
         assert_is_sample(&read(&judge(name), None));
@@ -102,7 +108,7 @@ fn fresh_files_of_other_writers_are_read() {
     let Some(python) = given.or_else(|| own.exists().then_some(own)) else {
         shared::skipped(
             "others",
-            "no Python with numpy, scipy and rosbags (ARMIDENT_PEERS_PYTHON, or .ci/run)",
+            "no Python with numpy, scipy, hdf5storage and rosbags (ARMIDENT_PEERS_PYTHON, or .ci/run)",
         );
         return;
     };
@@ -118,13 +124,17 @@ fn fresh_files_of_other_writers_are_read() {
         "plain.mat",
         "compressed.mat",
         "structure.mat",
+        "version73.mat",
+        "storage.mat",
+        "groups.h5",
         "none.bag",
         "bz2.bag",
         "lz4.bag",
     ] {
         assert_is_sample(&read(&folder.join(name), None));
     }
-    for name in ["bag_sqlite3/bag_sqlite3.db3", "bag_mcap/bag_mcap.mcap"] {
+    for name in ["bag_sqlite3/bag_sqlite3.db3", "bag_mcap/bag_mcap.mcap", "bag_sqlite3", "bag_mcap"]
+    {
         for topic in [None, Some("/dynamic_joint_states"), Some("/controller_state")] {
             assert_is_sample(&read(&folder.join(name), topic));
         }
@@ -225,7 +235,7 @@ fn cut(name: &str, share: f64) -> String {
 fn truncated_files_are_read_to_the_break() {
     let mut found_by_file = Vec::new();
     let names: &[&str] = if cfg!(feature = "all-formats") {
-        &["turned.npz", "compressed.mat", "bag.db3", "bz2.bag", "none.bag"]
+        &["turned.npz", "compressed.mat", "bag.db3", "bz2.bag", "none.bag", "version73.mat"]
     } else {
         &["turned.npz", "compressed.mat"]
     };
@@ -246,11 +256,11 @@ proptest! {
     /// Refused or read, but without a panic.
     #[test]
     fn corrupted_files_do_not_panic(
-        file in 0_usize..5,
+        file in 0_usize..6,
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12),
         length in 0.2_f64..1.3,
     ) {
-        let name = ["turned.npz", "compressed.mat", "bag.db3", "bz2.bag", "none.bag"][file];
+        let name = ["turned.npz", "compressed.mat", "bag.db3", "bz2.bag", "none.bag", "version73.mat"][file];
         let mut bytes = std::fs::read(judge(name)).unwrap();
         for (at, byte) in changes {
             let at = at.index(bytes.len());

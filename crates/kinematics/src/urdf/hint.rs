@@ -18,10 +18,15 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
         }
         UrdfError::NotUtf8 { .. } => "save the file as UTF-8, and check that it is a URDF".into(),
         UrdfError::Empty { .. } => "copy or write the file again: it is empty".into(),
-        UrdfError::NotXml { advice, .. } | UrdfError::BadValue { advice, .. } => advice.clone(),
+        UrdfError::NotXml { advice, .. }
+        | UrdfError::BadValue { advice, .. }
+        | UrdfError::Mjcf { advice, .. } => advice.clone(),
         UrdfError::NotRobot { found, .. } => other_format(found).into(),
         UrdfError::Xacro { place, .. } => {
-            format!("expand it: `xacro {} > expanded.urdf`, then use expanded.urdf", place.source)
+            format!(
+                "expand it: `xacro {} > expanded.urdf`, then use expanded.urdf (without ROS: `pip install xacro`)",
+                place.source
+            )
         }
         UrdfError::NoLinks { misspelt: Some(element), .. }
         | UrdfError::SeveralRoots { misspelt: Some(element), .. } => {
@@ -85,7 +90,7 @@ pub(crate) fn hint(error: &UrdfError) -> Option<String> {
 fn other_format(root: &str) -> &'static str {
     match root {
         "sdf" => "this is SDF, the format of Gazebo; use the URDF of the same arm or export one",
-        "mujoco" => "this is MJCF, the format of MuJoCo; use the URDF of the same arm",
+        "mujoco" => "this is MJCF, the format of MuJoCo: give the file its extension .xml",
         "COLLADA" => "this is a COLLADA mesh or scene; use the URDF that refers to it",
         "launch" => "this is a ROS launch file; use the URDF that it loads",
         _ => "use the URDF of the arm; its first element is `<robot name=\"...\">`",

@@ -9,6 +9,7 @@ mod format;
 mod hint;
 mod joints;
 mod links;
+mod mjcf;
 mod notes;
 mod pose;
 mod shapes;
@@ -19,6 +20,7 @@ mod xml;
 mod tests;
 
 pub(crate) use hint::hint;
+pub use mjcf::{MjcfJointValue, MjcfRobot, is_mjcf, parse_mjcf};
 pub use pose::roll_pitch_yaw;
 
 use std::path::Path;

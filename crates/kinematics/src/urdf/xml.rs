@@ -66,12 +66,17 @@ impl<'a> UrdfText<'a> {
         place
     }
 
-    /// Reads the XML and checks that its root is a `<robot>` without xacro.
-    pub(super) fn open(&self) -> Result<Document<'a>, UrdfError> {
+    /// Reads the XML.
+    pub(super) fn document(&self) -> Result<Document<'a>, UrdfError> {
         if self.text.trim_matches(|c: char| c.is_whitespace() || c == '\u{feff}').is_empty() {
             return Err(UrdfError::Empty { place: self.whole() });
         }
-        let document = Document::parse(self.text).map_err(|error| self.not_xml(&error))?;
+        Document::parse(self.text).map_err(|error| self.not_xml(&error))
+    }
+
+    /// Reads the XML and checks that its root is a `<robot>` without xacro.
+    pub(super) fn open(&self) -> Result<Document<'a>, UrdfError> {
+        let document = self.document()?;
         let root = document.root_element();
         if root.tag_name().name() != "robot" {
             let found = qualified_tag(root);

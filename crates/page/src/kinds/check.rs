@@ -41,7 +41,10 @@ pub(crate) fn view(of: &CheckReport, drawing: &Drawing) -> View {
         next: next_steps(of, wrong.is_empty()),
         overview: figures::over_time(drawing).into_iter().collect(),
         joints: joint_cards(drawing, &open, &ByJoint::default()),
-        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &marked, &[])),
+        skeleton: drawing
+            .skeleton
+            .as_ref()
+            .map(|s| figures::skeleton(drawing, s, &marked, &[], &[])),
         sections: parts(shown, |_| None),
         cards: Vec::new(),
         robot: of.robot.clone(),

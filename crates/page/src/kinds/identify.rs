@@ -42,7 +42,7 @@ pub(crate) fn view(of: &IdentifyReport, drawing: &Drawing) -> View {
         next: next_steps(of, worst.map_or(0.0, |w| w.0)),
         overview: bars(of, kind).into_iter().chain(figures::over_time(drawing)).collect(),
         joints: joint_cards(drawing, &open, &ByJoint::default()),
-        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
+        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[], &[])),
         sections: parts(shown, |name| of_minimal_set(name, &of.constants, drawing)),
         cards: Vec::new(),
         robot: of.robot.clone(),

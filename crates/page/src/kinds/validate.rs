@@ -78,7 +78,7 @@ pub(crate) fn view(of: &ValidateReport, drawing: &Drawing) -> View {
             .chain(figures::over_time(drawing))
             .collect(),
         joints: joint_cards(drawing, &open, &ByJoint::default()),
-        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
+        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[], &[])),
         sections: parts(shown, |_| None),
         cards: Vec::new(),
         robot: format!("{}: {}", of.robot, of.model),

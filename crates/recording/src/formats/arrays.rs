@@ -70,10 +70,20 @@ pub(super) fn columns(
                         0 => "one number".to_owned(),
                         _ => format!("{} numbers", sizes.join(" by ")),
                     };
+                    if synonym(&name.to_lowercase()).is_some() && samples > 0 {
+                        raw.notes.push(format!(
+                            "array `{name}` has {what}, expected {samples} by joints: not read"
+                        ));
+                    }
                     columns.push((name, Err(what)));
                 }
             },
-            Content::Texts(_) => columns.push((name, Err("text".to_owned()))),
+            Content::Texts(_) => {
+                if synonym(&name.to_lowercase()).is_some() {
+                    raw.notes.push(format!("array `{name}` has text, expected numbers: not read"));
+                }
+                columns.push((name, Err("text".to_owned())));
+            }
             Content::Other(what) => columns.push((name, Err(what))),
         }
     }
@@ -137,6 +147,18 @@ fn joint_names(arrays: &[Array]) -> Option<Vec<String>> {
         }
         _ => None,
     })
+}
+
+/// Fields without the names of their structures, where they differ without them.
+pub(super) fn with_short_names(mut arrays: Vec<Array>) -> Vec<Array> {
+    let short = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
+    let names: Vec<String> = arrays.iter().map(|array| short(&array.name)).collect();
+    for (array, name) in arrays.iter_mut().zip(&names) {
+        if names.iter().filter(|other| *other == name).count() == 1 {
+            array.name.clone_from(name);
+        }
+    }
+    arrays
 }
 
 /// Values whose first index runs fastest, in the order of rows.

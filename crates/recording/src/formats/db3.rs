@@ -3,12 +3,14 @@
 use super::format::{FileStart, Format, Support};
 #[cfg(feature = "all-formats")]
 use {
+    super::bag_metadata::part_note,
     super::format::{ColumnRequest, Input},
     super::ros::Topics,
     crate::error::{Fault, RecordingError},
     crate::raw::RawColumns,
     rusqlite::{Connection, OpenFlags},
     std::collections::BTreeMap,
+    std::path::Path,
 };
 
 /// ROS 2 bags in SQLite.
@@ -38,19 +40,46 @@ impl Format for Db3 {
         input: Input,
         request: &ColumnRequest<'_>,
     ) -> Result<RawColumns, RecordingError> {
-        let broken = |error: rusqlite::Error| {
-            let what = error.to_string();
-            RecordingError::new(Fault::Broken { format: "SQLite", what }, request.source())
-        };
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let bag = Connection::open_with_flags(input.path(), flags).map_err(broken)?;
         let mut topics = Topics::new(request);
-        let ended = read_messages(&bag, &mut topics).err();
-        match ended {
-            Some(error) if topics.is_empty() => Err(broken(error)),
-            ended => topics.columns(request, ended.map(|error| error.to_string())),
-        }
+        let ended = read_file(input.path(), &mut topics, request.source())?;
+        let mut raw = topics.columns(request, ended)?;
+        raw.notes.extend(part_note(input.path()));
+        Ok(raw)
     }
+}
+
+/// Reads the messages of a file; the reason if it ends early.
+///
+/// # Errors
+/// No message can be read.
+#[cfg(feature = "all-formats")]
+pub(super) fn read_file(
+    path: &Path,
+    topics: &mut Topics,
+    source: &str,
+) -> Result<Option<String>, RecordingError> {
+    let broken = |error: rusqlite::Error| {
+        let what = error.to_string();
+        RecordingError::new(Fault::Broken { format: "SQLite", what }, source)
+    };
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let bag = Connection::open_with_flags(path, flags).map_err(broken)?;
+    let ended = read_messages(&bag, topics).err();
+    match ended {
+        Some(error) if topics.is_empty() => Err(broken(error)),
+        ended => Ok(ended.map(|error| error.to_string())),
+    }
+}
+
+/// Without the feature no file comes here: the format states what is missing.
+#[cfg(all(feature = "mcap", not(feature = "all-formats")))]
+pub(super) fn read_file(
+    _path: &std::path::Path,
+    _topics: &mut super::ros::Topics,
+    source: &str,
+) -> Result<Option<String>, crate::error::RecordingError> {
+    let fault = crate::error::Fault::NotBuilt { format: Db3.name(), feature: "all-formats" };
+    Err(crate::error::RecordingError::new(fault, source))
 }
 
 /// Reads the messages of all wanted topics in the order in which they were written.

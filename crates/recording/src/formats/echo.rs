@@ -90,6 +90,11 @@ impl Format for Echo {
                 // a killed program leaves a part of a line
                 (None, Some(_)) if k + 1 == lines.len() => is_truncated = true,
                 (None, _) => {
+                    let fields = |line: &str| line.split(',').count();
+                    let (expected, found) = (fields(lines[0].1), fields(line));
+                    if found != expected {
+                        return Err(fault(Fault::RaggedRow { expected, found }).on_line(*number));
+                    }
                     let text: String = line.chars().take(40).collect();
                     return Err(fault(Fault::NotANumber { text }).on_line(*number));
                 }

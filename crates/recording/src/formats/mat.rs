@@ -8,7 +8,7 @@ use std::io::Read as _;
 
 use flate2::read::ZlibDecoder;
 
-use super::arrays::{Array, Content, by_rows, columns};
+use super::arrays::{Array, Content, by_rows, columns, with_short_names};
 use super::format::{ColumnRequest, FileStart, Format, Input, Support};
 use crate::error::{Fault, RecordingError};
 use crate::raw::RawColumns;
@@ -71,18 +71,6 @@ impl Format for Matlab {
         );
         Ok(raw)
     }
-}
-
-/// Fields without the names of their structures, where they differ without them.
-fn with_short_names(mut arrays: Vec<Array>) -> Vec<Array> {
-    let short = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
-    let names: Vec<String> = arrays.iter().map(|array| short(&array.name)).collect();
-    for (array, name) in arrays.iter_mut().zip(&names) {
-        if names.iter().filter(|other| *other == name).count() == 1 {
-            array.name.clone_from(name);
-        }
-    }
-    arrays
 }
 
 /// The variables of a file, and why reading ended before its end.

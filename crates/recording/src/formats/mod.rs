@@ -2,10 +2,12 @@
 
 mod arrays;
 mod bag;
+mod bag_metadata;
 mod csv;
 mod db3;
 mod echo;
 mod format;
+mod hdf5;
 mod mat;
 mod mcap;
 mod npz;
@@ -13,6 +15,7 @@ mod other;
 mod parquet;
 #[cfg(feature = "mcap")]
 mod ros;
+mod rosbag2;
 mod sage;
 mod separator;
 
@@ -23,10 +26,12 @@ pub use csv::{Csv, write_csv_to};
 pub use db3::Db3;
 pub use echo::Echo;
 pub use format::{ColumnRequest, Encoded, FileStart, Format, Input, ReadSettings, Support};
+pub use hdf5::Hdf5;
 pub use mat::Matlab;
 pub use mcap::{JointTopic, Mcap, Status, StatusLevel, StatusTopic};
 pub use npz::Npz;
 pub use parquet::Parquet;
+pub use rosbag2::Rosbag2;
 pub use sage::Sage;
 
 pub(crate) use csv::read_columns as read_csv_columns;
@@ -38,7 +43,8 @@ use crate::recording::Recording;
 
 /// The formats that some build reads, the default one first. Formats that need a cargo feature are
 /// listed in every build.
-pub const ALL: &[&dyn Format] = &[&Csv, &Echo, &Sage, &Mcap, &Npz, &Matlab, &Parquet, &Db3, &Bag];
+pub const ALL: &[&dyn Format] =
+    &[&Csv, &Echo, &Sage, &Mcap, &Npz, &Matlab, &Parquet, &Rosbag2, &Db3, &Bag, &Hdf5];
 
 /// A list of formats: the standard one, or that and formats of other crates.
 ///
@@ -48,7 +54,7 @@ pub const ALL: &[&dyn Format] = &[&Csv, &Echo, &Sage, &Mcap, &Npz, &Matlab, &Par
 ///
 /// let formats = Formats::standard();
 /// assert_eq!(formats.written_extensions(), ["csv", "mcap", "npz", "parquet"]);
-/// assert_eq!(formats.extensions(), ["csv", "mcap", "npz", "mat", "parquet", "db3", "bag"]);
+/// assert_eq!(formats.extensions(), ["csv", "mcap", "npz", "mat", "parquet", "db3", "bag", "h5", "hdf5"]);
 /// assert_eq!(formats.by_extension("run.MCAP".as_ref()).name(), "MCAP");
 /// assert_eq!(formats.by_extension("run".as_ref()).name(), "CSV");
 /// ```
@@ -146,11 +152,19 @@ impl<'a> Formats<'a> {
         path: &Path,
         request: &ColumnRequest<'_>,
     ) -> Result<(&'a dyn Format, RawColumns), RecordingError> {
+        // the recorder's list stands for the folder of a bag
+        let in_folder = path.is_dir().then(|| rosbag2::metadata_in(path)).flatten();
+        let path = in_folder.as_deref().unwrap_or(path);
         let input = Input::open(path)?;
         let extension = extension_of(path);
         let format = self.recognise(&FileStart { bytes: input.start(), extension: &extension });
         Ok((format, format.read(input, request)?))
     }
+}
+
+/// Whether a folder is one recording: a bag of ROS 2 with its list of files.
+pub fn is_one_recording(folder: &Path) -> bool {
+    rosbag2::metadata_in(folder).is_some()
 }
 
 fn extension_of(path: &Path) -> String {

@@ -7,18 +7,6 @@ pub(super) const ALL: &[&dyn Format] = &[
     &Known { name: "UTF-16 text", magic: b"\xff\xfe", ..KNOWN },
     &Known { name: "UTF-16 text", magic: b"\xfe\xff", ..KNOWN },
     &Known { name: "gzip archive", extensions: &["gz"], magic: b"\x1f\x8b", ..KNOWN },
-    &Known {
-        name: "MATLAB file of version 7.3",
-        extensions: &["mat"],
-        magic: b"MATLAB 7.3 MAT-file",
-        converter: "save it for version 7 in MATLAB: `save('log.mat', '-v7')`",
-    },
-    &Known {
-        name: "HDF5 file",
-        extensions: &["h5", "mat"],
-        magic: b"\x89HDF",
-        converter: "write its arrays by `numpy.savez(\"log.npz\", **arrays)`; the Python package h5py reads them",
-    },
     &Known { name: "NumPy file", extensions: &["npy"], magic: b"\x93NUMPY", converter: NUMPY },
     &Known {
         name: "ZIP archive or spreadsheet",

@@ -1,14 +1,16 @@
-"""One recording, written by NumPy, SciPy and rosbags. Run: python others.py FOLDER
+"""One recording, written by NumPy, SciPy, h5py, hdf5storage and rosbags. Run: python others.py FOLDER
 
 Two joints, 60 samples, times from 0 in steps of 5 ms; `sample` makes the numbers, which the tests repeat.
-Made with Python 3.11, numpy 2.4.6, scipy 1.17.1, rosbags 0.11.9: bag.db3, bz2.bag,
-none.bag, compressed.mat and turned.npz lie beside this file.
+Made with Python 3.11, numpy 2.4.6, scipy 1.17.1, rosbags 0.11.9, h5py 3.16.0: bag.db3, bz2.bag,
+none.bag, compressed.mat, version73.mat and turned.npz lie beside this file.
 """
 
 import math
 import sys
 from pathlib import Path
 
+import h5py
+import hdf5storage
 import numpy as np
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
@@ -57,7 +59,40 @@ def write_arrays(folder):
     for name, compressed in [("plain", False), ("compressed", True)]:
         variables = {"t": t, "q": q, "dq": dq, "tau": tau, "joint_names": np.array(JOINTS, dtype=object)}
         savemat(folder / f"{name}.mat", variables, do_compression=compressed)
+    write_73(folder / "version73.mat", t, q, dq, tau)
     savemat(folder / "structure.mat", {"log": {"time": t, "q": q.T, "dq": dq.T, "tau": tau.T}, "gain": 3.0})
+
+
+def write_73(path, t, q, dq, tau):
+    """A structure as MATLAB writes it for version 7.3: columns first, letters of UTF-16, cells by reference, chunks of zlib."""
+    with h5py.File(path, "w", userblock_size=512, libver="earliest") as file:
+        log = file.create_group("log")
+        log.attrs["MATLAB_class"] = np.bytes_("struct")
+        for name, values in [("t", t[:, None]), ("q", q), ("dq", dq), ("tau", tau)]:
+            turned = np.ascontiguousarray(values.T)
+            array = log.create_dataset(name, data=turned, chunks=(turned.shape[0], 25), compression="gzip")
+            array.attrs["MATLAB_class"] = np.bytes_("double")
+        cells = log.create_dataset("joint_names", (len(JOINTS), 1), dtype=h5py.ref_dtype)
+        cells.attrs["MATLAB_class"] = np.bytes_("cell")
+        hidden = file.create_group("#refs#")
+        for j, name in enumerate(JOINTS):
+            letters = hidden.create_dataset("ab"[j], data=np.array([[ord(letter)] for letter in name], dtype=np.uint16))
+            letters.attrs["MATLAB_class"] = np.bytes_("char")
+            cells[j, 0] = letters.ref
+    header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM"
+    path.write_bytes(header + path.read_bytes()[len(header) :])
+
+
+def write_hdf5(folder):
+    """HDF5 with groups, single precision, and what hdf5storage makes of a dict."""
+    t, q, dq, tau = arrays()
+    with h5py.File(folder / "groups.h5", "w") as file:
+        file["time"] = t
+        file["observations/qpos"], file["observations/qvel"], file["observations/effort"] = q, dq, tau
+        file["observations/names"] = JOINTS
+        file.attrs["sim"] = False
+    variables = {"t": t[:, None], "q": q, "dq": dq, "tau": tau, "joint_names": np.array(JOINTS, dtype=object)}
+    hdf5storage.savemat(str(folder / "storage.mat"), variables, format="7.3")
 
 
 def write_bag(writer, store, names, encoded, topics):
@@ -131,6 +166,7 @@ def write_bags(folder):
 def main():
     folder = Path(sys.argv[1])
     write_arrays(folder)
+    write_hdf5(folder)
     write_bags(folder)
 
 

@@ -18,7 +18,7 @@ use super::charts::of_minimal_set;
 use super::joint_cards::joint_cards;
 use crate::blocks::parts;
 use crate::drawing::{Drawing, DrawnQuantity};
-use crate::figures::{self, Figure};
+use crate::figures::{self, Figure, LitFinding};
 use crate::view::{JointCard, Tone, View, number};
 
 pub(crate) fn view(
@@ -33,8 +33,10 @@ pub(crate) fn view(
     if worst.is_empty() {
         worst = of.joints.first().cloned().into_iter().collect();
     }
-    let joints_found = on_chain(drawing, of, |f| f.link.is_none());
-    let links_found = on_chain(drawing, of, |f| f.link.is_some());
+    let joints_found = on_chain(drawing, &of.findings, |f| f.link.is_none());
+    let links_found = on_chain(drawing, &of.findings, |f| f.link.is_some());
+    let findings = of.findings.iter().enumerate();
+    let lit: Vec<LitFinding> = findings.map(|(k, finding)| lit(k, finding, drawing)).collect();
     let MinimalSetEstimate(constants) = of.section().unwrap_or_default();
     let shown = sections.iter().map(|section| (section.key(), section.page(of)));
     let findings = of.findings.iter().enumerate();
@@ -49,7 +51,7 @@ pub(crate) fn view(
         skeleton: drawing
             .skeleton
             .as_ref()
-            .map(|s| figures::skeleton(drawing, s, &joints_found, &links_found)),
+            .map(|s| figures::skeleton(drawing, s, &joints_found, &links_found, &lit)),
         sections: parts(shown, |name| of_minimal_set(name, &constants, drawing)),
         cards: findings.map(|(k, finding)| card(k, finding, of, drawing)).collect(),
         robot: of.robot.clone(),
@@ -57,14 +59,30 @@ pub(crate) fn view(
     }
 }
 
+/// What a finding lights in the arm.
+fn lit(k: usize, finding: &FindingRow, drawing: &Drawing) -> LitFinding {
+    let one = std::slice::from_ref(finding);
+    let place = finding.location();
+    let mut title = finding.label();
+    if !place.is_empty() {
+        title += &format!(" on {place}");
+    }
+    let found = LitFinding {
+        title,
+        joints: on_chain(drawing, one, |f| f.link.is_none()),
+        links: on_chain(drawing, one, |f| f.link.is_some()),
+        ..LitFinding::default()
+    };
+    drawing.findings.get(k).map_or_else(|| found.clone(), |traces| found.clone().with(traces))
+}
+
 /// Joints, from 0, of some findings.
 fn on_chain(
     drawing: &Drawing,
-    of: &DiagnoseReport,
+    of: &[FindingRow],
     which: impl Fn(&FindingRow) -> bool,
 ) -> Vec<usize> {
     let mut found: Vec<usize> = of
-        .findings
         .iter()
         .filter(|f| which(f))
         .flat_map(|f| f.joints.iter().map(move |j| (f, j)))

@@ -8,12 +8,16 @@ mod topics;
 #[cfg(feature = "mcap")]
 mod writer;
 
+#[cfg(feature = "mcap")]
+pub(super) use reader::read_messages;
 pub use topics::{JointTopic, Status, StatusLevel, StatusTopic};
 
 use super::format::{FileStart, Format, Support};
 #[cfg(feature = "mcap")]
 use {
+    super::bag_metadata::part_note,
     super::format::{ColumnRequest, Encoded, Input},
+    super::ros::Topics,
     crate::error::RecordingError,
     crate::raw::RawColumns,
     crate::recording::Recording,
@@ -50,7 +54,12 @@ impl Format for Mcap {
         input: Input,
         request: &ColumnRequest<'_>,
     ) -> Result<RawColumns, RecordingError> {
-        reader::read_columns(input.into_reader(), request)
+        let part = part_note(input.path());
+        let mut topics = Topics::new(request);
+        let ended = read_messages(input.into_reader(), &mut topics, request.source())?;
+        let mut raw = topics.columns(request, ended)?;
+        raw.notes.extend(part);
+        Ok(raw)
     }
 
     #[cfg(feature = "mcap")]

@@ -1,4 +1,4 @@
-//! Reads the joints of one topic from MCAP.
+//! Reads the messages of joints from MCAP.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
@@ -8,40 +8,36 @@ use ::mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReader
 use ::mcap::{McapError, parse_record};
 
 use crate::error::{Fault, RecordingError};
-use crate::formats::format::ColumnRequest;
 use crate::formats::ros::Topics;
-use crate::raw::RawColumns;
 
 /// Bytes read at a time.
 const BUFFER_BYTES: usize = 1 << 18;
 /// Longest record accepted \[bytes\].
 const LONGEST_RECORD: usize = 1 << 30;
 
-/// Joints of one topic as columns, see [`Topics::columns`].
-pub(super) fn read_columns(
+/// Reads the messages of a file; the reason if it ends early.
+///
+/// # Errors
+/// The file cannot be read, or none of its messages.
+pub(in crate::formats) fn read_messages(
     reader: impl Read,
-    request: &ColumnRequest<'_>,
-) -> Result<RawColumns, RecordingError> {
+    topics: &mut Topics,
+    source: &str,
+) -> Result<Option<String>, RecordingError> {
     let reader = BufReader::with_capacity(BUFFER_BYTES, reader);
-    let mut file = Contents {
-        topics: Topics::new(request),
-        schemas: BTreeMap::new(),
-        channels: BTreeMap::new(),
-    };
-    let ended_early = file.read(reader, request.source())?;
-    file.topics.columns(request, ended_early)
+    Contents { topics, schemas: BTreeMap::new(), channels: BTreeMap::new() }.read(reader, source)
 }
 
 /// Messages of a file.
-struct Contents {
-    topics: Topics,
+struct Contents<'a> {
+    topics: &'a mut Topics,
     /// schema id to name
     schemas: BTreeMap<u16, String>,
     /// channel id to topic and encoding
     channels: BTreeMap<u16, (String, String)>,
 }
 
-impl Contents {
+impl Contents<'_> {
     /// Reads all records; the reason if the file is truncated.
     fn read(
         &mut self,
