@@ -1,5 +1,5 @@
 //! MuJoCo moves an arm under commands with properties that its URDF does not contain: they are found, exported, and the exported
-//! arm moves as the concealed one.
+//! arm moves as the hidden one.
 //!
 //! Needs a Python with `mujoco`, as `peers.rs`.
 
@@ -33,7 +33,7 @@ fn arm_of_mujoco_is_diagnosed_from_commands_and_moves_again() {
         assert!(output.status.success(), "{errors}");
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    let concealed = script("record", &urdf);
+    let hidden = script("record", &urdf);
     let runs: Vec<_> = (0..4).map(|k| folder.join(format!("run_{k}.csv"))).collect();
     let [json, model, mjcf] = ["out.json", "model.json", "arm.xml"].map(|name| folder.join(name));
     let given = [text(&runs[0]), text(&runs[1]), text(&runs[2]), "--holdout", text(&runs[3])];
@@ -48,16 +48,16 @@ fn arm_of_mujoco_is_diagnosed_from_commands_and_moves_again() {
         findings.iter().find(|f| f["effect"] == effect && f["joints"][0] == joint)
     };
     let joints: Vec<&str> =
-        concealed["joints"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+        hidden["joints"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
     for (j, joint) in joints.iter().enumerate() {
-        let of = |name: &str| concealed[name][j].as_f64().unwrap();
+        let of = |name: &str| hidden[name][j].as_f64().unwrap();
         let dry = on("coulomb_friction", joint).or_else(|| on("stribeck_friction", joint));
         assert_eq!(dry.is_some(), of("frictionloss") > 0.0, "{joint}: {dry:?}");
         assert!(on("viscous_friction", joint).is_some(), "{joint}");
         let controller = on("position_control", joint).expect(joint);
         assert_eq!(controller["confirmed"], true, "{joint}");
         let value = |name: &str| controller["parameters"][name]["value"].as_f64();
-        let late_s = value("delay").unwrap() - concealed["delay_s"].as_f64().unwrap();
+        let late_s = value("delay").unwrap() - hidden["delay_s"].as_f64().unwrap();
         // where no weight is felt only the inertia separates the delay from damping
         if let Some(stiffness) = value("stiffness") {
             let relative = stiffness / of("stiffness") - 1.0;

@@ -37,7 +37,7 @@ def properties(n):
     }
 
 
-def concealed(urdf):
+def hidden_arm(urdf):
     spec = mujoco.MjSpec.from_file(str(urdf))
     spec.option.timestep = STEP_S
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -64,6 +64,11 @@ def move(model, time_s, commands, start, delay_steps):
     """Positions at the stamps of the commands, which lie on lines between them."""
     data = mujoco.MjData(model)
     data.qpos[:] = start
+    # before the first command an actuator with a delay has that one in its memory, not 0
+    for k, command in enumerate(commands[0]):
+        if model.actuator_delay[k] > 0.0:
+            memory = np.full((model.actuator_history[k][0], 1), command)
+            mujoco.mj_initCtrlHistory(model, data, k, None, memory)
     positions = []
     steps = round((time_s[1] - time_s[0]) / model.opt.timestep)
     fine_s = np.arange(steps * len(time_s)) * model.opt.timestep
@@ -106,7 +111,7 @@ def read(path):
 
 
 def record(folder, urdf):
-    model, own = concealed(urdf)
+    model, own = hidden_arm(urdf)
     names = [model.joint(j).name for j in range(model.njnt)]
     random = np.random.default_rng(101)
     time_s = np.arange(round(SECONDS * RATE_HZ)) / RATE_HZ

@@ -16,7 +16,7 @@ use crate::view::{Step, Tone, View, number};
 /// Relative error up to which a model predicts well.
 const WELL: f64 = 0.05;
 /// Share of the command's position error up to which a model follows well: what a gain, an offset and a lag of each joint
-/// seldom reach.
+/// rarely reach.
 const FOLLOWED: f64 = 0.5;
 /// p-value below which a residual is not white.
 const WHITE: f64 = 0.01;
@@ -132,7 +132,7 @@ fn view_of_positions(
         next: vec![next],
         overview: bars.into_iter().chain(figures::over_time(drawing)).collect(),
         joints: joint_cards(drawing, &open, &ByJoint::default()),
-        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[])),
+        skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[], &[])),
         sections: parts(shown, |_| None),
         cards: Vec::new(),
         robot: format!("{}: {}", of.robot, of.model),
