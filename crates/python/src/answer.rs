@@ -19,13 +19,13 @@ use crate::work::done;
 
 /// What a command found.
 pub(crate) enum Found {
-    Checked(Checked),
+    Checked(Box<Checked>),
     Identified(Box<Identified>),
     Diagnosed(Box<Diagnosed>),
-    Validated(Validated),
+    Validated(Box<Validated>),
     Params(Box<ParamsReport>),
     Predicted(PredictReport),
-    Exported(ExportReport),
+    Exported(Box<ExportReport>),
     Informed(InfoReport),
     Converted(ConvertReport),
     Excited(Box<Excited>),

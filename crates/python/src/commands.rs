@@ -55,7 +55,7 @@ pub(crate) fn check(
     let (given, recordings) = (robot.given.clone(), recorded(&recordings));
     let files = sources(&given, &[&recordings]);
     let found = done(py, move || run::check(&given, &recordings, cutoff_hz))?;
-    Ok(Answer::new(Found::Checked(found), "check", files))
+    Ok(Answer::new(Found::Checked(Box::new(found)), "check", files))
 }
 
 /// Parameters of an arm from ordinary motion, or from a folder with a plan.
@@ -150,7 +150,7 @@ pub(crate) fn validate(
     let (given, recordings) = (robot.given.clone(), recorded(&recordings));
     let files = sources(&given, &[&recordings]);
     let found = done(py, move || run::validate(&given, recordings, cutoff_hz, replay, &[]))?;
-    Ok(Answer::new(Found::Validated(found), "validate", files))
+    Ok(Answer::new(Found::Validated(Box::new(found)), "validate", files))
 }
 
 /// Efforts of a motion, with the result of the command.
@@ -259,7 +259,7 @@ pub(crate) fn export(
         let text = files.into_iter().next().map(|(_, text)| text).unwrap_or_default();
         Ok((text, report))
     })?;
-    Ok((Answer::new(Found::Exported(report), "export", files), text))
+    Ok((Answer::new(Found::Exported(Box::new(report)), "export", files), text))
 }
 
 /// What logs hold; the guessed mapping of the first is written where a path is given.
