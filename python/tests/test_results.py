@@ -68,7 +68,8 @@ def test_every_result_shows_in_notebooks(tmp_path, robot, train, holdout, identi
     for result in results:
         html = result._repr_html_()
         # a notebook runs no script of a result, and shows each as its own
-        assert "<script" not in html and "ur5" in html.lower() or "train.csv" in html, type(result)
+        assert "<script" not in html, type(result)
+        assert "ur5" in html.lower() or "train.csv" in html, type(result)
 
 
 def test_models_go_into_simulators(tmp_path, identification):
