@@ -626,12 +626,6 @@ class PositionFit(Fields):
     without: list[ErrorWithoutLaw]
     """What each law is worth."""
 
-Presliding = dict[str, float | None]
-
-Projection = float
-
-ReferenceSpeed = dict[str, float | None]
-
 class PositionsUnderCommands(Fields):
     """RMS position errors of an arm behind its controllers [rad or m]."""
 
@@ -647,6 +641,12 @@ class PositionsUnderCommands(Fields):
     """Length of a window [s]."""
     windows: int
     """Windows simulated to their end."""
+
+Presliding = dict[str, float | None]
+
+Projection = float
+
+ReferenceSpeed = dict[str, float | None]
 
 class Regressor(Fields):
     """A function of the motion and the share of the residual variance that it explains alone."""

@@ -76,7 +76,7 @@ def test_arguments_that_are_not_known(robot, train):
     assert refused(armident.identify, robot, train, method="magic").place == "method"
     assert refused(armident.identify, robot, train, prior="mine").place == "prior"
     assert refused(train.channel, "speed").place == "quantity"
-    assert refused(armident.export, robot, "model.sdf").hint
+    assert refused(armident.export, robot, "model.obj").hint
     assert refused(robot.predict, train, cutoff_hz=-1)
     assert refused(robot.predict, np.zeros((3, 6))).place == "predict"
     assert refused(robot.predict, np.zeros((3, 6)), np.zeros((2, 6)), np.zeros((3, 6))).place == "v"

@@ -138,13 +138,13 @@ def test_excite(cli, tmp_path):
     limits.write_text("".join(f"[{name}]\nacceleration = 5.0\njerk = 50.0\n" for name in joints))
     by_cli, by_python = tmp_path / "cli", tmp_path / "python"
     # a search that ends before its first step is the same in every run
-    options = "--seconds 5 --budget 0.001 --only train --format csv,json --seed 3"
+    options = "--seconds 5 --budget 1e-9 --only train --format csv,json --seed 3"
     expected = cli("excite", robot, "-o", by_cli, *options.split(), "--limits", limits)
     found = armident.excite(
         robot,
         by_python,
         seconds=5,
-        budget=0.001,
+        budget=1e-9,
         only=["train"],
         format=["csv", "json"],
         seed=3,
