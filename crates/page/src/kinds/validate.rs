@@ -130,7 +130,11 @@ fn view_of_positions(
             counted(of.recordings.len(), "hold-out recording")
         )],
         next: vec![next],
-        overview: bars.into_iter().chain(figures::over_time(drawing)).collect(),
+        overview: bars
+            .map(|f| Figure { title: "Position error by joint".to_owned(), ..f })
+            .into_iter()
+            .chain(figures::over_time(drawing))
+            .collect(),
         joints: joint_cards(drawing, &open, &ByJoint::default()),
         skeleton: drawing.skeleton.as_ref().map(|s| figures::skeleton(drawing, s, &[], &[], &[])),
         sections: parts(shown, |_| None),
