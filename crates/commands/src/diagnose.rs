@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use armident_diagnose::{
-    DiagnoseError, DiagnoseRequest, Diagnosis, NextMotion, WrongColumns, diagnose as diagnosed,
+    DiagnoseError, DiagnoseRequest, Diagnosis, WrongColumns, diagnose as diagnosed,
 };
 use armident_ident::validation::{REPLAY_WINDOW_S, replay};
 use armident_model::{ArmModel, PreparedRecording};
@@ -14,6 +14,7 @@ use armident_report::{ByJoint, DiagnoseInputs, DiagnoseReport, Fits, ReplayPair}
 
 use crate::drawing;
 use crate::failure::Failure;
+use crate::next_motion::next_motion;
 use crate::recordings::{joints_with_position, motions_with_effort};
 use crate::robot::{GivenRobot, chain_warnings};
 use crate::topics::{PredictedEfforts, as_mcap};
@@ -106,21 +107,15 @@ impl Diagnosed {
             (!of.is_empty()).then(|| diagnosis.errors(of)).transpose()
         };
         let fits = Fits::of(errors(&training)?, errors(&holdout)?);
-        let next = match options.next_motion {
-            Some(_) => diagnosis.next_motion()?,
-            None => None,
-        };
-        let next_motion = next.as_ref().map(|next| next.motion.clone());
-        let named = |(path, next): (&Path, NextMotion)| (path.display().to_string(), next);
+        let designed =
+            options.next_motion.map(|file| next_motion(&diagnosis, &file.display().to_string()));
+        let (of_next, motion) = designed.unzip();
         let replayed = if options.no_replay { None } else { replayed(&diagnosis) };
         let report = DiagnoseReport::new(&diagnosis.model.chain, &diagnosis, inputs, fits)
             .with_holdout_tests(diagnosis.whiteness(&holdout)?, replayed)
-            .with_next_motion(
-                options.next_motion.is_some(),
-                options.next_motion.zip(next).map(named),
-            );
+            .with_next_motion(of_next);
         drop((training, holdout));
-        Ok(Self { report, next_motion, found: Found::Diagnosis(Box::new(diagnosis)) })
+        Ok(Self { report, next_motion: motion.flatten(), found: Found::Diagnosis(Box::new(diagnosis)) })
     }
 
     fn of_failed_checks(model: ArmModel, wrong: WrongColumns, inputs: DiagnoseInputs) -> Self {

@@ -30,6 +30,7 @@ mod failure;
 mod identify;
 mod info;
 mod merge;
+mod next_motion;
 mod params;
 mod planned_motion;
 mod predict;

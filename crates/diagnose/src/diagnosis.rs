@@ -13,9 +13,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::findings::confidence::{NOT_CONFIRMED, with_odds};
-use crate::findings::finding::{DoubtfulChange, Finding};
+use crate::findings::finding::{Alternative, DoubtfulChange, Finding};
 use crate::findings::geometry::length_finding;
-use crate::findings::next_experiment::{NextMotion, Rivals, next_motion};
 use crate::findings::placebo::Placebo;
 use crate::findings::residual_map::JointAtlas;
 use crate::uncertainty::minimal_constants::ConstantEstimates;
@@ -32,6 +31,17 @@ pub struct Errors {
     pub rigid: BTreeMap<String, f64>,
     /// The diagnosed model.
     pub after: BTreeMap<String, f64>,
+}
+
+/// A finding and an alternative that the recordings do not distinguish.
+#[derive(Debug, Clone, Copy)]
+pub struct OpenPair<'a> {
+    /// The finding.
+    pub finding: &'a Finding,
+    /// What it may be instead.
+    pub alternative: &'a Alternative,
+    /// The models fitted with the one and with the other; none where there are no such models.
+    pub models: Option<[&'a ArmModel; 2]>,
 }
 
 /// The result.
@@ -217,28 +227,19 @@ impl Diagnosis {
         }
     }
 
-    /// The motion that would best tell the findings from their alternatives, inside the arm's limits;
-    /// none without alternatives, or where no motion tells them apart.
-    ///
-    /// # Errors
-    /// None but those of a prediction.
-    pub fn next_motion(&self) -> Result<Option<NextMotion>, RecordingError> {
-        let place = |name: &String| self.joints.iter().position(|j| j == name);
-        let mut pairs = Vec::new();
-        for (finding, rivals) in self.findings.iter().zip(&self.rivals) {
-            for (alternative, other) in finding.alternatives.iter().zip(rivals) {
-                let Some(other) = other else { continue };
-                let mut joints: Vec<usize> =
-                    finding.joints.iter().chain(&alternative.joints).filter_map(place).collect();
-                joints.extend(place(&finding.evidence.joint));
-                pairs.push(Rivals { one: &self.model, other, joints });
-            }
-        }
-        if pairs.is_empty() {
-            return Ok(None);
-        }
-        let noise: Vec<f64> = self.joints.iter().map(|j| self.effort_noise[j]).collect();
-        next_motion(&self.model.chain, &noise, &pairs)
+    /// Findings and their alternatives: what the recordings do not distinguish.
+    pub fn open_pairs(&self) -> Vec<OpenPair<'_>> {
+        let pairs = self.findings.iter().zip(&self.rivals).flat_map(|(finding, rivals)| {
+            // a finding that was not fitted has no model of its alternatives
+            let models = rivals.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+            let pair = move |(alternative, other): (_, Option<_>)| OpenPair {
+                finding,
+                alternative,
+                models: other.map(|other| [&self.model, other]),
+            };
+            finding.alternatives.iter().zip(models).map(pair)
+        });
+        pairs.collect()
     }
 
     /// Whether what the model leaves over on recordings is white: p-values of the Ljung-Box test, by joint

@@ -59,11 +59,10 @@ mod uncertainty;
 
 pub use checks::effort_columns::{InferredDriveGain, InputChecks};
 pub use checks::usable::Unusable;
-pub use diagnosis::{Diagnosis, Errors};
+pub use diagnosis::{Diagnosis, Errors, OpenPair};
 pub use error::{DiagnoseError, WrongColumns};
 pub use findings::finding::{Alternative, DoubtfulChange, Finding, FindingEvidence};
 pub use findings::from_commands::{ServoDiagnosis, diagnose_servos};
-pub use findings::next_experiment::NextMotion;
 pub use findings::numbers::Value;
 pub use findings::placebo::Placebo;
 pub use findings::residual_map::{Bin, Character, JointAtlas, Regime, SymmetryTest};

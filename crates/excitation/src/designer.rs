@@ -1,6 +1,6 @@
 //! Motions of the parts: searched or made of moves, inside all limits, sampled.
 
-use armident_recording::{JointChannels, Recording};
+use armident_recording::{JointChannels, Recording, RecordingError};
 
 use crate::clearance::{Clearance, Nearest};
 use crate::error::ExcitationError;
@@ -151,21 +151,12 @@ impl<'a> Designer<'a> {
             return Ok(None);
         }
         let condition = self.parameters.information(&columns).condition()?;
-        let [q, v, a] = columns;
-        let joints = self.names.iter().zip(q.into_iter().zip(v.into_iter().zip(a)));
-        let joints = joints
-            .map(|(name, (position, (velocity, acceleration)))| JointChannels {
-                position: Some(position),
-                velocity: Some(velocity),
-                acceleration: Some(acceleration),
-                ..JointChannels::new(name)
-            })
-            .collect();
         let name = match is_rehearsal {
             true => format!("{}_rehearsal", part.name()),
             false => part.name().to_owned(),
         };
-        let motion = Recording::new(&name, time_s, joints)?;
+        let names = self.names.iter().map(String::as_str);
+        let motion = planned_recording(&name, names, time_s, columns)?;
         let (purpose, split) = match is_rehearsal {
             true => ("the same path at a fifth of the speed: watch for collisions", Split::Neither),
             false => (part.purpose(), part.split()),
@@ -195,6 +186,25 @@ pub(crate) fn period_and_waves(part: Part, seconds: f64) -> (f64, usize) {
     };
     let waves = (highest_hz * period_s).round() as usize;
     (period_s, waves.clamp(HARMONICS[0], HARMONICS[1]))
+}
+
+/// Positions, velocities and accelerations of joints as a recording.
+pub(crate) fn planned_recording<'a>(
+    name: &str,
+    joints: impl Iterator<Item = &'a str>,
+    time_s: Vec<f64>,
+    [q, v, a]: Columns,
+) -> Result<Recording, RecordingError> {
+    let joints = joints
+        .zip(q.into_iter().zip(v.into_iter().zip(a)))
+        .map(|(name, (position, (velocity, acceleration)))| JointChannels {
+            position: Some(position),
+            velocity: Some(velocity),
+            acceleration: Some(acceleration),
+            ..JointChannels::new(name)
+        })
+        .collect();
+    Recording::new(name, time_s, joints)
 }
 
 fn sampled(path: &Path, rate_hz: f64) -> (Vec<f64>, Columns) {

@@ -38,6 +38,6 @@ pub use limits::{GivenLimits, MotionLimits};
 pub use part::{Part, Split};
 pub use predicted::PredictedError;
 pub use search::FourierMotion;
-pub use separation::{RivalEffects, Separation};
+pub use separation::{RivalEffects, RivalModels, Separation};
 pub use suite::{ExciteRequest, Suite, SuiteSettings, excite};
 pub use visibility::{STANDARD_ERRORS, Sight, Visibility};

@@ -3,15 +3,18 @@
 //! T-optimality: of each pair the residual of the finding's effort after a fit of the alternative's columns and of all that is
 //! fitted anyway, in standard deviations of the noise ([`crate::imitation`]). An alternative with a shape imitates with the
 //! shape that is best for it. Over several pairs the sum of `log(1 + residual²)` is maximised: what separates one pair well
-//! makes up for no other.
+//! makes up for no other. Where an effort does not follow from columns (play, an elastic joint) the difference of two fitted
+//! models takes the place of the finding's effort, and only what is fitted anyway imitates it.
 //!
 //! References: A. C. Atkinson, V. V. Fedorov, The design of experiments for discriminating between two rival models,
 //! Biometrika 62(1), 1975; the sum is own.
 
 use armident_effects::{ArmColumns, Effect, EffectOnJoint, Library, Scan, Scope};
 use armident_kinematics::DrivingAxisChain;
+use armident_recording::Recording;
 use serde::Serialize;
 
+use crate::designer::planned_recording;
 use crate::error::ExcitationError;
 use crate::imitation::Fitted;
 use crate::information::{Columns, Parameters, Regressors};
@@ -22,15 +25,24 @@ pub(crate) const COMPARED_HZ: f64 = 50.0;
 /// Residual share of the square of an effort that is rounding.
 const LEAST_SHARE: f64 = 1e-6;
 
+/// Two fitted models that recordings do not distinguish.
+pub trait RivalModels: std::fmt::Debug + Sync {
+    /// Efforts of the one minus those of the other on a motion, `[joint][sample]` \[N m or N\]; none where they cannot be
+    /// predicted.
+    fn difference(&self, motion: &Recording) -> Option<Vec<Vec<f64>>>;
+}
+
 /// A finding and an effect that the recordings do not distinguish from it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RivalEffects {
+#[derive(Debug, Clone)]
+pub struct RivalEffects<'a> {
     /// The finding with its parameters.
     pub finding: EffectOnJoint,
     /// Slug of the alternative.
     pub alternative: String,
     /// Joint of the alternative: the first of two neighbours, or the one that moves the link; empty for the whole arm.
     pub alternative_joint: String,
+    /// The models fitted with the one and with the other, for efforts that need a simulation.
+    pub models: Option<&'a dyn RivalModels>,
 }
 
 /// How well a motion separates a pair.
@@ -51,30 +63,28 @@ pub struct Separation {
     pub note: Option<String>,
 }
 
-/// A pair whose efforts follow from a motion.
-struct Rival {
-    finding: PlacedLaw,
-    shape: Vec<f64>,
-    coefficients: Vec<f64>,
-    other: Option<PlacedLaw>,
+/// A pair whose efforts are known on a motion.
+enum Rival<'a> {
+    Columns { finding: PlacedLaw, shape: Vec<f64>, coefficients: Vec<f64>, other: Option<PlacedLaw> },
+    Models(&'a dyn RivalModels),
 }
 
 /// The pairs of a design.
 pub(crate) struct Rivals<'a> {
     chain: &'a DrivingAxisChain,
     parameters: &'a Parameters<'a>,
-    rivals: Vec<Option<Rival>>,
+    rivals: Vec<Option<Rival<'a>>>,
     rows: Vec<Separation>,
 }
 
 impl<'a> Rivals<'a> {
     /// # Errors
     /// [`ExcitationError::Rival`]: an effect or a joint that is not known, or other parameters than those of the law; or no
-    /// pair whose efforts follow from a motion.
+    /// pair whose efforts are known on a motion.
     pub(crate) fn of(
         chain: &'a DrivingAxisChain,
         parameters: &'a Parameters<'a>,
-        pairs: &[RivalEffects],
+        pairs: &[RivalEffects<'a>],
     ) -> Result<Self, ExcitationError> {
         let (mut rivals, mut rows) = (Vec::new(), Vec::new());
         for pair in pairs {
@@ -95,7 +105,12 @@ impl<'a> Rivals<'a> {
             let finding = PlacedLaw { law, joint: place(law, &pair.finding.joint)? };
             let other = PlacedLaw { law: other, joint: place(other, &pair.alternative_joint)? };
             let follows = |law: &dyn Effect| law.law().scan == Scan::Columns;
+            let both_follow = follows(law) && follows(other.law);
+            let models = pair.models.filter(|_| !both_follow);
             let note = match (follows(law), follows(other.law)) {
+                _ if models.is_some() => {
+                    Some("the two fitted models: only what is fitted anyway imitates")
+                }
                 (false, _) => Some("the finding's effort needs a simulation"),
                 (true, false) => Some(
                     "the alternative's effort needs a simulation: only what is fitted anyway imitates",
@@ -104,7 +119,9 @@ impl<'a> Rivals<'a> {
             };
             let (shape, coefficients) = law.shape_and_coefficients(&pair.finding.parameters);
             let other = follows(other.law).then_some(other);
-            rivals.push(follows(law).then_some(Rival { finding, shape, coefficients, other }));
+            let columns =
+                follows(law).then_some(Rival::Columns { finding, shape, coefficients, other });
+            rivals.push(models.map(Rival::Models).or(columns));
             rows.push(Separation {
                 finding: pair.finding.effect.clone(),
                 joint: pair.finding.joint.clone(),
@@ -132,15 +149,37 @@ impl<'a> Rivals<'a> {
         let regressors = self.parameters.regressors(columns);
         self.rivals
             .iter()
-            .map(|rival| rival.as_ref().map(|r| self.residual(r, &motion, &regressors)))
+            .map(|rival| {
+                let rival = rival.as_ref()?;
+                Some(self.residual(rival, (columns, &motion), rate_hz, &regressors))
+            })
             .collect()
     }
 
-    fn residual(&self, rival: &Rival, motion: &PlannedMotion<'_>, regressors: &Regressors) -> f64 {
+    fn residual(
+        &self,
+        rival: &Rival<'_>,
+        (columns, motion): (&Columns, &PlannedMotion<'_>),
+        rate_hz: f64,
+        regressors: &Regressors,
+    ) -> f64 {
         let (chain, arm) = (self.chain, self.parameters.arm);
-        let effort =
-            combined(&motion.law(chain, arm, rival.finding, &rival.shape), &rival.coefficients);
-        let Some(other) = rival.other else {
+        let (finding, shape, coefficients, other) = match rival {
+            Rival::Columns { finding, shape, coefficients, other } => {
+                (*finding, shape, coefficients, *other)
+            }
+            Rival::Models(models) => {
+                let names = chain.joints.iter().map(|joint| joint.name.as_str());
+                let time_s = (0..columns[0].first().map_or(0, Vec::len)).map(|k| k as f64 / rate_hz).collect();
+                let planned = planned_recording("planned", names, time_s, columns.clone()).ok();
+                let difference = planned.and_then(|planned| models.difference(&planned));
+                return difference.map_or(0.0, |effort| {
+                    self.beyond(regressors.clone(), self.parameters.len(), effort)
+                });
+            }
+        };
+        let effort = combined(&motion.law(chain, arm, finding, shape), coefficients);
+        let Some(other) = other else {
             return self.beyond(regressors.clone(), self.parameters.len(), effort);
         };
         let shapes = other.law.shapes(&motion.scale(arm, other.joint));

@@ -97,7 +97,7 @@ pub struct ExciteRequest<'a> {
     /// Regions in the axes of the base link that the arm keeps out of, by name.
     pub keep_out: &'a BTreeMap<String, KeepOut>,
     /// Findings and their alternatives that a motion is to separate.
-    pub rivals: &'a [RivalEffects],
+    pub rivals: &'a [RivalEffects<'a>],
     /// Lengths, rate, time and parts.
     pub settings: &'a SuiteSettings,
 }
@@ -437,6 +437,7 @@ fn columns_of(motion: &Recording) -> Columns {
 #[allow(clippy::unwrap_used, reason = "a failed test may panic")]
 mod tests {
     use super::*;
+    use crate::separation::RivalModels;
     use crate::test_arms::{boxes, chain};
 
     fn designed(
@@ -642,8 +643,22 @@ mod tests {
         }
     }
 
+    /// Two models whose efforts differ by a ripple.
+    #[derive(Debug)]
+    struct Ripple;
+
+    impl RivalModels for Ripple {
+        fn difference(&self, motion: &Recording) -> Option<Vec<Vec<f64>>> {
+            let of = |joint: &JointChannels| {
+                let position = joint.position.clone().unwrap_or_default();
+                position.iter().map(|q| (20.0 * q).sin()).collect()
+            };
+            Some(motion.joints.iter().map(of).collect())
+        }
+    }
+
     /// Stribeck and presliding friction are alike on the training motion. A finding that is fitted anyway is separated by no
-    /// motion, and what needs a simulation is listed with its reason.
+    /// motion, and what needs a simulation is listed with its reason, or separated by two fitted models.
     #[test]
     fn separating_motion_is_better_than_the_training_motion() {
         let chain = chain();
@@ -652,11 +667,16 @@ mod tests {
             finding: armident_effects::EffectOnJoint::new(effect, joint.clone(), parameters),
             alternative: alternative.to_owned(),
             alternative_joint: joint.clone(),
+            models: None,
         };
         let rivals = [
             pair("stribeck_friction", &[6.0, 5.0, 0.1], "presliding_hysteresis"),
             pair("coulomb_friction", &[3.0], "stribeck_friction"),
             pair("backlash", &[0.01, 1e4, 10.0, 1.0], "coulomb_friction"),
+            RivalEffects {
+                models: Some(&Ripple),
+                ..pair("backlash", &[0.01, 1e4, 10.0, 1.0], "elastic_joint")
+            },
         ];
         let (limits, keep_out) = (BTreeMap::new(), BTreeMap::new());
         let settings = SuiteSettings {
@@ -678,6 +698,10 @@ mod tests {
         let found = suite.separations;
         assert_eq!(found[1].standard_errors, Some(0.0));
         assert!(found[2].standard_errors.is_none() && found[2].note.is_some());
+        let joints = suite.noise.iter().map(|noise| noise.powi(-2)).sum::<f64>();
+        let most = (0.5 * 1000.0 * joints).sqrt();
+        let of_models = found[3].standard_errors.unwrap();
+        assert!(of_models > 0.3 * most && of_models < 1.5 * most, "{of_models} {most}");
         let train = designed(&limits, &SuiteSettings { parts: vec![Part::Train], ..settings }, &[]);
         let train = train.unwrap().motions.into_iter().find(|m| m.name == "train").unwrap();
         let arm = RigidArm::from_chain(&chain);
@@ -703,6 +727,7 @@ mod tests {
             ),
             alternative: "coulomb_friction".to_owned(),
             alternative_joint: chain.joints[0].name.clone(),
+            models: None,
         };
         assert!(Rivals::of(&chain, &parameters, std::slice::from_ref(&good)).is_ok());
         let wrong = [

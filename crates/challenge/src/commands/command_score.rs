@@ -31,12 +31,12 @@ pub struct ControllerEstimate {
     pub joint: String,
     /// Estimated over true stiffness; `null` where the stiffness is not determined.
     pub stiffness_ratio: Option<f64>,
-    /// Whether the true stiffness is within two standard errors; `null` where these are not known.
-    pub stiffness_in_interval: Option<bool>,
+    /// Estimated minus true stiffness in standard errors; `null` where these are not known.
+    pub stiffness_deviation: Option<f64>,
     /// Estimated minus true delay \[s\].
     pub delay_error_s: f64,
-    /// Whether the true delay is within two standard errors; `null` where these are not known.
-    pub delay_in_interval: Option<bool>,
+    /// The same in standard errors; `null` where these are not known.
+    pub delay_deviation: Option<f64>,
 }
 
 /// The score of one case.
@@ -50,7 +50,7 @@ pub struct CommandScore {
     pub is_null: bool,
     /// What is there.
     pub effects: Vec<NamedEffect>,
-    /// Findings of dry friction or an offset on a joint without them: `effect on joint`.
+    /// Findings of dry friction or an offset on a joint without them: `effect on joint: parameters`.
     pub false_names: Vec<String>,
     /// Joint by joint.
     pub controllers: Vec<ControllerEstimate>,
@@ -105,20 +105,26 @@ impl CommandScore {
             .iter()
             .filter(can_be_false)
             .filter(|f| !is_there(&f.effect, &f.joints[0]))
-            .map(|f| format!("{} on {}", f.effect, f.joints[0]));
+            .map(|f| {
+                let size = |(name, value): (&&str, &armident_diagnose::Value)| {
+                    let error = value.stderr.map_or_else(String::new, |e| format!(" ± {e:.3e}"));
+                    format!("{name} {:.3e}{error} {}", value.value, value.unit)
+                };
+                let sizes: Vec<String> = f.parameters.iter().map(size).collect();
+                format!("{} on {}: {}", f.effect, f.joints[0], sizes.join(", "))
+            });
         let servos = &found.identification.model.servos;
         let controllers = servos.iter().zip(&case.stiffness).map(|(term, stiffness)| {
-            let within = |error: f64, standard_error: f64| error.abs() <= 2.0 * standard_error;
             let is_known = term.is_determined;
             let off = term.servo.stiffness - stiffness;
             let delay_error_s = term.servo.delay_s - case.delay_s;
             ControllerEstimate {
                 joint: term.joint.clone(),
                 stiffness_ratio: is_known.then(|| term.servo.stiffness / stiffness),
-                stiffness_in_interval: (term.stiffness_error.filter(|_| is_known))
-                    .map(|error| within(off, error)),
+                stiffness_deviation: (term.stiffness_error.filter(|_| is_known))
+                    .map(|error| off / error),
                 delay_error_s,
-                delay_in_interval: term.delay_error_s.map(|error| within(delay_error_s, error)),
+                delay_deviation: term.delay_error_s.map(|error| delay_error_s / error),
             }
         });
         Self {

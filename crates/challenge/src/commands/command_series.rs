@@ -160,12 +160,16 @@ impl CommandScoreboard {
         let near = |one: &ControllerEstimate| {
             one.stiffness_ratio.map(|ratio| (ratio - 1.0).abs() <= STIFFNESS_WITHIN)
         };
+        let is_within = |deviation: f64| deviation.abs() <= 2.0;
         let rows = [
             ("stiffness determined", rate(&|one| Some(one.stiffness_ratio.is_some()))),
             ("stiffness within 5 %, of those", rate(&near)),
-            ("stiffness within two standard errors", rate(&|one| one.stiffness_in_interval)),
+            (
+                "stiffness within two standard errors",
+                rate(&|one| one.stiffness_deviation.map(is_within)),
+            ),
             ("delay within 3 ms", rate(&|one| Some(one.delay_error_s.abs() <= DELAY_WITHIN_S))),
-            ("delay within two standard errors", rate(&|one| one.delay_in_interval)),
+            ("delay within two standard errors", rate(&|one| one.delay_deviation.map(is_within))),
         ];
         let rows: Vec<Vec<String>> =
             rows.into_iter().map(|(name, rate)| vec![name.to_owned(), rate]).collect();

@@ -6,7 +6,6 @@ pub(crate) mod finding;
 pub(crate) mod fitted_model;
 pub(crate) mod from_commands;
 pub(crate) mod geometry;
-pub(crate) mod next_experiment;
 pub(crate) mod numbers;
 pub(crate) mod placebo;
 pub(crate) mod residual_map;

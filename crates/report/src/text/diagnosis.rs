@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armident_diagnose::{Diagnosis, Errors, NextMotion, ServoDiagnosis};
+use armident_diagnose::{Diagnosis, Errors, ServoDiagnosis};
 use armident_kinematics::DrivingAxisChain;
 
 use crate::layout::{Bars, render};
@@ -127,15 +127,11 @@ impl DiagnoseReport {
         self
     }
 
-    /// With the motion that separates findings from their alternatives, and the file it is in, if one was requested.
+    /// With the motion that separates findings from their alternatives, if one was requested.
     #[must_use]
-    pub fn with_next_motion(
-        mut self,
-        requested: bool,
-        found: Option<(String, NextMotion)>,
-    ) -> Self {
-        if requested {
-            self.set(&NextMotionResult::of(found));
+    pub fn with_next_motion(mut self, found: Option<NextMotionResult>) -> Self {
+        if let Some(found) = found {
+            self.set(&found);
         }
         self
     }

@@ -1,6 +1,5 @@
 //! The motion that separates findings from their alternatives.
 
-use armident_diagnose::NextMotion;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -21,26 +20,18 @@ pub struct NextMotionResult {
     pub separated: usize,
     /// Pairs of a finding and an alternative.
     pub pairs: usize,
-    /// Median difference of the efforts of a pair, in noise levels; `null` without a motion.
+    /// Median over the pairs of what the alternative and all that is fitted anyway do not imitate, in standard errors; `null`
+    /// without a motion.
     pub separation: Option<f64>,
+    /// Why no motion was searched, or `null`.
+    pub reason: Option<String>,
 }
 
 impl NextMotionResult {
-    /// Of a motion and the file it is in; without one, no motion separates anything.
-    pub fn of(found: Option<(String, NextMotion)>) -> Self {
-        found.map_or_else(Self::default, |(file, next)| Self {
-            file: Some(file),
-            description: Some(next.description),
-            separated: next.separated,
-            pairs: next.pairs,
-            separation: Some(next.separation),
-        })
-    }
-
     /// What the motion achieves, in a sentence; none without a motion.
     pub fn achieves(&self) -> Option<String> {
         Some(format!(
-            "It separates {} of {} pairs of alternatives; predicted efforts differ by {} noise levels (median).",
+            "It separates {} of {} pairs of alternatives; what the alternative cannot imitate is {} standard errors (median).",
             self.separated,
             self.pairs,
             significant(self.separation?, 2, 0.0)
@@ -59,7 +50,10 @@ impl SectionData for NextMotionResult {
             _ if result.findings.iter().all(|f| f.alternatives.is_empty()) => {
                 "No further motion needed: every finding is unique.".to_owned()
             }
-            _ => "No motion within the joint limits separates the alternatives.".to_owned(),
+            _ => match &self.reason {
+                Some(reason) => format!("No motion was designed: {reason}."),
+                None => "No motion within the joint limits separates the alternatives.".to_owned(),
+            },
         };
         vec![Block::Paragraph(text)]
     }
