@@ -115,7 +115,11 @@ impl Diagnosed {
             .with_holdout_tests(diagnosis.whiteness(&holdout)?, replayed)
             .with_next_motion(of_next);
         drop((training, holdout));
-        Ok(Self { report, next_motion: motion.flatten(), found: Found::Diagnosis(Box::new(diagnosis)) })
+        Ok(Self {
+            report,
+            next_motion: motion.flatten(),
+            found: Found::Diagnosis(Box::new(diagnosis)),
+        })
     }
 
     fn of_failed_checks(model: ArmModel, wrong: WrongColumns, inputs: DiagnoseInputs) -> Self {

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use armident_diagnose::Diagnosis;
 use armident_excitation::{
-    ExcitationError, ExciteRequest, GivenLimits, Part, STANDARD_ERRORS, Suite, SuiteSettings, excite,
+    ExcitationError, ExciteRequest, GivenLimits, Part, STANDARD_ERRORS, Suite, SuiteSettings,
+    excite,
 };
 use armident_recording::Recording;
 use armident_report::NextMotionResult;

@@ -65,7 +65,12 @@ pub struct Separation {
 
 /// A pair whose efforts are known on a motion.
 enum Rival<'a> {
-    Columns { finding: PlacedLaw, shape: Vec<f64>, coefficients: Vec<f64>, other: Option<PlacedLaw> },
+    Columns {
+        finding: PlacedLaw,
+        shape: Vec<f64>,
+        coefficients: Vec<f64>,
+        other: Option<PlacedLaw>,
+    },
     Models(&'a dyn RivalModels),
 }
 
@@ -170,7 +175,9 @@ impl<'a> Rivals<'a> {
             }
             Rival::Models(models) => {
                 let names = chain.joints.iter().map(|joint| joint.name.as_str());
-                let time_s = (0..columns[0].first().map_or(0, Vec::len)).map(|k| k as f64 / rate_hz).collect();
+                let time_s = (0..columns[0].first().map_or(0, Vec::len))
+                    .map(|k| k as f64 / rate_hz)
+                    .collect();
                 let planned = planned_recording("planned", names, time_s, columns.clone()).ok();
                 let difference = planned.and_then(|planned| models.difference(&planned));
                 return difference.map_or(0.0, |effort| {
