@@ -27,8 +27,12 @@ use crate::findings::finding::{Alternative, Finding, FindingEvidence};
 use crate::findings::numbers::Value;
 use crate::selection::materiality::{LEAST, Materiality, SHARE_FOR_CHANGE};
 
-/// Level of the test of one law: with some thirty laws on an arm one in thirty arms has a name that is none.
-const LEVEL: f64 = 1e-3;
+/// Level of the test of a law that a joint may lack: with some thirty of them on an arm one in a thousand arms has a name that is
+/// none.
+const LEVEL: f64 = 3e-5;
+/// Level of the test of a controller: no joint follows its command without delay and sag, and what is tested is whether the
+/// recordings show it.
+const CONTROLLER_LEVEL: f64 = 1e-3;
 /// Standard errors beyond which a size is one.
 const DEVIATIONS: f64 = 2.0;
 /// Correlation of two estimates beyond which recordings hardly separate them: their sum is known ten times as well as their
@@ -121,7 +125,7 @@ impl JointFindings<'_> {
     /// A finding of what these ablations show; none where that is not material or has no size.
     fn finding(
         &self,
-        law: &dyn Effect,
+        (law, level): (&dyn Effect, f64),
         shown_by: &[&[ServoParameter]],
         parameters: BTreeMap<&'static str, Value>,
         alternatives: Vec<Alternative>,
@@ -130,7 +134,7 @@ impl JointFindings<'_> {
             let ablation = self.ablation(of)?;
             let gains = &ablation.block_gains;
             let p = student_t_tail(paired_t(gains), gains.len().saturating_sub(1) as f64);
-            if p.is_nan() || p > LEVEL {
+            if p.is_nan() || p > level {
                 return None;
             }
             let (materiality, size) = (self.materiality(ablation), self.size_of(of));
@@ -201,11 +205,12 @@ impl JointFindings<'_> {
         let sag = [ServoParameter::Compliance, ServoParameter::Offset];
         let alone: [&[ServoParameter]; 2] = [&sag[..1], &lag[..1]];
         let alternatives = self.lag_by(&ViscousFriction, &PositionControl);
+        let controller: (&dyn Effect, f64) = (&PositionControl, CONTROLLER_LEVEL);
         let by_two = |two: &[ServoParameter], other: &dyn Effect| {
             let either = vec![self.alternative(other, &PositionControl)];
-            self.finding(&PositionControl, &[two], parameters.clone(), either)
+            self.finding(controller, &[two], parameters.clone(), either)
         };
-        self.finding(&PositionControl, &alone, parameters.clone(), alternatives)
+        self.finding(controller, &alone, parameters.clone(), alternatives)
             .or_else(|| by_two(&lag, &ViscousFriction))
             .or_else(|| by_two(&sag, &TorqueOffset).filter(|_| self.is_beyond_errors(sag[0])))
     }
@@ -241,7 +246,7 @@ impl JointFindings<'_> {
             let by_load = vec![self.alternative(&LoadDependentFriction, &CoulombFriction)];
             self.law(ServoParameter::LoadFriction)
                 .is_none()
-                .then(|| self.finding(&CoulombFriction, &[&pair], parameters, by_load))?
+                .then(|| self.finding((&CoulombFriction, LEVEL), &[&pair], parameters, by_load))?
         };
         alone.into_iter().find_map(|parameter| self.law(parameter)).or_else(either)
     }
@@ -265,7 +270,8 @@ impl JointFindings<'_> {
             ServoParameter::Damping => self.lag_by(&PositionControl, &ViscousFriction),
             _ => Vec::new(),
         };
-        self.finding(law, &[&[parameter]], self.parameters(law, parameter)?, alternatives)
+        let parameters = self.parameters(law, parameter)?;
+        self.finding((law, LEVEL), &[&[parameter]], parameters, alternatives)
     }
 
     fn parameters(

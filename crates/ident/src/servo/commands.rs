@@ -16,7 +16,7 @@ use super::joint_data::JointData;
 use super::request::ServoRequest;
 
 /// Longest lag that is tried \[s\].
-const LONGEST_LAG_S: f64 = 0.5;
+pub(super) const LONGEST_LAG_S: f64 = 0.5;
 /// Share of its square below which a column is one of those before it.
 const SAME: f64 = 1e-9;
 /// Blocks of time of one recording.

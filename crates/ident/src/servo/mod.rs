@@ -14,6 +14,8 @@ mod commands;
 mod error;
 mod joint_data;
 mod joint_fit;
+mod output_error;
+mod parameters;
 mod request;
 mod start;
 
@@ -22,14 +24,18 @@ use armident_model::{ArmModel, ServoTerm};
 use rayon::prelude::*;
 
 use joint_data::JointData;
-use joint_fit::{JointEstimate, ablations, fit};
+use joint_fit::{JointEstimate, ablations, fit, least_unfelt_stiffness};
 
 pub use command_checks::check_commands;
 pub use command_replay::{COMMAND_WINDOW_S, CommandReplay, CommandReplayError, replay_commands};
 pub use commands::Lag;
 pub use error::{CommandFault, ServoError};
-pub use joint_fit::{OF_ROUNDING, ServoAblation, ServoParameter, ServoValue};
+pub use joint_fit::{OF_ROUNDING, ServoAblation};
+pub use parameters::{ServoParameter, ServoValue};
 pub use request::ServoRequest;
+
+/// 95 % quantile of the χ² distribution of one degree of freedom.
+const CHI_SQUARED_95: f64 = 3.841;
 
 /// What commands and positions of an arm give.
 #[derive(Debug, Clone)]
@@ -87,16 +93,26 @@ pub fn identify_servos(request: &ServoRequest<'_>) -> Result<ServoIdentification
     }
     let mut estimates: Vec<JointEstimate> =
         train.par_iter().map(|data| fit(data, None)).collect::<Vec<_>>();
-    // joints that carry nothing get the stiffness of the others, so that efforts are of one size
+    // joints that carry nothing get the stiffness of the others, so that efforts are of one size, unless they would then feel
+    // their load or the inertia of their links
     let known: Vec<f64> = (estimates.iter().filter(|found| found.is_determined))
         .map(|found| found.stiffness.ln())
         .collect();
     let usual =
         if known.is_empty() { 1.0 } else { (known.iter().sum::<f64>() / known.len() as f64).exp() };
     let open: Vec<usize> = (0..names.len()).filter(|j| !estimates[*j].is_felt).collect();
-    let again: Vec<JointEstimate> = open.par_iter().map(|j| fit(&train[*j], Some(usual))).collect();
+    let held = |j: &usize| {
+        let least = least_unfelt_stiffness(&train[*j]);
+        fit(&train[*j], Some(if least.is_finite() { usual.max(least) } else { usual }))
+    };
+    let again: Vec<JointEstimate> = open.par_iter().map(held).collect();
     for (j, found) in open.into_iter().zip(again) {
-        estimates[j] = found;
+        let samples = train[j].iter().map(|d| d.time_s.len()).sum::<usize>().max(1) as f64;
+        // one parameter less, at the level of an interval
+        let worse = found.cost / estimates[j].cost - 1.0;
+        if !(worse > CHI_SQUARED_95 / samples) {
+            estimates[j] = found;
+        }
     }
     let mut model = request.model.links_only();
     for (name, found) in names.iter().zip(&estimates) {
