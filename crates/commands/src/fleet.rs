@@ -145,7 +145,7 @@ fn warnings(histories: &[armident_fleet::RobotHistory], freedom: f64) -> Vec<Str
     let single = histories.iter().filter(|history| history.recordings.len() == 1).count();
     if single > 0 {
         warnings.push(format!(
-            "{single} of {} robots have one recording, in which no change can be seen; are the robots told apart? \
+            "{single} of {} robots have one recording, in which no change can be seen; are the robots distinguished? \
              (--robot-of) [single]",
             histories.len()
         ));
