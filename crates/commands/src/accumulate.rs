@@ -1,11 +1,12 @@
 //! `accumulate`: recordings reduced to states, one line of a file each.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use armident_ident::{RecordingState, StateColumns};
+use armident_page::Provenance;
 use armident_report::{AccumulateReport, SetAside};
 
 use crate::failure::Failure;
@@ -13,8 +14,8 @@ use crate::merge::read_states;
 use crate::recordings::{ReadingOptions, read_all};
 use crate::robot::GivenRobot;
 
-/// Reduces recordings to states in a file, which is continued where it exists; `done` is called after each. `cutoff_hz`:
-/// low-pass \[Hz\], the same for all recordings that are merged.
+/// Reduces recordings to states in a file, which is continued where it exists: what it holds of the same content, read in the
+/// same way, is not reduced again. `done` is called after each. `cutoff_hz`: low-pass \[Hz\], the same for all recordings that are merged.
 ///
 /// # Errors
 /// An output file that holds something else, or states of another arm; no recording that can be reduced. Single recordings
@@ -41,7 +42,7 @@ pub fn accumulate(
             Some("choose another output file; it is not overwritten"),
         ));
     }
-    let mut known = BTreeSet::new();
+    let (mut known, mut contents) = (BTreeSet::new(), BTreeMap::new());
     for state in &before.0 {
         columns.check(state).map_err(|error| {
             Failure::new(
@@ -50,13 +51,23 @@ pub fn accumulate(
                 Some("pass the same robot and cut-off, or another output file"),
             )
         })?;
-        known.insert(state.recording.clone());
+        match &state.content {
+            Some(content) => {
+                contents.insert(content.clone(), state.recording.clone());
+            }
+            // of an earlier version: by its name
+            None => {
+                known.insert(state.recording.clone());
+            }
+        }
     }
+    let how = settings_digest(reading);
     let mut file = None;
     let (mut reduced, mut there, mut set_aside) = (Vec::new(), Vec::new(), Vec::new());
     for path in files {
         let name = path.display().to_string();
-        if known.contains(&name) {
+        let content = content_of(path, &how);
+        if known.contains(&name) || contents.contains_key(&content) {
             there.push(name);
             done();
             continue;
@@ -69,7 +80,8 @@ pub fn accumulate(
             });
         match state {
             Ok(state) => {
-                let state = RecordingState { recording: name.clone(), ..state };
+                let content = Some(content.clone());
+                let state = RecordingState { recording: name.clone(), content, ..state };
                 let line = serde_json::to_string(&state).map_err(|error| {
                     Failure::new(format!("cannot write JSON: {error}"), &name, None::<String>)
                 })?;
@@ -80,7 +92,7 @@ pub fn accumulate(
                     file.write_all((line + "\n").as_bytes())
                         .map_err(|error| Failure::unwritable(output_file, &error))?;
                 }
-                known.insert(name.clone());
+                contents.insert(content, name.clone());
                 reduced.push(name);
             }
             Err(reason) => set_aside.push(SetAside { file: name, reason }),
@@ -96,6 +108,23 @@ pub fn accumulate(
         ));
     }
     Ok(AccumulateReport::new(reduced, there, set_aside))
+}
+
+/// How recordings are read, as text that differs where they are read in another way.
+fn settings_digest(reading: &ReadingOptions) -> String {
+    let mapping = reading.mapping.as_deref().map(|path| digest(path)).unwrap_or_default();
+    format!("{}:{mapping}", reading.topic.as_deref().unwrap_or_default())
+}
+
+/// Digest of a recording's bytes and how they are read; the cut-off is in the state itself.
+fn content_of(path: &Path, how: &str) -> String {
+    let digest = digest(path);
+    if how == ":" { digest } else { format!("{digest}:{how}") }
+}
+
+fn digest(path: &Path) -> String {
+    let of = Provenance::of(Vec::new(), [path]).inputs.pop();
+    of.map_or_else(String::new, |input| input.sha256)
 }
 
 /// The file opened behind its last line, which an interrupted run may have cut off.

@@ -30,7 +30,8 @@ pub fn merge(robot: &GivenRobot, files: &[PathBuf]) -> Result<Merged, Failure> {
         let (read, faults) = read_states(path)?;
         set_aside.extend(faults);
         for state in read {
-            states.entry(state.recording.clone()).or_insert(state);
+            // one that was reduced anew stands further below
+            states.insert(state.recording.clone(), state);
         }
     }
     let cutoff_hz = states.values().next().map_or(f64::NAN, |state| state.arm.cutoff_hz);
