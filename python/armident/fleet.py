@@ -14,6 +14,7 @@ Ray and DataFusion are not installed with armident: `pip install ray pyarrow pan
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import tempfile
@@ -206,12 +207,12 @@ def register(context: Any, *, robot: str | os.PathLike[str]) -> None:
         context: `datafusion.SessionContext`.
         robot: URDF or model file.
     """
-    import pyarrow as pa
-    from datafusion import Accumulator, udaf
-
+    # not installed with armident, and without types
+    pa: Any = importlib.import_module("pyarrow")
+    datafusion: Any = importlib.import_module("datafusion")
     urdf = os.fspath(robot)
 
-    class Merged(Accumulator):  # type: ignore[misc]
+    class Merged(datafusion.Accumulator):  # type: ignore[misc]
         """States of one group, kept by recording."""
 
         def __init__(self) -> None:
@@ -238,5 +239,5 @@ def register(context: Any, *, robot: str | os.PathLike[str]) -> None:
                 return pa.scalar(None, pa.string())
             return pa.scalar(json.dumps(merge_states(urdf, self.states.values()).to_dict()))
 
-    function = udaf(Merged, pa.string(), pa.string(), [pa.string()], "stable", name="armident_merge")
+    function = datafusion.udaf(Merged, pa.string(), pa.string(), [pa.string()], "stable", name="armident_merge")
     context.register_udaf(function)

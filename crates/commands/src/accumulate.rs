@@ -1,6 +1,6 @@
 //! `accumulate`: recordings reduced to states, one line of a file each.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,9 @@ use armident_page::Provenance;
 use armident_report::{AccumulateReport, SetAside};
 
 use crate::failure::Failure;
-use crate::merge::read_states;
 use crate::recordings::{ReadingOptions, read_all};
 use crate::robot::GivenRobot;
+use crate::state_files::{Head, heads};
 
 /// Reduces recordings to states in a file, which is continued where it exists: what it holds of the same content, read in the
 /// same way, is not reduced again. `done` is called after each. `cutoff_hz`: low-pass \[Hz\], the same for all recordings that are merged.
@@ -31,35 +31,31 @@ pub fn accumulate(
     let model = robot.arm(None)?;
     let columns = StateColumns::new(&model, cutoff_hz)?;
     // what an interrupted run has written is kept; its last line may be cut off
-    let before = match output_file.exists() {
-        true => read_states(output_file)?,
-        false => (Vec::new(), Vec::new()),
-    };
-    if let ([], [fault, ..]) = (&before.0[..], &before.1[..]) {
+    let (mut known, mut contents) = (BTreeSet::new(), BTreeSet::new());
+    let (mut faults, mut other) = (Vec::new(), None);
+    if output_file.exists() {
+        let each = |head: Head, _| {
+            if let Err(error) = columns.check_arm(&head.recording, &head.schema, &head.arm) {
+                other.get_or_insert(error);
+            }
+            match head.content {
+                Some(content) => contents.insert(content),
+                // of an earlier version: by its name
+                None => known.insert(head.recording),
+            };
+        };
+        heads(output_file, each, &mut faults)?;
+    }
+    if let Some(error) = other {
+        let hint = "pass the same robot and cut-off, or another output file";
+        return Err(Failure::new(error, output_file.display(), Some(hint)));
+    }
+    if let (true, [fault, ..]) = (known.is_empty() && contents.is_empty(), &faults[..]) {
         return Err(Failure::new(
             "the output file holds something else",
             &fault.file,
             Some("choose another output file; it is not overwritten"),
         ));
-    }
-    let (mut known, mut contents) = (BTreeSet::new(), BTreeMap::new());
-    for state in &before.0 {
-        columns.check(state).map_err(|error| {
-            Failure::new(
-                error,
-                output_file.display(),
-                Some("pass the same robot and cut-off, or another output file"),
-            )
-        })?;
-        match &state.content {
-            Some(content) => {
-                contents.insert(content.clone(), state.recording.clone());
-            }
-            // of an earlier version: by its name
-            None => {
-                known.insert(state.recording.clone());
-            }
-        }
     }
     let how = settings_digest(reading);
     let mut file = None;
@@ -67,7 +63,7 @@ pub fn accumulate(
     for path in files {
         let name = path.display().to_string();
         let content = content_of(path, &how);
-        if known.contains(&name) || contents.contains_key(&content) {
+        if known.contains(&name) || contents.contains(&content) {
             there.push(name);
             done();
             continue;
@@ -80,19 +76,19 @@ pub fn accumulate(
             });
         match state {
             Ok(state) => {
-                let content = Some(content.clone());
-                let state = RecordingState { recording: name.clone(), content, ..state };
+                let (recording, kept) = (name.clone(), Some(content.clone()));
+                let state = RecordingState { recording, content: kept, ..state };
                 let line = serde_json::to_string(&state).map_err(|error| {
                     Failure::new(format!("cannot write JSON: {error}"), &name, None::<String>)
                 })?;
                 if file.is_none() {
-                    file = Some(append(output_file, !before.1.is_empty())?);
+                    file = Some(append(output_file, !faults.is_empty())?);
                 }
                 if let Some(file) = &mut file {
                     file.write_all((line + "\n").as_bytes())
                         .map_err(|error| Failure::unwritable(output_file, &error))?;
                 }
-                contents.insert(content, name.clone());
+                contents.insert(content);
                 reduced.push(name);
             }
             Err(reason) => set_aside.push(SetAside { file: name, reason }),
@@ -112,7 +108,7 @@ pub fn accumulate(
 
 /// How recordings are read, as text that differs where they are read in another way.
 fn settings_digest(reading: &ReadingOptions) -> String {
-    let mapping = reading.mapping.as_deref().map(|path| digest(path)).unwrap_or_default();
+    let mapping = reading.mapping.as_deref().map(digest).unwrap_or_default();
     format!("{}:{mapping}", reading.topic.as_deref().unwrap_or_default())
 }
 

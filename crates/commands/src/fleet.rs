@@ -18,7 +18,7 @@ use crate::robot_of::{folder_of, is_pattern, robot_of};
 use crate::state_files::{Head, Place, heads, holds_states};
 
 /// Recordings that the scatter is estimated from, at most: more make it no better known than it need be.
-const SCATTER_RECORDINGS: usize = 200;
+const SCATTER_RECORDINGS: usize = 400;
 
 /// How a fleet is read.
 #[derive(Debug, Clone)]
@@ -263,7 +263,8 @@ fn sample(
 ) -> Result<Vec<Vec<RecordingState>>, Failure> {
     let several: Vec<&Vec<Entry>> = robots.values().filter(|entries| entries.len() > 1).collect();
     let of: Vec<&Vec<Entry>> = if several.is_empty() { robots.values().collect() } else { several };
-    let count = of.len().min(SCATTER_RECORDINGS / 2);
+    // runs of several recordings: a robot's own parameters are estimated too
+    let count = of.len().min(SCATTER_RECORDINGS / 8);
     let mut sample = Vec::new();
     for index in 0..count {
         let entries = of[index * of.len() / count];

@@ -59,7 +59,7 @@ pub fn merge(robot: &GivenRobot, files: &[PathBuf]) -> Result<Merged, Failure> {
 }
 
 /// States of a file, one a line, and lines that are none.
-pub(crate) fn read_states(path: &Path) -> Result<(Vec<RecordingState>, Vec<SetAside>), Failure> {
+fn read_states(path: &Path) -> Result<(Vec<RecordingState>, Vec<SetAside>), Failure> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         Failure::new(
             format!("cannot read: {error}"),

@@ -20,6 +20,8 @@ pub(crate) struct Head {
     pub(crate) robot: Option<String>,
     #[serde(default)]
     pub(crate) recorded_at_s: Option<f64>,
+    #[serde(default)]
+    pub(crate) content: Option<String>,
     pub(crate) arm: ReducedArm,
     #[serde(rename = "joints")]
     _joints: IgnoredAny,

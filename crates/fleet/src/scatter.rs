@@ -61,16 +61,13 @@ pub(crate) fn estimate(robots: &[Vec<Information>]) -> Scatter {
     }
     let mut deviations = start(robots, p);
     for _ in 0..STEPS {
-        let robots: Vec<Vec<Posterior>> =
-            robots.par_iter().map(|robot| posteriors(robot, &deviations)).collect();
+        let pairs: Vec<Difference> =
+            robots.par_iter().flat_map_iter(|robot| differences(robot, &deviations)).collect();
         for k in 0..p {
-            let differences: Vec<f64> = robots
-                .iter()
-                .flat_map(|of| of.windows(2).map(|pair| pair[1].mean[k] - pair[0].mean[k]))
-                .collect();
-            let variances = robots.iter().flatten().map(|of| of.variance[k]).sum::<f64>();
-            let variance = 0.5 * cut_mean_square(&differences) + variances / recordings as f64;
-            deviations[k] = variance.max(0.0).sqrt();
+            let means: Vec<f64> = pairs.iter().map(|pair| pair.mean[k]).collect();
+            let variance = pairs.iter().map(|pair| pair.variance[k]).sum::<f64>();
+            let square = cut_mean_square(&means) + variance / pairs.len().max(1) as f64;
+            deviations[k] = (0.5 * square).max(0.0).sqrt();
         }
     }
     let freedom = (FREEDOM_OF_DIFFERENCE * pairs as f64).max(1.0);
@@ -105,22 +102,39 @@ fn start(robots: &[Vec<Information>], p: usize) -> Vec<f64> {
         .collect()
 }
 
-/// What is known of the difference of a recording from its robot.
-struct Posterior {
+/// What is known of the difference `u` of a recording from the one before it.
+struct Difference {
     mean: Vec<f64>,
     variance: Vec<f64>,
 }
 
-fn posteriors(robot: &[Information], deviations: &[f64]) -> Vec<Posterior> {
+/// Differences of successive recordings: `u = T Λ* (y - x)` in each, with the variance `(T⁻¹ + Λ)⁻¹` and that of the robot's
+/// parameters `x`, which cancels where both recordings determine the same.
+fn differences(robot: &[Information], deviations: &[f64]) -> Vec<Difference> {
     let p = deviations.len();
     let common: Vec<Information> = robot.iter().map(|of| of.in_common(deviations)).collect();
     let series = Series::new(common);
     let Some(fit) = series.fit(&[]) else { return Vec::new() };
-    (robot.iter().enumerate())
-        .map(|(index, of)| {
-            let residual = series.residual(index, &fit.values);
-            let mean = (0..p).map(|k| deviations[k].powi(2) * residual[k]).collect();
-            Posterior { mean, variance: variances(of, deviations) }
+    let own: Vec<(Vec<f64>, Vec<f64>)> = (robot.iter().enumerate())
+        .map(|(index, of)| (series.residual(index, &fit.values), variances(of, deviations)))
+        .collect();
+    (1..robot.len())
+        .map(|index| {
+            let [before, after] = [index - 1, index].map(|index| &series.recordings[index].matrix);
+            let weights = after - before;
+            let spread = &weights * &fit.covariance;
+            let of_robot =
+                |k: usize| -> f64 { (0..p).map(|j| spread[(k, j)] * weights[(k, j)]).sum() };
+            let ((first, first_variance), (second, second_variance)) =
+                (&own[index - 1], &own[index]);
+            Difference {
+                mean: (0..p).map(|k| deviations[k].powi(2) * (second[k] - first[k])).collect(),
+                variance: (0..p)
+                    .map(|k| {
+                        first_variance[k] + second_variance[k] + deviations[k].powi(4) * of_robot(k)
+                    })
+                    .collect(),
+            }
         })
         .collect()
 }

@@ -218,16 +218,28 @@ impl<'a> StateColumns<'a> {
     /// # Errors
     /// [`StateError`] with what differs.
     pub fn check(&self, state: &RecordingState) -> Result<(), StateError> {
-        let recording = || state.recording.clone();
-        if state.schema != RecordingState::SCHEMA {
-            return Err(StateError::Schema {
-                recording: recording(),
-                schema: state.schema.clone(),
-            });
+        self.check_arm(&state.recording, &state.schema, &state.arm)?;
+        self.check_numbers(state)
+    }
+
+    /// Whether the state of a recording was made for this arm, from what stands in front of its numbers.
+    ///
+    /// # Errors
+    /// [`StateError`] with what differs.
+    pub fn check_arm(
+        &self,
+        recording: &str,
+        schema: &str,
+        its: &ReducedArm,
+    ) -> Result<(), StateError> {
+        let recording = || recording.to_owned();
+        if schema != RecordingState::SCHEMA {
+            let schema = schema.to_owned();
+            return Err(StateError::Schema { recording: recording(), schema });
         }
         let other =
             |difference: String| Err(StateError::OtherArm { recording: recording(), difference });
-        let (own, its) = (&self.arm, &state.arm);
+        let own = &self.arm;
         if own.joints != its.joints {
             return other(format!(
                 "joints {}, expected {}",
@@ -256,6 +268,13 @@ impl<'a> StateColumns<'a> {
         if differs(&own.gravity, &its.gravity) {
             return other(format!("gravity {:?}, expected {:?}", its.gravity, own.gravity));
         }
+        Ok(())
+    }
+
+    /// Whether the numbers of a state fit its columns.
+    fn check_numbers(&self, state: &RecordingState) -> Result<(), StateError> {
+        let own = &self.arm;
+        let recording = || state.recording.clone();
         let damaged = |fault: String| Err(StateError::Damaged { recording: recording(), fault });
         if state.joints.len() != own.joints.len() {
             return damaged(format!(
