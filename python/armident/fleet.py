@@ -23,12 +23,30 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ._armident import ArmidentError
 from ._commands import accumulate, merge
 from ._commands import diagnose as diagnose_one
 from ._results import Merge
 
-__all__ = ["Fleet", "SetAside", "diagnose", "identify", "merge_states", "register", "states", "write"]
+__all__ = [
+    "Fleet",
+    "SetAside",
+    "diagnose",
+    "from_parquet",
+    "identify",
+    "merge_states",
+    "register",
+    "states",
+    "to_parquet",
+    "write",
+]
+
+#: Columns of a table of states, a row for each recording and joint, and its version.
+TABLE = "armident.state-table/1"
+#: Recordings of a row group: what is in memory when a table is written or read.
+GROUP = 64
 
 #: A Ray dataset with a column `path` and, if robots are not the folders, a column `robot`.
 Paths = Any
@@ -156,6 +174,89 @@ def write(states: Any, path: str | os.PathLike[str]) -> list[SetAside]:
             else:
                 file.write(row["state"] + "\n")
     return sorted(aside, key=lambda of: of.recording)
+
+
+def _residual(triangle: list[float]) -> float:
+    """Root of the sum of squares that the columns of a triangle leave of its effort."""
+    width = round(((8 * len(triangle) + 1) ** 0.5 - 1) / 2)
+    dense = np.zeros((width, width))
+    dense[np.triu_indices(width)] = triangle
+    columns, effort = dense[:, :-1], dense[:, -1]
+    norms = np.linalg.norm(columns, axis=0)
+    solved = np.linalg.lstsq(columns / np.where(norms > 0, norms, 1), effort, rcond=1e-9)[0]
+    return float(np.linalg.norm(effort - columns / np.where(norms > 0, norms, 1) @ solved))
+
+
+def to_parquet(states: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:
+    """Write a file of states as a Parquet table, a row for each recording and joint; returns the number of recordings.
+
+    Columns: schema, robot, recording, recorded_at_s, joint, rows, effective_rows, noise (root mean square of what the columns
+    leave of the effort [N m or N]), triangle (upper triangle of the columns and the effort, row by row), effort_sum,
+    effort_squares, and `head`: all of the state that is not of one joint, as JSON.
+    """
+    pa: Any = importlib.import_module("pyarrow")
+    parquet: Any = importlib.import_module("pyarrow.parquet")
+    text, number, whole = pa.string(), pa.float64(), pa.int64()
+    columns = {"schema": text, "robot": text, "recording": text, "recorded_at_s": number, "joint": text}
+    columns |= {"rows": whole, "effective_rows": number, "noise": number, "triangle": pa.list_(number)}
+    columns |= {"effort_sum": number, "effort_squares": number, "head": text}
+    schema = pa.schema(list(columns.items()))
+    count, rows = 0, []
+    with parquet.ParquetWriter(path, schema, compression="zstd") as writer, open(states, encoding="utf-8") as lines:
+        for line in lines:
+            if not line.strip():
+                continue
+            state = json.loads(line)
+            joints = state.pop("joints")
+            count += 1
+            shared = {"schema": TABLE, "recording": state["recording"], "head": json.dumps(state)}
+            shared |= {"robot": state.get("robot"), "recorded_at_s": state.get("recorded_at_s")}
+            for name, of in zip(state["arm"]["joints"], joints, strict=True):
+                samples, total, squares = of["effort"]
+                row = shared | {"joint": name, "rows": of["rows"], "triangle": of["triangle"]}
+                row |= {"effective_rows": of["rows"] * state["independent_share"]}
+                row |= {"noise": _residual(of["triangle"]) / max(samples, 1) ** 0.5}
+                rows.append(row | {"effort_sum": total, "effort_squares": squares})
+            if count % GROUP == 0:
+                writer.write_table(pa.Table.from_pylist(rows, schema=schema))
+                rows = []
+        if rows:
+            writer.write_table(pa.Table.from_pylist(rows, schema=schema))
+    return count
+
+
+def from_parquet(path: str | os.PathLike[str], states: str | os.PathLike[str]) -> int:
+    """Write the states of a Parquet table to a file for `armident merge` and `armident fleet`; the number of recordings.
+
+    Rows may be in any order inside a row group; those of one recording stand in one.
+    """
+    parquet: Any = importlib.import_module("pyarrow.parquet")
+    count = 0
+    table = parquet.ParquetFile(path)
+    with open(states, "w", encoding="utf-8") as file:
+        for group in range(table.num_row_groups):
+            recordings: dict[str, dict[str, dict[str, Any]]] = {}
+            for row in table.read_row_group(group).to_pylist():
+                if row["schema"] != TABLE:
+                    raise ValueError(f"{path}: expected a table `{TABLE}`, found `{row['schema']}`; write it with to_parquet")
+                recordings.setdefault(row["head"], {})[row["joint"]] = row
+            for head, by_joint in recordings.items():
+                state = json.loads(head)
+                missing = [joint for joint in state["arm"]["joints"] if joint not in by_joint]
+                if missing:
+                    raise ValueError(f"{path}: {state['recording']} has no row of joint {', '.join(missing)}")
+                ordered = [by_joint[joint] for joint in state["arm"]["joints"]]
+                state["joints"] = [
+                    {
+                        "rows": row["rows"],
+                        "triangle": row["triangle"],
+                        "effort": [row["rows"], row["effort_sum"], row["effort_squares"]],
+                    }
+                    for row in ordered
+                ]
+                file.write(json.dumps(state, separators=(",", ":")) + "\n")
+                count += 1
+    return count
 
 
 def _findings(robot: str, path: str, name: str) -> Iterator[dict[str, Any]]:

@@ -165,6 +165,20 @@ def test_states_merge_in_any_order(logs, alone, tmp_path):
     assert same(merged[0], alone["stays"]) < 1e-9
 
 
+def test_table_of_states_is_the_states(logs, alone, tmp_path):
+    pytest.importorskip("pyarrow")
+    pandas = pytest.importorskip("pandas")
+    states, table, back = (tmp_path / name for name in ("states.jsonl", "states.parquet", "back.jsonl"))
+    armident.accumulate(URDF, logs / "rubs", states)
+    assert fleet.to_parquet(states, table) == 4
+    read = pandas.read_parquet(table)
+    assert len(read) == 4 * len(JOINTS) and set(read["joint"]) == set(JOINTS)
+    assert (read["noise"] > 0).all() and (read["effective_rows"] < read["rows"]).all()
+    assert fleet.from_parquet(table, back) == 4
+    assert [json.loads(line) for line in back.open()] == [json.loads(line) for line in states.open()]
+    assert same(armident.merge(URDF, back), alone["rubs"]) == 0
+
+
 @pytest.mark.parametrize("partitions", [1, 2, 5])
 def test_datafusion_equals_one_process(logs, alone, tmp_path, partitions):
     datafusion = pytest.importorskip("datafusion")

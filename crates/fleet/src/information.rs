@@ -8,7 +8,10 @@
 //! Random-effects models for longitudinal data, Biometrics 38 (1982).
 
 use armident_ident::{BatchProblem, RecordingState};
-use armident_numeric::{Cholesky, Mat};
+use armident_numeric::{AccumulatedQr, Cholesky, Mat};
+
+/// Share of a column, beyond earlier ones, below which it depends on them.
+const DEPENDENT: f64 = 1e-9;
 
 /// Information of one recording on the parameters.
 #[derive(Debug, Clone)]
@@ -33,12 +36,14 @@ impl Triangle<'_> {
 
     /// Sum of squares that the columns do not explain.
     fn residual_squares(&self) -> f64 {
-        // a column that depends on earlier ones has no diagonal: what stands in its row is residual
-        let largest = (0..self.columns).map(|i| self.row(i)[0].abs()).fold(0.0, f64::max);
-        (0..=self.columns)
-            .filter(|&i| i == self.columns || self.row(i)[0].abs() < 1e-12 * largest)
-            .map(|i| self.row(i).last().map_or(0.0, |y| y * y))
-            .sum()
+        let norm = |j: usize| (0..=j).map(|i| self.row(i)[j - i].powi(2)).sum::<f64>().sqrt();
+        let last = self.row(self.columns)[0].powi(2);
+        // a column that depends on earlier ones leaves a row that later columns explain in part
+        if (0..self.columns).all(|j| self.row(j)[0].abs() > DEPENDENT * norm(j)) {
+            return last;
+        }
+        let rows = AccumulatedQr::from_upper(self.columns, 0, self.upper);
+        rows.solve(DEPENDENT).map_or(last, |solved| solved.residual_sum_of_squares)
     }
 }
 
