@@ -219,6 +219,8 @@ fn main() -> Result<(), Anything> {
         return states(count.parse()?, path);
     }
     let fleets: usize = arguments.first().map_or(Ok(2000), |count| count.parse())?;
+    // `-- 2000 ur5 3`: only this arm and scatter
+    let only = (arguments.get(1), arguments.get(2));
     println!("# False alarms of changes in fleets that do not age\n");
     println!(
         "Fleets of one arm whose parameters differ between recordings at random, by *scatter* standard errors of one \
@@ -236,6 +238,12 @@ fn main() -> Result<(), Anything> {
     for (name, source, share) in [("planar 2R", &planar, 3), ("UR5", &ur5, 300)] {
         for (row, (robots, recordings)) in [(10, 10), (3, 4)].into_iter().enumerate() {
             for scatter in SCATTERS {
+                let is_wanted = |wanted: Option<&String>, of: &str| {
+                    wanted.is_none_or(|wanted| wanted.eq_ignore_ascii_case(of))
+                };
+                if !is_wanted(only.0, name) || !is_wanted(only.1, &scatter.to_string()) {
+                    continue;
+                }
                 let seed = 3700 + row as u64;
                 let fleets = (fleets / share).max(1);
                 let found = alarms(source, (fleets, robots, recordings), scatter, seed)?;
