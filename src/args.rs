@@ -19,8 +19,8 @@ pub(crate) use arm::{
 pub(crate) use around::{CompletionsArgs, DemoArgs, ManArgs, ReportArgs, RunArgs};
 pub(crate) use challenge::{ChallengeArgs, ChallengeFailOn, KindArg, StudyArg};
 pub(crate) use recorded::{
-    AccumulateArgs, CheckArgs, ConvertArgs, CouplingArg, DiagnoseArgs, IdentifyArgs, InfoArgs,
-    MergeArgs, PriorArg, ValidateArgs, ViscousArg,
+    AccumulateArgs, CheckArgs, ConvertArgs, CouplingArg, DiagnoseArgs, FleetArgs, IdentifyArgs,
+    InfoArgs, MergeArgs, PriorArg, ValidateArgs, ViscousArg,
 };
 pub(crate) use value::PayloadArg;
 use value::{parse_named_number, parse_positive, parse_vector};
@@ -62,6 +62,7 @@ pub(crate) enum Command {
     Diagnose(DiagnoseArgs),
     Accumulate(AccumulateArgs),
     Merge(MergeArgs),
+    Fleet(FleetArgs),
     Validate(ValidateArgs),
     Predict(PredictArgs),
     Export(ExportArgs),

@@ -10,7 +10,7 @@ use crate::shared::project;
 use crate::tool::{list, string};
 
 /// The arrows: each crate and the crates of the project it may use (`dev` dependencies aside).
-const ARROWS: [(&str, &[&str]); 19] = [
+const ARROWS: [(&str, &[&str]); 20] = [
     ("numeric", &[]),
     ("inference", &["numeric"]),
     ("kinematics", &[]),
@@ -34,6 +34,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "simulation",
         ],
     ),
+    ("fleet", &["ident", "inference", "kinematics", "numeric"]),
     (
         "excitation",
         &["dynamics", "effects", "ident", "kinematics", "motion", "numeric", "recording"],
@@ -59,6 +60,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "dynamics",
             "effects",
             "excitation",
+            "fleet",
             "ident",
             "kinematics",
             "model",
@@ -89,6 +91,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "effects",
             "excitation",
             "export",
+            "fleet",
             "ident",
             "kinematics",
             "model",

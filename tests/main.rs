@@ -55,6 +55,8 @@ mod extend_estimator;
 mod extend_format;
 /// reproductions of users' reports
 mod field;
+/// robots of a fleet over their recordings
+mod fleet;
 /// MCAP compared with CSV
 mod formats;
 /// logs with other names: what they hold, the guessed mapping, conversions

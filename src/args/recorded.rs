@@ -6,7 +6,9 @@ use armident_ident::estimators::Estimator;
 use clap::{Args, ValueEnum};
 
 use super::arm::{one_recording, recordings, written_extensions};
-use super::value::{PayloadArg, estimators, parse_file_gain, parse_payload, parse_positive};
+use super::value::{
+    PayloadArg, estimators, parse_file_gain, parse_payload, parse_positive, parse_probability,
+};
 use super::{CardArgs, ChainArgs, OutputArgs, PageArgs, ReadingArgs};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -280,6 +282,44 @@ pub(crate) struct MergeArgs {
     pub(crate) save_model: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// Follow the robots of a fleet over their recordings: trends, changes and outliers
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  armident fleet robot.urdf states.jsonl --report fleet.html
+  armident fleet robot.urdf logs/ --states states.jsonl --robot-of '{robot}/*.csv' --json fleet.json
+
+Reports for each robot how its parameters move from recording to recording, and where friction of a joint
+or a body on a link changed. Recordings are reduced to the file of --states first, which a later run
+continues. Files and states that cannot be used are set aside with the reason.")]
+pub(crate) struct FleetArgs {
+    /// URDF, or a model written by identify or diagnose
+    pub(crate) robot: PathBuf,
+    /// Files of states, recordings, and folders of both
+    #[arg(required = true)]
+    pub(crate) inputs: Vec<PathBuf>,
+    /// Which robot a recording is of: pattern of the end of its path [default: its folder]
+    #[arg(long, value_name = "PATTERN")]
+    pub(crate) robot_of: Option<String>,
+    /// File of states that recordings are reduced to, continued where it exists
+    #[arg(long, value_name = "FILE")]
+    pub(crate) states: Option<PathBuf>,
+    /// Low-pass cut-off frequency of recordings [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = 5.0, value_parser = parse_positive)]
+    pub(crate) cutoff_hz: f64,
+    /// Probability that a robot that does not change has a change reported
+    #[arg(long, value_name = "P", default_value_t = 0.01, value_parser = parse_probability)]
+    pub(crate) false_alarm_rate: f64,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
+    #[command(flatten)]
+    pub(crate) chain: ChainArgs,
+    #[command(flatten)]
+    pub(crate) page: PageArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

@@ -29,6 +29,13 @@ pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
     }
 }
 
+pub(super) fn parse_probability(text: &str) -> Result<f64, String> {
+    match parse_number(text)? {
+        x if x > 0.0 && x < 1.0 => Ok(x),
+        x => Err(format!("must be between 0 and 1, found {x}")),
+    }
+}
+
 /// Parses a time such as `30` or `30s`.
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     parse_positive(text.trim().trim_end_matches('s'))

@@ -8,6 +8,7 @@ pub(crate) mod demo;
 pub(crate) mod diagnose;
 pub(crate) mod excite;
 pub(crate) mod export;
+pub(crate) mod fleet;
 pub(crate) mod identify;
 pub(crate) mod info;
 pub(crate) mod merge;
@@ -38,6 +39,7 @@ pub(crate) fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Identify(args) => identify::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Accumulate(args) => accumulate::run(args),
+        Command::Fleet(args) => fleet::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Predict(args) => predict::run(args),

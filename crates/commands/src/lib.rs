@@ -27,9 +27,11 @@ mod excerpt;
 mod excite;
 mod export;
 mod failure;
+mod fleet;
 mod identify;
 mod info;
 mod merge;
+mod natural_order;
 mod next_motion;
 mod params;
 mod planned_motion;
@@ -37,8 +39,10 @@ mod predict;
 mod recordings;
 mod rivals;
 mod robot;
+mod robot_of;
 mod servos;
 mod simulate;
+mod state_files;
 mod suite;
 mod topics;
 mod validate;
@@ -55,6 +59,7 @@ pub use excerpt::Excerpt;
 pub use excite::{ExciteOptions, Excited, excite};
 pub use export::{ExportFormat, ExportReport, FalseAlarms, ThresholdsReport, export};
 pub use failure::Failure;
+pub use fleet::{FleetOptions, fleet};
 pub use identify::{
     Identified, IdentifyOptions, PLAN_FILE, PayloadOn, PlannedRecordings, identify,
     identify_planned, plan_in,

@@ -30,7 +30,8 @@ pub fn merge(robot: &GivenRobot, files: &[PathBuf]) -> Result<Merged, Failure> {
         let (read, faults) = read_states(path)?;
         set_aside.extend(faults);
         for state in read {
-            states.entry(state.recording.clone()).or_insert(state);
+            // one that was reduced anew stands further below
+            states.insert(state.recording.clone(), state);
         }
     }
     let cutoff_hz = states.values().next().map_or(f64::NAN, |state| state.arm.cutoff_hz);
@@ -58,7 +59,7 @@ pub fn merge(robot: &GivenRobot, files: &[PathBuf]) -> Result<Merged, Failure> {
 }
 
 /// States of a file, one a line, and lines that are none.
-pub(crate) fn read_states(path: &Path) -> Result<(Vec<RecordingState>, Vec<SetAside>), Failure> {
+fn read_states(path: &Path) -> Result<(Vec<RecordingState>, Vec<SetAside>), Failure> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         Failure::new(
             format!("cannot read: {error}"),

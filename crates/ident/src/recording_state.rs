@@ -18,6 +18,8 @@ use crate::regression::{BatchEstimate, BatchProblem, BatchSettings, JointFit, Jo
 
 /// Largest difference of the geometry of two arms that count as one \[m, rad\]: that of a printed number.
 const SAME_GEOMETRY: f64 = 1e-9;
+/// Stamps above it are seconds since 1970 (this one is of 2001), below it seconds since some start.
+const UNIX_TIME_S: f64 = 1e9;
 
 /// The rows of one recording, reduced.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +28,15 @@ pub struct RecordingState {
     pub schema: String,
     /// Where the recording comes from.
     pub recording: String,
+    /// Which robot of a fleet it was made on, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// When it was made, since 1970 (UTC) \[s\], where its stamps have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recorded_at_s: Option<f64>,
+    /// Digest of the file's bytes and of how they were read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub content: Option<String>,
     /// The arm and the columns that it was reduced for.
     pub arm: ReducedArm,
     /// Independent samples over samples.
@@ -155,6 +166,21 @@ impl<'a> StateColumns<'a> {
         Ok(Self { model, problem, arm })
     }
 
+    /// The arm that states are reduced for.
+    pub fn model(&self) -> &ArmModel {
+        self.model
+    }
+
+    /// The parameters, and which of them appear in the effort of each joint.
+    pub fn problem(&self) -> &BatchProblem {
+        &self.problem
+    }
+
+    /// What states of the arm carry of it.
+    pub fn arm(&self) -> &ReducedArm {
+        &self.arm
+    }
+
     /// Reduces a recording.
     ///
     /// # Errors
@@ -170,6 +196,9 @@ impl<'a> StateColumns<'a> {
         Ok(RecordingState {
             schema: RecordingState::SCHEMA.to_owned(),
             recording: recording.source.clone(),
+            robot: None,
+            recorded_at_s: stamps.first().copied().filter(|first| *first > UNIX_TIME_S),
+            content: None,
             arm: self.arm.clone(),
             independent_share: rows.share,
             seconds: stamps.last().unwrap_or(&0.0) - stamps.first().unwrap_or(&0.0),
@@ -189,16 +218,28 @@ impl<'a> StateColumns<'a> {
     /// # Errors
     /// [`StateError`] with what differs.
     pub fn check(&self, state: &RecordingState) -> Result<(), StateError> {
-        let recording = || state.recording.clone();
-        if state.schema != RecordingState::SCHEMA {
-            return Err(StateError::Schema {
-                recording: recording(),
-                schema: state.schema.clone(),
-            });
+        self.check_arm(&state.recording, &state.schema, &state.arm)?;
+        self.check_numbers(state)
+    }
+
+    /// Whether the state of a recording was made for this arm, from what stands in front of its numbers.
+    ///
+    /// # Errors
+    /// [`StateError`] with what differs.
+    pub fn check_arm(
+        &self,
+        recording: &str,
+        schema: &str,
+        its: &ReducedArm,
+    ) -> Result<(), StateError> {
+        let recording = || recording.to_owned();
+        if schema != RecordingState::SCHEMA {
+            let schema = schema.to_owned();
+            return Err(StateError::Schema { recording: recording(), schema });
         }
         let other =
             |difference: String| Err(StateError::OtherArm { recording: recording(), difference });
-        let (own, its) = (&self.arm, &state.arm);
+        let own = &self.arm;
         if own.joints != its.joints {
             return other(format!(
                 "joints {}, expected {}",
@@ -227,6 +268,13 @@ impl<'a> StateColumns<'a> {
         if differs(&own.gravity, &its.gravity) {
             return other(format!("gravity {:?}, expected {:?}", its.gravity, own.gravity));
         }
+        Ok(())
+    }
+
+    /// Whether the numbers of a state fit its columns.
+    fn check_numbers(&self, state: &RecordingState) -> Result<(), StateError> {
+        let own = &self.arm;
+        let recording = || state.recording.clone();
         let damaged = |fault: String| Err(StateError::Damaged { recording: recording(), fault });
         if state.joints.len() != own.joints.len() {
             return damaged(format!(

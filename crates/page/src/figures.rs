@@ -1,6 +1,7 @@
 //! Figures for plotly.js from what is drawn. A colour `@name` is one of the page's, which knows whether
 //! it is dark.
 
+use armident_report::{FleetParameter, FleetRobot};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -510,6 +511,52 @@ pub(crate) fn intervals(rows: &[(String, f64, f64)]) -> Option<Figure> {
         (140 + 15 * rows.len() as u32).clamp(220, 1200),
         vec![view("", vec![data], layout)],
     ))
+}
+
+/// Parameters of a robot over its recordings, one view each, with its changes.
+pub(crate) fn fleet_trend(
+    index: usize,
+    robot: &FleetRobot,
+    parameters: &[FleetParameter],
+) -> Figure {
+    // friction first, then what the changes are about least
+    let mut order: Vec<usize> = (0..parameters.len()).collect();
+    order.sort_by_key(|&k| parameters[k].is_constant);
+    let shapes: Vec<Value> = (robot.changes.iter())
+        .map(|change| {
+            let x = change.number as f64 - 0.5;
+            json!({ "type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper",
+                    "line": { "color": "@after", "width": 1.5, "dash": "dot" } })
+        })
+        .collect();
+    let views = order
+        .into_iter()
+        .filter(|&k| robot.trends[k].points.iter().any(Option::is_some))
+        .map(|k| {
+            let points = || robot.trends[k].points.iter();
+            let of = |at: usize| points().map(move |point| point.map(|point| point[at]));
+            let values: Vec<Option<f64>> = of(0).collect();
+            let halves: Vec<Option<f64>> = of(1).map(|error| error.map(|e| 1.96 * e)).collect();
+            let numbers: Vec<usize> = (1..=values.len()).collect();
+            let data = json!({
+                "type": "scatter", "mode": "markers", "x": numbers, "y": values,
+                "text": robot.recordings, "marker": { "color": "@after" },
+                "error_y": { "type": "data", "array": halves, "thickness": 1 },
+                "hovertemplate": "%{text}<br>%{y:.4g}<extra></extra>"
+            });
+            let title = format!("{} [{}]", parameters[k].label, parameters[k].unit);
+            let layout = json!({
+                "hovermode": "closest", "showlegend": false, "xaxis": axis("recording"),
+                "yaxis": axis(&title), "shapes": shapes
+            });
+            view(&parameters[k].label, vec![data], layout)
+        })
+        .collect();
+    let mut legend = "Value of each recording with its 95 % interval, scatter included.".to_owned();
+    if !robot.changes.is_empty() {
+        legend += " Dotted: changes.";
+    }
+    figure(format!("trend-{index}"), robot.robot.clone(), legend, 320, views)
 }
 
 /// Errors of all joints, one group of bars a joint.

@@ -95,6 +95,8 @@ pub(crate) enum Piece {
     Text(String),
     /// entries, each with a remark, which may be empty
     List(Vec<(String, String)>),
+    /// texts with the files that they lead to
+    Links(Vec<(String, String)>),
     Table(Grid),
     Chart(Figure),
 }

@@ -5,6 +5,7 @@ mod charts;
 mod check;
 mod comparison;
 mod diagnosis;
+mod fleet;
 mod identify;
 mod joint_cards;
 mod other;
@@ -40,6 +41,7 @@ pub(crate) fn view(
         "armident.check" => check::view(&read(document)?, drawing),
         "armident.comparison" => comparison::view(&read(document)?),
         "armident.card" => card::view(&read(document)?),
+        "armident.fleet" => fleet::view(&read(document)?),
         "armident.scoreboard" => scoreboard::view(&read(document)?, drawing),
         _ => other::view(kind, document),
     })

@@ -2,13 +2,13 @@
 
 use armident_ident::{MergedIdentification, Term};
 use armident_model::ArmModel;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::layout::{aligned, significant, uncertain};
 use crate::words::counted;
 
 /// A file that is not part of the result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SetAside {
     /// The file or recording.
     pub file: String,
@@ -29,6 +29,11 @@ impl AccumulateReport {
     /// Files that were reduced now, that had been reduced before, and that could not be.
     pub fn new(reduced: Vec<String>, already_there: Vec<String>, set_aside: Vec<SetAside>) -> Self {
         Self { schema: "armident.accumulate/1", reduced, already_there, set_aside }
+    }
+
+    /// What could not be reduced.
+    pub fn into_set_aside(self) -> Vec<SetAside> {
+        self.set_aside
     }
 
     /// The result as text.
@@ -149,7 +154,7 @@ impl MergeReport {
     }
 }
 
-fn set_aside_text(all: &[SetAside]) -> String {
+pub(super) fn set_aside_text(all: &[SetAside]) -> String {
     let mut text = String::new();
     if !all.is_empty() {
         text += "\nSet aside\n";

@@ -8,6 +8,7 @@ mod consistency;
 pub(crate) mod constants;
 pub(crate) mod diagnosis;
 mod excite;
+mod fleet;
 mod identify;
 mod merge;
 mod parameters;
@@ -33,6 +34,9 @@ pub use diagnosis::{
     Regressor, RegressorBin, VariableShare, in_noise_levels,
 };
 pub use excite::{ExciteReport, MotionRow};
+pub use fleet::{
+    FleetChangeRow, FleetOutlierRow, FleetParameter, FleetReport, FleetRobot, FleetSize, FleetTrend,
+};
 pub use identify::{
     DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,
     PayloadRow, StepRow,
