@@ -234,5 +234,13 @@ fn rejects_recordings_without_efforts() {
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     let said = ran.stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
     assert!(said.contains("no effort column") && said.contains("servo"), "{said}");
-    assert!(ran.stderr.contains(" hint: ") && ran.stderr.contains("/effort"), "{}", ran.stderr);
+    let hint = ran.stderr.lines().find(|line| line.starts_with(" hint: ")).unwrap();
+    assert!(hint.contains("`servo/goal_position` may be commands"), "{hint}");
+    // what the hint says leads to the controller
+    let log = folder.join("sin_sin_kp100.csv");
+    let mapping = scratch("rejects_recordings_without_efforts").join("mapping.toml");
+    run(&["info", text(&log), "--write-mapping", text(&mapping)]).fine();
+    let mapped = ["identify", text(&urdf), text(&log), "--mapping", text(&mapping), "--json", "-"];
+    let found = run(&mapped).fine().json();
+    assert_eq!(found["schema"], "armident.identify_commands/1", "{found}");
 }

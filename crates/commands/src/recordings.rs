@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use armident_kinematics::nearest;
 use armident_motion::{Motion, MotionSettings, findings};
 use armident_recording::{
-    Action, Formats, Mapping, QualityIssueKind, Quantity, ReadSettings, Recording,
-    is_one_recording, read_recording,
+    Action, Formats, GuessedChannel, Mapping, MappingGuess, QualityIssueKind, Quantity,
+    ReadSettings, Recording, is_one_recording, read_recording,
 };
 
 use crate::failure::Failure;
@@ -171,6 +171,7 @@ pub(crate) fn motions_with_effort(
 /// A recording lacks the effort of some joints.
 pub(crate) fn no_effort(recording: &Recording, joints: &[&str]) -> Failure {
     let hint = joints.iter().find_map(|joint| misspelt_effort(recording, joint));
+    let hint = hint.or_else(|| ignored_command(recording, joints));
     Failure::new(
         format!("no effort column for {}", joints.join(", ")),
         &recording.source,
@@ -191,6 +192,25 @@ fn misspelt_effort(recording: &Recording, joint: &str) -> Option<String> {
         let misspelt = (of == joint && like(quantity, "effort"))
             || (quantity == "effort" && like(of, joint) && recording.joint(of).is_none());
         misspelt.then(|| format!("did you mean `{joint}/effort` instead of `{column}`?"))
+    })
+}
+
+/// Hint for ignored columns whose names suggest commands of all these joints: with them no efforts are needed.
+fn ignored_command(recording: &Recording, joints: &[&str]) -> Option<String> {
+    let names: Vec<String> = joints.iter().map(|joint| (*joint).to_owned()).collect();
+    let guess = MappingGuess::of(&recording.ignored_columns, &names);
+    let column = |joint: &&str| {
+        let is_it = |c: &&GuessedChannel| c.quantity == Quantity::Command && c.joint == **joint;
+        Some(format!("`{}`", guess.channels.iter().find(is_it)?.column))
+    };
+    let columns = joints.iter().map(column).collect::<Option<Vec<String>>>()?;
+    (!columns.is_empty()).then(|| {
+        format!(
+            "{} may be commands, with which no efforts are needed: write a mapping with `armident info {} --write-mapping \
+             mapping.toml`, check it, and pass --mapping mapping.toml",
+            columns.join(", "),
+            recording.source
+        )
     })
 }
 

@@ -144,7 +144,7 @@ enum Joint {
 
 impl MappingGuess {
     /// The guess from the names alone, with numbered joints named by `joints`, in their order, as far as there are any.
-    pub(crate) fn of(names: &[String], joints: &[String]) -> Self {
+    pub fn of(names: &[String], joints: &[String]) -> Self {
         let time = time_column(names);
         let mut readings: Vec<Reading> = (names.iter().enumerate())
             .filter(|(column, _)| Some(*column) != time)
