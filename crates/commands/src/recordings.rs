@@ -198,7 +198,10 @@ fn misspelt_effort(recording: &Recording, joint: &str) -> Option<String> {
 /// Hint for ignored columns whose names suggest commands of all these joints: with them no efforts are needed.
 fn ignored_command(recording: &Recording, joints: &[&str]) -> Option<String> {
     let names: Vec<String> = joints.iter().map(|joint| (*joint).to_owned()).collect();
-    let guess = MappingGuess::of(&recording.ignored_columns, &names);
+    // a command is one beside a position
+    let positions = joints.iter().map(|joint| format!("{joint}/position"));
+    let columns: Vec<String> = positions.chain(recording.ignored_columns.clone()).collect();
+    let guess = MappingGuess::of(&columns, &names);
     let column = |joint: &&str| {
         let is_it = |c: &&GuessedChannel| c.quantity == Quantity::Command && c.joint == **joint;
         Some(format!("`{}`", guess.channels.iter().find(is_it)?.column))

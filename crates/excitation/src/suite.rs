@@ -675,7 +675,7 @@ mod tests {
             pair("backlash", &[0.01, 1e4, 10.0, 1.0], "coulomb_friction"),
             RivalEffects {
                 models: Some(&Ripple),
-                ..pair("backlash", &[0.01, 1e4, 10.0, 1.0], "elastic_joint")
+                ..pair("backlash", &[0.01, 1e4, 10.0, 1.0], "joint_elasticity")
             },
         ];
         let (limits, keep_out) = (BTreeMap::new(), BTreeMap::new());

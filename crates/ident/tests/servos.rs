@@ -76,10 +76,14 @@ fn stiffness_delay_and_friction_are_recovered() {
         let stiffness = 1.0 / value(ServoParameter::Compliance);
         assert!((stiffness / STIFFNESS[j] - 1.0).abs() < 0.05, "{}: {stiffness}", fit.joint);
         let delay_s = value(ServoParameter::Delay);
-        // half a sample: damping takes a part of the delay, which is a known bias of the fit
-        assert!((delay_s - DELAY_S).abs() < 10e-3, "{}: {delay_s}", fit.joint);
-        // half a step of the encoder, of which rounding alone makes 0.29
-        assert!(fit.holdout[0] < 0.6 * std::f64::consts::TAU / 4096.0, "{fit:?}");
+        // a quarter of a sample
+        assert!((delay_s - DELAY_S).abs() < 5e-3, "{}: {delay_s}", fit.joint);
+        let step = std::f64::consts::TAU / 4096.0;
+        // rounding alone makes 0.289 of a step
+        let [with, _] = fit.ablations[0].train;
+        assert!(with < 0.35 * step, "{}: {with}", fit.joint);
+        // predicted from the recorded start, whose velocity is known from one side only
+        assert!(fit.holdout[0] < 0.8 * step, "{fit:?}");
     }
     assert_eq!(found.model.servos.len(), 2);
     let again = ArmModel::parse(&found.model.to_json().unwrap(), "model.json").unwrap();

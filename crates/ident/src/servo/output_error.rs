@@ -407,7 +407,7 @@ impl StartColumns {
     }
 }
 
-/// Columns of parameters without what the starts of the recordings do in their place.
+/// Columns of parameters without what the starts of the recordings explain.
 fn without_starts(
     mut jacobian: Vec<Vec<Vec<f64>>>,
     of_starts: &[StartColumns],
