@@ -34,8 +34,9 @@ pub use joint_fit::{OF_ROUNDING, ServoAblation};
 pub use parameters::{ServoParameter, ServoValue};
 pub use request::ServoRequest;
 
-/// 95 % quantile of the χ² distribution of one degree of freedom.
-const CHI_SQUARED_95: f64 = 3.841;
+/// Cost over that of a free stiffness beyond which the stiffness of other joints is not taken over: the size of the residuals is then a
+/// quarter larger.
+const VISIBLY_WORSE: f64 = 1.5;
 
 /// What commands and positions of an arm give.
 #[derive(Debug, Clone)]
@@ -107,10 +108,8 @@ pub fn identify_servos(request: &ServoRequest<'_>) -> Result<ServoIdentification
     };
     let again: Vec<JointEstimate> = open.par_iter().map(held).collect();
     for (j, found) in open.into_iter().zip(again) {
-        let samples = train[j].iter().map(|d| d.time_s.len()).sum::<usize>().max(1) as f64;
-        // one parameter less, at the level of an interval
-        let worse = found.cost / estimates[j].cost - 1.0;
-        if !(worse > CHI_SQUARED_95 / samples) {
+        let follows_worse = found.cost > VISIBLY_WORSE * estimates[j].cost;
+        if !follows_worse {
             estimates[j] = found;
         }
     }
