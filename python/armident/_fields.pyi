@@ -573,10 +573,12 @@ class NextMotionResult(Fields):
     """File of the motion; `null` where no motion separates anything."""
     pairs: int
     """Pairs of a finding and an alternative."""
+    reason: str | None
+    """Why no motion was searched, or `null`."""
     separated: int
     """Pairs that it separates."""
     separation: float | None
-    """Median difference of the efforts of a pair, in noise levels; `null` without a motion."""
+    """Median over the pairs of what the alternative and all that is fitted anyway do not imitate, in standard errors; `null` without a motion."""
 
 class PayloadRow(Fields):
     """A payload of known mass on the last link."""
