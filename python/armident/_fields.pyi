@@ -574,7 +574,7 @@ class NextMotionResult(Fields):
     pairs: int
     """Pairs of a finding and an alternative."""
     reason: str | None
-    """Why no motion was searched, or `null`."""
+    """Why no motion could be designed, or `null`."""
     separated: int
     """Pairs that it separates."""
     separation: float | None

@@ -109,7 +109,7 @@ def test_ray_equals_one_process_in_any_partition(ray, logs, alone, partitions):
 
 
 def workers():
-    """Processes of Ray that run tasks of this session."""
+    """Processes of Ray that run tasks of this test."""
     found = []
     for folder in Path("/proc").glob("[0-9]*"):
         try:

@@ -12,7 +12,7 @@ use armident_report::{FleetReport, SetAside};
 use crate::accumulate::accumulate;
 use crate::failure::Failure;
 use crate::natural_order::natural_order;
-use crate::recordings::ReadingOptions;
+use crate::recordings::{ReadingOptions, has_extension};
 use crate::robot::GivenRobot;
 use crate::robot_of::{folder_of, is_pattern, robot_of};
 use crate::state_files::{Head, Place, heads, holds_states};
@@ -81,9 +81,8 @@ pub fn fleet(
             state_files.push(states.clone());
         }
     }
-    let robots = robots(&state_files, &model, options, &mut set_aside)?;
-    let cutoff_hz = common_cutoff(&robots.1).unwrap_or(options.cutoff_hz);
-    let robots = robots.0;
+    let (robots, cutoffs) = robots(&state_files, &model, options, &mut set_aside)?;
+    let cutoff_hz = common_cutoff(&cutoffs).unwrap_or(options.cutoff_hz);
     let columns = StateColumns::new(&model, cutoff_hz)?;
     let settings = FleetSettings { false_alarm_rate: options.false_alarm_rate };
     let no_states = |reason: Option<&SetAside>| {
@@ -180,9 +179,7 @@ fn files(inputs: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Failure> {
         } else if holds_states(&path) {
             states.push(path);
         } else {
-            let extension = path.extension().map(|end| end.to_string_lossy().to_lowercase());
-            let is_recording = extension.is_some_and(|end| extensions.contains(&end.as_str()));
-            if is_given || is_recording {
+            if is_given || has_extension(&path, &extensions) {
                 recordings.push(path);
             }
         }
@@ -214,7 +211,10 @@ fn robots(
             let path = head.recording.replace('\\', "/");
             let robot = match &options.robot_of {
                 Some(pattern) => robot_of(pattern, &path),
-                None => head.robot.or_else(|| folder_of(&path)).or_else(|| Some(names_of(model))),
+                None => head
+                    .robot
+                    .or_else(|| folder_of(&path))
+                    .or_else(|| Some(model.chain.robot.clone())),
             };
             let Some(robot) = robot else {
                 let reason = "its path does not have the pattern of --robot-of".to_owned();
@@ -242,10 +242,6 @@ fn robots(
         }
     }
     Ok((robots, cutoffs))
-}
-
-fn names_of(model: &ArmModel) -> String {
-    model.chain.robot.clone()
 }
 
 /// The cut-off of most states \[Hz\].

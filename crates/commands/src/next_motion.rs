@@ -21,9 +21,10 @@ pub(crate) fn next_motion(
     diagnosis: &Diagnosis,
     file: &str,
 ) -> (NextMotionResult, Option<Recording>) {
-    let models = fitted_pairs(diagnosis);
-    let rivals = open_rivals(diagnosis, &models);
-    let none = NextMotionResult { pairs: diagnosis.open_pairs().len(), ..Default::default() };
+    let open = diagnosis.open_pairs();
+    let models = fitted_pairs(diagnosis, &open);
+    let rivals = open_rivals(&diagnosis.model.chain, &open, &models);
+    let none = NextMotionResult { pairs: open.len(), ..Default::default() };
     if rivals.is_empty() {
         return (none, None);
     }

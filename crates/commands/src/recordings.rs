@@ -34,10 +34,7 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             })?;
             let mut found: Vec<PathBuf> = entries
                 .filter_map(|entry| Some(entry.ok()?.path()))
-                .filter(|p| {
-                    let extension = p.extension().map(|e| e.to_string_lossy().to_lowercase());
-                    extension.is_some_and(|found| extensions.contains(&found.as_str()))
-                })
+                .filter(|path| has_extension(path, &extensions))
                 .collect();
             found.sort();
             if found.is_empty() {
@@ -57,6 +54,12 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     Ok(files)
+}
+
+/// Whether the name of a file ends in one of these extensions, in any case.
+pub(crate) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    let extension = path.extension().map(|end| end.to_string_lossy().to_lowercase());
+    extension.is_some_and(|end| extensions.contains(&end.as_str()))
 }
 
 /// Files of episodes of a LeRobot dataset, `data/chunk-000/*.parquet`; none of other folders.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use armident_diagnose::{Diagnosis, Value};
+use armident_diagnose::{Diagnosis, OpenPair, Value};
 use armident_effects::{EffectOnJoint, Library, Scope};
 use armident_excitation::{RivalEffects, RivalModels};
 use armident_kinematics::DrivingAxisChain;
@@ -64,20 +64,23 @@ impl RivalModels for FittedPair<'_> {
     }
 }
 
-/// The models of all pairs that a diagnosis leaves open, in their order.
-pub(crate) fn fitted_pairs(diagnosis: &Diagnosis) -> Vec<Option<FittedPair<'_>>> {
+/// The models of pairs that a diagnosis leaves open, in their order.
+pub(crate) fn fitted_pairs<'a>(
+    diagnosis: &'a Diagnosis,
+    open: &[OpenPair<'a>],
+) -> Vec<Option<FittedPair<'a>>> {
     let pair = |models| FittedPair { joints: &diagnosis.joints, models };
-    diagnosis.open_pairs().into_iter().map(|open| open.models.map(pair)).collect()
+    open.iter().map(|open| open.models.map(pair)).collect()
 }
 
 /// The pairs that a diagnosis leaves open; structure that no law explains has no effort to compare.
 pub(crate) fn open_rivals<'a>(
-    diagnosis: &Diagnosis,
+    chain: &DrivingAxisChain,
+    open: &[OpenPair<'_>],
     models: &'a [Option<FittedPair<'a>>],
 ) -> Vec<RivalEffects<'a>> {
-    let chain = &diagnosis.model.chain;
     let mut rivals = Vec::new();
-    for (open, models) in diagnosis.open_pairs().into_iter().zip(models) {
+    for (open, models) in open.iter().zip(models) {
         let (finding, other) = (open.finding, open.alternative);
         let place = Place { joints: &finding.joints, link: finding.link.as_deref() };
         let value = |name: &str| finding.parameters.get(name).map(|of: &Value| of.value);

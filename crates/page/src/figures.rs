@@ -519,7 +519,7 @@ pub(crate) fn fleet_trend(
     robot: &FleetRobot,
     parameters: &[FleetParameter],
 ) -> Figure {
-    // friction first, then what the changes are about least
+    // friction before constants of the links
     let mut order: Vec<usize> = (0..parameters.len()).collect();
     order.sort_by_key(|&k| parameters[k].is_constant);
     let shapes: Vec<Value> = (robot.changes.iter())

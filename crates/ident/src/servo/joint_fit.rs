@@ -181,6 +181,7 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
         (tried.par_iter().map(|rough| fitter.fit(rough.x, &rough.starts, &free, MOST_STEPS)))
             .min_by(|a, b| a.cost.total_cmp(&b.cost))
             .unwrap_or_else(|| fitter.fit([0.0; 9], &recorded, &[], MOST_STEPS));
+    let mut spread = fitter.spread(&best, &free);
     // more dry friction as far as it is significant
     let excess = [ServoParameter::StaticExcess, ServoParameter::StribeckVelocity];
     let by_load = [ServoParameter::LoadFriction];
@@ -198,18 +199,20 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
             _ => x[added[0] as usize] = 0.1,
         }
         let found = fitter.fit(x, &best.starts, &with, MOST_STEPS);
-        let error = found.errors[added[0] as usize];
-        let quantile = student_t_975(found.blocks.saturating_sub(1).max(1) as f64);
+        let of_found = fitter.spread(&found, &with);
+        let error = of_found.errors[added[0] as usize];
+        let quantile = student_t_975(of_found.blocks.saturating_sub(1).max(1) as f64);
         let is_significant =
             error.is_none_or(|error| found.x[added[0] as usize] > quantile * error);
         if is_significant && found.cost < best.cost {
             best = found;
+            spread = of_found;
             free = with;
         }
     }
     let stiffness = 1.0 / best.x[ServoParameter::Compliance as usize];
-    let error = best.errors[ServoParameter::Compliance as usize];
-    let quantile = student_t_975(best.blocks.saturating_sub(1).max(1) as f64);
+    let error = spread.errors[ServoParameter::Compliance as usize];
+    let quantile = student_t_975(spread.blocks.saturating_sub(1).max(1) as f64);
     let is_narrow = |error: f64| 2.0 * quantile * error * stiffness < NOT_DETERMINED.ln();
     let sag = load / stiffness;
     let is_felt = free_stiffness && sag > FELT_STEPS * resolution;
@@ -222,8 +225,8 @@ pub(super) fn fit(data: &[JointData], held: Option<f64>) -> JointEstimate {
         error_limit,
         x: best.x,
         starts: best.starts,
-        errors: best.errors,
-        delay_with_damping: best.delay_with_damping,
+        errors: spread.errors,
+        delay_with_damping: spread.delay_with_damping,
         free,
         arm: fitter.arm,
     }

@@ -105,10 +105,15 @@ pub(super) struct Minimum {
     pub(super) x: Values,
     /// of each recording
     pub(super) starts: Vec<StartState>,
+    pub(super) cost: f64,
+}
+
+/// How well a minimum is known.
+pub(super) struct Spread {
+    /// standard errors of free parameters
     pub(super) errors: [Option<f64>; 9],
     /// correlation of delay and damping between blocks of the recordings
     pub(super) delay_with_damping: Option<f64>,
-    pub(super) cost: f64,
     pub(super) blocks: usize,
 }
 
@@ -164,7 +169,7 @@ impl OutputError<'_> {
 
     /// Into what a joint may have. An inertia whose time constant with the damping is below a quarter of a sample is not seen,
     /// and a Stribeck velocity below a step of the encoder a sample neither.
-    fn admissible(&self, mut x: Values) -> [f64; 9] {
+    fn admissible(&self, mut x: Values) -> Values {
         let floor = |x: &mut f64, least: f64| *x = x.max(least);
         floor(&mut x[ServoParameter::Compliance as usize], 1e-3 * self.resolution / self.load);
         for p in [
@@ -266,9 +271,13 @@ impl OutputError<'_> {
                 break;
             }
         }
-        let weights = self.weights(&residual);
         let cost = self.cost(&residual);
-        let estimates = self.without_blocks((&x, &starts), &residual, &weights, free);
+        Minimum { x, starts, cost }
+    }
+
+    /// Standard errors of a minimum, by the jackknife.
+    pub(super) fn spread(&self, minimum: &Minimum, free: &[ServoParameter]) -> Spread {
+        let estimates = self.without_blocks(minimum, free);
         let column = |p: ServoParameter| -> Option<Vec<f64>> {
             let at = free.iter().position(|other| *other == p)?;
             Some(estimates.iter().map(|e| e[at]).collect())
@@ -283,7 +292,7 @@ impl OutputError<'_> {
                 .zip(column(ServoParameter::Damping))
                 .and_then(|(delay, damping)| correlation(&delay, &damping));
         }
-        Minimum { x, starts, errors, delay_with_damping, cost, blocks: estimates.len() }
+        Spread { errors, delay_with_damping, blocks: estimates.len() }
     }
 
     /// `[parameter][recording][sample]`
@@ -325,13 +334,10 @@ impl OutputError<'_> {
 
     /// Changes of the estimates by one step without each block of the recordings; none where a block determines a parameter
     /// alone.
-    fn without_blocks(
-        &self,
-        (x, starts): (&Values, &[StartState]),
-        residual: &[Vec<f64>],
-        weights: &[Vec<f64>],
-        free: &[ServoParameter],
-    ) -> Vec<Vec<f64>> {
+    fn without_blocks(&self, minimum: &Minimum, free: &[ServoParameter]) -> Vec<Vec<f64>> {
+        let Minimum { x, starts, .. } = minimum;
+        let residual = &self.residuals(x, starts)[..];
+        let weights = &self.weights(residual)[..];
         let of_starts = self.start_columns(x, starts, residual, weights);
         let jacobian = self.jacobian(x, starts, residual, free);
         let jacobian = without_starts(jacobian, &of_starts, weights);

@@ -23,7 +23,7 @@ pub struct NextMotionResult {
     /// Median over the pairs of what the alternative and all that is fitted anyway do not imitate, in standard errors; `null`
     /// without a motion.
     pub separation: Option<f64>,
-    /// Why no motion was searched, or `null`.
+    /// Why no motion could be designed, or `null`.
     pub reason: Option<String>,
 }
 
