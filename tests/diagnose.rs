@@ -11,16 +11,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::shared::project;
+use crate::tool::UR5_JOINTS as JOINTS;
 use crate::tool::{Run, list, number, run, run_in, scratch, string, text};
-
-const JOINTS: [&str; 6] = [
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-];
 
 fn urdf() -> PathBuf {
     project("urdf/ur5.urdf")

@@ -6,17 +6,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::shared::project;
+use crate::tool::UR5_JOINTS as JOINTS;
 use crate::tool::{Run, list, number, run_in, scratch, string, text};
 
-/// Joints of the arm.
-const JOINTS: [&str; 6] = [
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-];
 /// Viscous friction of the elbow \[N m s/rad\], which one robot doubles.
 const ELBOW: f64 = 4.0;
 /// Mass that another robot gains on link 3 \[kg\].

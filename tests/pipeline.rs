@@ -9,6 +9,7 @@ use armident_recording::{Quantity, Recording, read_csv};
 use serde_json::Value;
 
 use crate::shared::project;
+use crate::tool::UR5_JOINTS as UR5;
 use crate::tool::{list, number, read_json, run, run_in, scratch, string, text};
 
 /// Truth, estimate and standard error of one constant.
@@ -169,15 +170,6 @@ fn algorithm_2_is_exact_on_a_slope() {
     assert_eq!(found.len(), 35);
     assert_exact(&found, 1e-9);
 }
-
-const UR5: [&str; 6] = [
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-];
 
 /// Effects put on the joints, as on the command line: slug, joint, value.
 const EFFECTS: [(&str, &str, f64); 8] = [

@@ -5,6 +5,16 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
+/// Joints of `urdf/ur5.urdf`, from base to tip.
+pub(crate) const UR5_JOINTS: [&str; 6] = [
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+];
+
 /// What one run left.
 #[derive(Debug)]
 pub(crate) struct Run {
