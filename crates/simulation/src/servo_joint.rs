@@ -6,6 +6,7 @@ use crate::dry_friction::solve_one_row;
 use crate::error::SimulationError;
 use crate::lines;
 use crate::simulated_arm::SimulatedArm;
+use crate::stepper::secant;
 
 /// Velocity over which the slope of friction is taken \[rad/s or m/s\].
 const SMALL_VELOCITY: f64 = 1e-3;
@@ -137,6 +138,8 @@ impl<'a> ServoJoint<'a> {
         if !self.has_load_friction {
             return mean;
         }
+        let mut tried = load;
+        let mut before: Option<[f64; 2]> = None;
         for _ in 0..LOAD_ROUNDS {
             // the gear accelerates the links too
             let carried = load + inertia * (mean - v) / half;
@@ -146,7 +149,10 @@ impl<'a> ServoJoint<'a> {
             if change <= AGREEMENT * (found.forward + found.backward) {
                 break;
             }
-            dry = found;
+            let round = [tried, carried];
+            tried = before.map_or(carried, |before| secant(before, round));
+            before = Some(round);
+            dry = self.arm.dry_friction(self.joint, v, tried);
             mean = solve_one_row(matrix, driving, dry);
         }
         mean

@@ -24,6 +24,10 @@ const SHORT_TRAVEL: f64 = 1e-9;
 const SATURATED: f64 = 1e-3;
 /// Rounds in which loads and the friction that depends on them agree; two or three are usual.
 const LOAD_ROUNDS: usize = 100;
+/// Rounds after which secants are given up, as they may circle about a load of 0, where friction has a kink; then each round
+/// goes this share of the way, which ends for a load that falls by less than five times the friction that it adds.
+const SECANT_ROUNDS: usize = 20;
+const DAMPED: f64 = 1.0 / 3.0;
 /// Agreement of friction levels between two rounds within a step, and in an instant.
 const STEP_AGREEMENT: f64 = 1e-6;
 const INSTANT_AGREEMENT: f64 = 1e-13;
@@ -458,22 +462,31 @@ fn stiffness(law: &EffectWithParameters, deflection: f64, direction: f64) -> f64
 #[derive(Default)]
 struct Secant {
     before: Option<(Vec<f64>, Vec<f64>)>,
+    rounds: usize,
 }
 
 impl Secant {
     fn next(&mut self, tried: &[f64], found: &[f64]) -> Vec<f64> {
+        self.rounds += 1;
         let before = self.before.replace((tried.to_vec(), found.to_vec()));
+        if self.rounds > SECANT_ROUNDS {
+            let damped = |(t, f): (&f64, &f64)| t + DAMPED * (f - t);
+            return tried.iter().zip(found).map(damped).collect();
+        }
         let Some((tried_before, found_before)) = before else { return found.to_vec() };
-        let next = |j: usize| {
-            let slope = (found[j] - found_before[j]) / (tried[j] - tried_before[j]);
-            // a slope near 1 has no fixed point nearby
-            if slope.is_finite() && (1.0 - slope).abs() > 0.05 {
-                tried[j] + (found[j] - tried[j]) / (1.0 - slope)
-            } else {
-                found[j]
-            }
-        };
+        let next = |j: usize| secant([tried_before[j], found_before[j]], [tried[j], found[j]]);
         (0..tried.len()).map(next).collect()
+    }
+}
+
+/// Where a number gives itself back, from two rounds, each of what was tried and what was found.
+pub(crate) fn secant([tried_before, found_before]: [f64; 2], [tried, found]: [f64; 2]) -> f64 {
+    let slope = (found - found_before) / (tried - tried_before);
+    // a slope near 1 has no fixed point nearby
+    if slope.is_finite() && (1.0 - slope).abs() > 0.05 {
+        tried + (found - tried) / (1.0 - slope)
+    } else {
+        found
     }
 }
 

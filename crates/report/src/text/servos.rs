@@ -54,6 +54,7 @@ impl ServosReport {
                 open.join(", ")
             ));
         }
+        notes.extend(found.joints.iter().filter_map(|fit| load_friction_note(found, fit)));
         notes.push(
             "damping is the sum of viscous friction, back-EMF and the derivative gain, which no motion separates".to_owned(),
         );
@@ -210,4 +211,20 @@ impl ServosReport {
             .with(self.joints.iter().map(row))
             .without_empty_columns()
     }
+}
+
+/// Friction `f = µ |load|` behind a stiffness `K` and `f = µ |motor effort|` behind `K / (1 - µ²)` balance the same loads at the same
+/// position errors: driving `(1 + µ) load / K`, driven `(1 - µ) load / K`.
+fn load_friction_note(found: &ServoIdentification, fit: &ServoJointFit) -> Option<String> {
+    let servo = found.model.servos.iter().find(|term| term.joint == fit.joint)?;
+    let by_load =
+        fit.values.iter().find(|value| value.parameter == ServoParameter::LoadFriction)?;
+    servo.is_determined.then(|| {
+        format!(
+            "friction of {} is taken to grow with the load of its links; where it grows with the effort of its motor instead, \
+             positions are the same and its stiffness is {}. A known effort of the motor separates the two",
+            fit.joint,
+            significant(servo.servo.stiffness / (1.0 - by_load.value.powi(2)), 3, 0.0)
+        )
+    })
 }
