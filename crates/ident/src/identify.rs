@@ -15,7 +15,7 @@ use armident_model::{ArmModel, DeadZone};
 use armident_motion::{Motion, common_cutoff_hz};
 use armident_recording::Recording;
 
-use crate::calibration::{DriveGains, dead_zone_shares};
+use crate::calibration::{DriveGains, SensedGear, dead_zone_shares, sensed_gears};
 use crate::consistency::Consistent;
 use crate::estimators::Estimator;
 use crate::minimal_set::MinimalSet;
@@ -97,6 +97,8 @@ pub struct Identification {
     /// Efforts that the loads of known mass require over the recorded ones, and the relative standard error; none without
     /// such a load, or where currents are recorded.
     pub effort_of_load: Option<(f64, f64)>,
+    /// Per joint, what lies between motor and torque sensor; none of joints without both channels.
+    pub gears: Vec<Option<SensedGear>>,
     /// Training and hold-out recordings with efforts in place of currents; none where all joints have efforts.
     pub converted: Option<[Vec<Recording>; 2]>,
     /// Training motions as fitted.
@@ -138,6 +140,7 @@ pub struct Prepared<'a> {
     cutoff_hz: Option<f64>,
     converted: Option<Converted>,
     effort_of_load: Option<(f64, f64)>,
+    gears: Vec<Option<SensedGear>>,
     train_motions: Vec<Motion>,
     holdout_motions: Vec<Motion>,
 }
@@ -160,6 +163,7 @@ impl<'a> Prepared<'a> {
             Some(_) => None,
             None => efforts_of_known_load(&problem, request, &joints, cutoff_hz)?,
         };
+        let gears = sensed_gears(request.train, &joints, cutoff_hz)?;
         let [train, holdout] = with_efforts(request, converted.as_ref());
         let motions = |recordings: &[Recording]| -> Result<Vec<Motion>, IdentifyError> {
             let motions = motions_with_effort(recordings, &joints, cutoff_hz)?;
@@ -182,6 +186,7 @@ impl<'a> Prepared<'a> {
             cutoff_hz,
             converted,
             effort_of_load,
+            gears,
             train_motions,
             holdout_motions,
         })
@@ -273,6 +278,7 @@ impl<'a> Prepared<'a> {
             cutoff_hz: self.cutoff_hz,
             drive_gains: self.converted.as_ref().map(|converted| converted.gains.clone()),
             effort_of_load: self.effort_of_load,
+            gears: self.gears.clone(),
             converted: self.converted.as_ref().map(|c| [c.train.clone(), c.holdout.clone()]),
             estimate: fitted.estimate,
             train_motions: fitted.train,

@@ -35,7 +35,7 @@ mod structure;
 mod used_samples;
 pub mod validation;
 
-pub use calibration::{DriveGain, DriveGains, dead_zone_shares};
+pub use calibration::{DriveGain, DriveGains, SensedGear, SensedValue, dead_zone_shares};
 pub use consistency::{ConsistencyError, ConsistencyProblem, Consistent, EffectUnknown};
 pub use identify::{
     Identification, IdentifyError, IdentifyErrors, IdentifyRequest, JointFriction,

@@ -40,8 +40,8 @@ pub use results::{
     FleetReport, FleetRobot, FleetSize, FleetTrend, IdentifyReport, InputCheckRows, JointResiduals,
     MergeReport, MergedRow, ModelCard, MoreData, MotionRow, NOT_IDENTIFIED, ParameterDifference,
     ParameterRow, ParamsReport, PayloadRow, PositionsUnderCommands, Regressor, RegressorBin,
-    ReplayReport, ServoNumber, ServoRow, ServosReport, SetAside, StepRow, ValidateReport,
-    VariableShare, in_noise_levels, plan_text,
+    ReplayReport, SensedGearRow, SensedNumber, ServoNumber, ServoRow, ServosReport, SetAside,
+    StepRow, ValidateReport, VariableShare, in_noise_levels, plan_text,
 };
 pub use schemas::schemas;
 pub use section::{DiagnosisSection, Section, SectionData, Shows, Source, shows};

@@ -1,13 +1,13 @@
 //! Whether a column of commands is what its header states, and how far the position is behind it.
 //!
-//! Method: least squares of the position on the command moved by each lag, with a gain, an offset and a side of the friction
-//! band (the direction in which the command moved last) of each recording: without the last, a joint that is behind its command
-//! because of dry friction looks late. The lag of the smallest residual, and its standard error by the jackknife over recordings or, of one recording, over blocks
-//! of time.
+//! Method: least squares of the position on the command moved by each lag, with a gain and an offset of each recording, or of blocks of
+//! time where recordings are few. Their lags of the smallest residual have a median and its interval; recordings in which these three
+//! leave much of the position have none. It is the lag that one reads off a plot, with what dry friction adds to it; the parameters
+//! of the controller are separate.
 //!
 //! References: none beyond least squares.
 
-use armident_inference::{FEWEST_BLOCKS, student_t_975, variance};
+use armident_inference::median_with_interval_95;
 use armident_numeric::dot;
 use armident_recording::Quantity;
 
@@ -17,17 +17,18 @@ use super::request::ServoRequest;
 
 /// Longest lag that is tried \[s\].
 pub(super) const LONGEST_LAG_S: f64 = 0.5;
-/// Share of its square below which a column is one of those before it.
-const SAME: f64 = 1e-9;
-/// Blocks of time of one recording.
-const BLOCKS: usize = 8;
+/// Fewest blocks: of so many the range is a 95 % interval of their median.
+const FEWEST_BLOCKS: usize = 6;
+/// Share of its variance that the position may have beside gain, offset and lag: where it has more, friction holds the joint in most
+/// of the motion, and its lag means little.
+const NOT_FOLLOWED: f64 = 0.05;
 
 /// Lag of the position behind the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lag {
-    /// \[s\].
+    /// Median over the recordings \[s\].
     pub value_s: f64,
-    /// 95 % interval \[s\]; none from fewer blocks than four.
+    /// 95 % interval of the median \[s\].
     pub interval_95: Option<[f64; 2]>,
 }
 
@@ -85,49 +86,18 @@ fn delayed(d: &JointData, lag_s: f64) -> Vec<f64> {
     d.time_s.iter().map(|t| at(t - lag_s)).collect()
 }
 
-/// Sum of squares of the position that an offset and these columns do not explain, in a part of a recording.
-fn residual_squares<const N: usize>(columns: [&[f64]; N], position: &[f64]) -> f64 {
-    let about_mean = |x: &[f64]| -> Vec<f64> {
-        let mean = x.iter().sum::<f64>() / x.len() as f64;
-        x.iter().map(|x| x - mean).collect()
-    };
-    let mut rest = about_mean(position);
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for column in columns.map(about_mean) {
-        let size = dot(&column, &column);
-        let mut column = column;
-        for other in &basis {
-            subtract(&mut column, other);
-        }
-        // a command that is constant, or a direction that never changes, explains nothing
-        if dot(&column, &column) > SAME * size.max(f64::EPSILON * column.len() as f64) {
-            subtract(&mut rest, &column);
-            basis.push(column);
-        }
-    }
-    dot(&rest, &rest)
+fn about_mean(x: &[f64]) -> Vec<f64> {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    x.iter().map(|x| x - mean).collect()
 }
 
-/// Leaves of `x` what is orthogonal to a column.
-fn subtract(x: &mut [f64], column: &[f64]) {
-    let share = dot(x, column) / dot(column, column);
-    for (x, c) in x.iter_mut().zip(column) {
-        *x -= share * c;
-    }
-}
-
-/// Direction in which a command moved last, 0 before its first change.
-fn directions(command: &[f64]) -> Vec<f64> {
-    let mut last = 0.0;
-    let mut before = command.first().copied().unwrap_or(0.0);
-    let direction = |c: &f64| {
-        if *c != before {
-            last = (c - before).signum();
-        }
-        before = *c;
-        last
-    };
-    command.iter().map(direction).collect()
+/// Sum of squares of the position that an offset and the command do not explain, in a part of a recording.
+fn residual_squares(command: &[f64], position: &[f64]) -> f64 {
+    let (command, position) = (about_mean(command), about_mean(position));
+    let total = dot(&position, &position);
+    let size = dot(&command, &command);
+    // a command that is constant explains nothing
+    if size > 0.0 { total - dot(&command, &position).powi(2) / size } else { total }
 }
 
 fn lags(data: &[JointData]) -> Vec<f64> {
@@ -138,7 +108,7 @@ fn lags(data: &[JointData]) -> Vec<f64> {
 /// RMS error of the command itself with a gain, an offset and a lag that suit the recording best \[rad or m\].
 pub(super) fn error_of_command(d: &JointData) -> f64 {
     let squares = lags(std::slice::from_ref(d));
-    let squares = squares.iter().map(|lag| residual_squares([&delayed(d, *lag)], &d.position));
+    let squares = squares.iter().map(|lag| residual_squares(&delayed(d, *lag), &d.position));
     (squares.fold(f64::INFINITY, f64::min) / d.position.len() as f64).sqrt()
 }
 
@@ -148,56 +118,41 @@ pub(super) fn position_error(d: &JointData) -> f64 {
     (squares.sum::<f64>() / d.position.len() as f64).sqrt()
 }
 
-/// Lag of the position behind the command in all recordings together; none where no command moves.
+/// Median lag of the position behind the command; none where no command moves.
 pub(super) fn lag(data: &[JointData]) -> Option<Lag> {
-    let moving: Vec<&JointData> =
-        data.iter().filter(|d| range(&d.command) > 8.0 * d.resolution).collect();
-    if moving.is_empty() {
-        return None;
-    }
-    let lags = lags(data);
-    let parts = if moving.len() < FEWEST_BLOCKS { BLOCKS } else { 1 };
-    // `[block][lag]`
-    let mut blocks: Vec<Vec<f64>> = Vec::new();
-    for d in &moving {
-        let commands: Vec<[Vec<f64>; 2]> = (lags.iter().map(|lag| delayed(d, *lag)))
-            .map(|command| [directions(&command), command])
-            .collect();
+    let moves = |command: &[f64], d: &JointData| range(command) > 8.0 * d.resolution;
+    let moving: Vec<&JointData> = data.iter().filter(|d| moves(&d.command, d)).collect();
+    let parts = FEWEST_BLOCKS.div_ceil(moving.len().max(1));
+    let of_recording = |d: &&JointData| -> Vec<f64> {
+        let lags = lags(std::slice::from_ref(d));
+        let commands: Vec<Vec<f64>> = lags.iter().map(|lag| delayed(d, *lag)).collect();
         let n = d.position.len();
-        for part in 0..parts {
-            let of = part * n / parts..(part + 1) * n / parts;
-            let squares = |[direction, command]: &[Vec<f64>; 2]| {
-                let columns = [&command[of.clone()], &direction[of.clone()]];
-                residual_squares(columns, &d.position[of.clone()])
-            };
-            blocks.push(commands.iter().map(squares).collect());
-        }
-    }
-    let best = |without: Option<usize>| -> f64 {
-        let total = |k: usize| -> f64 {
-            let used = blocks.iter().enumerate().filter(|(b, _)| Some(*b) != without);
-            used.map(|(_, block)| block[k]).sum()
+        let blocks = (0..parts).map(|part| part * n / parts..(part + 1) * n / parts);
+        let best = |of: std::ops::Range<usize>| -> Option<f64> {
+            let position = &d.position[of.clone()];
+            let left = |command: &Vec<f64>| residual_squares(&command[of.clone()], position);
+            let squares: Vec<f64> = commands.iter().map(left).collect();
+            let [least, _] = armident_numeric::extremes(squares.iter().copied());
+            let about_mean = about_mean(position);
+            let follows = least < NOT_FOLLOWED * dot(&about_mean, &about_mean);
+            follows.then(|| least_at(&squares) * (lags[1] - lags[0]))
         };
-        let totals: Vec<f64> = (0..lags.len()).map(total).collect();
-        let least = (0..lags.len()).min_by(|a, b| totals[*a].total_cmp(&totals[*b])).unwrap_or(0);
-        // the parabola through the neighbours
-        match least {
-            k if k > 0 && k + 1 < lags.len() => {
-                let (a, b, c) = (totals[k - 1], totals[k], totals[k + 1]);
-                let curvature = a - 2.0 * b + c;
-                let share = if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 };
-                lags[k] + share * (lags[1] - lags[0])
-            }
-            k => lags[k],
-        }
+        blocks.filter(|of| moves(&d.command[of.clone()], d)).filter_map(best).collect()
     };
-    let value_s = best(None);
-    let interval_95 = (blocks.len() >= FEWEST_BLOCKS).then(|| {
-        let left_out: Vec<f64> = (0..blocks.len()).map(|b| best(Some(b))).collect();
-        let half = student_t_975((blocks.len() - 1) as f64) * variance(&left_out).sqrt();
-        [(value_s - half).max(0.0), value_s + half]
-    });
+    let all: Vec<f64> = moving.iter().flat_map(of_recording).collect();
+    let (value_s, interval_95) = median_with_interval_95(&all)?;
     Some(Lag { value_s, interval_95 })
+}
+
+/// Place of the least of some values, on the parabola through its neighbours.
+fn least_at(values: &[f64]) -> f64 {
+    let least = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+    if least == 0 || least + 1 >= values.len() {
+        return least as f64;
+    }
+    let (a, b, c) = (values[least - 1], values[least], values[least + 1]);
+    let curvature = a - 2.0 * b + c;
+    least as f64 + if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 }
 }
 
 /// Joints whose current is never negative although command minus position has both signs for a tenth of the samples each.

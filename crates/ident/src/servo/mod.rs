@@ -58,7 +58,7 @@ pub struct ServoJointFit {
     pub values: Vec<ServoValue>,
     /// Whether the weight of the links determines the stiffness.
     pub is_determined: bool,
-    /// Lag of the position behind the command; none where the command is nearly constant.
+    /// Lag of the position behind the command, friction included; none where the command is nearly constant.
     pub lag: Option<Lag>,
     /// Largest part of the position error that the weight of the links causes \[rad or m\]; none where it is not determined.
     pub sag: Option<f64>,

@@ -45,6 +45,9 @@ pub struct IdentifyReport {
     /// Gains of drives whose current was recorded instead of an effort; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub drive_gains: Vec<DriveGainRow>,
+    /// What lies between motor and torque sensor, of joints with a current and an effort; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensed_gears: Vec<SensedGearRow>,
     /// Known payloads of recordings; absent without `--payload`.
     #[serde(alias = "loads", skip_serializing_if = "Vec::is_empty")]
     pub payloads: Vec<PayloadRow>,
@@ -120,6 +123,36 @@ pub struct EffectRow {
     pub at_bound: bool,
     /// Share that the recordings do not identify, 0 to 1.
     pub undetermined: f64,
+}
+
+/// Between the motor of a joint and its torque sensor.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct SensedGearRow {
+    /// Joint name.
+    pub joint: String,
+    /// Torque constant times gear ratio \[N m/A or N/A\].
+    pub gain: SensedNumber,
+    /// Viscous friction \[N m s/rad or N s/m\].
+    pub viscous: SensedNumber,
+    /// Coulomb friction \[N m or N\].
+    pub coulomb: SensedNumber,
+    /// Inertia of motor and gear \[kg m2 or kg\].
+    pub inertia: SensedNumber,
+    /// Effort of the sensor at a current of 0, with the other sign \[N m or N\].
+    pub offset: SensedNumber,
+    /// RMS of gain times current less all these and the effort \[N m or N\].
+    pub rms: f64,
+}
+
+/// A number with its standard error.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct SensedNumber {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
 }
 
 /// Gain of a drive: effort per unit current.

@@ -39,7 +39,7 @@ pub use fleet::{
 };
 pub use identify::{
     DriveGainRow, EffectRow, EndogeneityRow, FitReport, FitRows, IdentifyReport, MergedRow,
-    PayloadRow, StepRow,
+    PayloadRow, SensedGearRow, SensedNumber, StepRow,
 };
 pub use merge::{AccumulateReport, MergeReport, SetAside};
 pub use parameters::ParameterRow;

@@ -53,9 +53,9 @@ pub struct ServoRow {
     pub load_friction: Option<ServoNumber>,
     /// Largest position error that the weight of the links causes \[rad or m\]; `null` where it is not determined.
     pub sag: Option<f64>,
-    /// Lag of the position behind the command \[s\]; `null` where the command hardly moves.
+    /// Median lag of the position behind the command, dry friction included \[s\]; `null` where the command hardly moves.
     pub lag_s: Option<f64>,
-    /// 95 % interval of the lag \[s\].
+    /// 95 % interval of the median lag \[s\].
     pub lag_interval_95_s: Option<[f64; 2]>,
     /// RMS position error in simulation of each training recording \[rad or m\].
     pub train_rms: Vec<f64>,

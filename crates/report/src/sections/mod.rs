@@ -47,6 +47,7 @@ pub const DIAGNOSIS: &[&dyn DiagnosisSection] = &[
 pub const IDENTIFY: &[&dyn Section<IdentifyReport>] = &[
     &identify::Constants,
     &identify::DriveGains,
+    &identify::SensedGears,
     &identify::Payloads,
     &identify::JointEffects,
     &identify::Significance,

@@ -2,11 +2,11 @@
 
 use crate::results::{
     ByJoint, ConsistencyReport, ConstantRow, DriveGainRow, EffectRow, EndogeneityRow, FitReport,
-    FitRows, IdentifyReport, MergedRow, PayloadRow, StepRow,
+    FitRows, IdentifyReport, MergedRow, PayloadRow, SensedGearRow, SensedNumber, StepRow,
 };
 use armident_ident::{
     Consistent, Coupling, DriveGains, Identification, JointFit, KnownLoad, LAWS, MinimalSet,
-    PlannedIdentification, Term,
+    PlannedIdentification, SensedGear, SensedValue, Term,
 };
 use armident_motion::Motion;
 
@@ -70,6 +70,7 @@ impl IdentifyReport {
             effects,
             merged: merged.collect(),
             drive_gains: found.drive_gains.as_ref().map_or_else(Vec::new, |g| gain_rows(g, found)),
+            sensed_gears: sensed_gear_rows(&found.gears, &joints),
             payloads: loads.iter().map(|load| payload_row(load, found)).collect(),
             steps: Vec::new(),
             rank: estimate.rank,
@@ -159,6 +160,7 @@ impl IdentifyReport {
             effects: friction.collect(),
             merged: Vec::new(),
             drive_gains: Vec::new(),
+            sensed_gears: Vec::new(),
             payloads: Vec::new(),
             steps: steps.collect(),
             rank: estimate.values.iter().filter(|v| v.is_finite()).count(),
@@ -244,6 +246,23 @@ fn add_consistent(rows: &mut [ConstantRow], set: &MinimalSet, found: Option<&Con
             row.consistent = Some(found.estimated[k]);
         }
     }
+}
+
+fn sensed_gear_rows(gears: &[Option<SensedGear>], joints: &[&str]) -> Vec<SensedGearRow> {
+    let number =
+        |of: SensedValue| SensedNumber { value: of.value, standard_error: of.standard_error };
+    let row = |(gear, joint): (&Option<SensedGear>, &&str)| {
+        gear.map(|gear| SensedGearRow {
+            joint: (*joint).to_owned(),
+            gain: number(gear.gain),
+            viscous: number(gear.viscous),
+            coulomb: number(gear.coulomb),
+            inertia: number(gear.inertia),
+            offset: number(gear.offset),
+            rms: gear.rms,
+        })
+    };
+    gears.iter().zip(joints).filter_map(row).collect()
 }
 
 fn gain_rows(gains: &DriveGains, found: &Identification) -> Vec<DriveGainRow> {

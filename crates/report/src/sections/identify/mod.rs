@@ -6,6 +6,7 @@ mod effects;
 mod effort_error;
 mod payloads;
 mod problem;
+mod sensed_gears;
 mod significance;
 mod titles;
 
@@ -15,4 +16,5 @@ pub(super) use effects::JointEffects;
 pub(super) use effort_error::EffortError;
 pub(super) use payloads::Payloads;
 pub(super) use problem::Problem;
+pub(super) use sensed_gears::SensedGears;
 pub(super) use significance::Significance;

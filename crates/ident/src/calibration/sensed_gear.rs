@@ -1,0 +1,191 @@
+//! What lies between the motor of a joint and its torque sensor, where the current of the one and the effort of the other are recorded.
+//!
+//! ```text
+//! gain current = effort + viscous v + coulomb sign(v) + inertia a + offset
+//! ```
+//!
+//! Method: least squares of the current, the noisier of the two, on the effort of the sensor and the motion, all through one low-pass;
+//! neither the inertia of the links nor friction behind the sensor is in it. Standard errors by the jackknife over blocks of time.
+//!
+//! References: the equation of a drive as in M. Gautier, S. Briot, Global identification of joint drive gains and dynamic parameters
+//! of robots, ASME J. Dyn. Syst. Meas. Control 136 (2014); the use of a sensor is own.
+
+use armident_effects::directions;
+use armident_inference::{deviations, leave_one_out, standard_error};
+use armident_motion::Motion;
+use armident_numeric::AccumulatedQr;
+use armident_recording::{Quantity, Recording};
+
+use crate::identify::{IdentifyError, motions_with_effort};
+use crate::used_samples::used_samples;
+
+/// Blocks of time of all recordings together: enough for a Student quantile near the normal one.
+const BLOCKS: usize = 20;
+const RANK_CUT: f64 = 1e-9;
+
+/// A number with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedValue {
+    /// Estimate.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+}
+
+/// Gear of a joint, between motor and torque sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensedGear {
+    /// Effort at the joint per current: torque constant times gear ratio \[N m/A or N/A\].
+    pub gain: SensedValue,
+    /// Viscous friction \[N m s/rad or N s/m\].
+    pub viscous: SensedValue,
+    /// Coulomb friction \[N m or N\].
+    pub coulomb: SensedValue,
+    /// Inertia of motor and gear \[kg m2 or kg\].
+    pub inertia: SensedValue,
+    /// Effort of a current of 0 that the sensor does not show \[N m or N\].
+    pub offset: SensedValue,
+    /// RMS of what is left of gain times current \[N m or N\].
+    pub rms: f64,
+}
+
+/// The gears of an arm; none of joints without both channels in all recordings.
+///
+/// # Errors
+/// [`IdentifyError`] of the motions.
+pub(crate) fn sensed_gears(
+    recordings: &[Recording],
+    joints: &[&str],
+    cutoff_hz: Option<f64>,
+) -> Result<Vec<Option<SensedGear>>, IdentifyError> {
+    let current = |recording: &Recording, joint: &str| -> Option<Vec<f64>> {
+        let channels = recording.joint(joint)?;
+        channels.channel(Quantity::Effort)?;
+        channels.channel(Quantity::Current).map(<[f64]>::to_vec)
+    };
+    let has_both = |joint: &&str| recordings.iter().all(|r| current(r, joint).is_some());
+    if recordings.is_empty() || !joints.iter().any(has_both) {
+        return Ok(vec![None; joints.len()]);
+    }
+    let motions = motions_with_effort(recordings, joints, cutoff_hz)?;
+    let gear = |(j, joint): (usize, &&str)| {
+        let currents: Option<Vec<Vec<f64>>> =
+            recordings.iter().map(|recording| current(recording, joint)).collect();
+        SensedGear::of(&motions, &currents?, j)
+    };
+    Ok(joints.iter().enumerate().map(gear).collect())
+}
+
+impl SensedGear {
+    /// Of joint `j`; `currents` at the stamps of the recordings. None where the motion does not separate the columns.
+    fn of(motions: &[Motion], currents: &[Vec<f64>], j: usize) -> Option<Self> {
+        let total: usize = motions.iter().map(|motion| used_samples(motion).len()).sum();
+        let mut blocks = Vec::new();
+        for (motion, current) in motions.iter().zip(currents) {
+            let mut filtered =
+                [motion.on_grid(current), directions(&motion.velocity[j]), vec![1.0; motion.len()]];
+            motion.filter_columns(&mut filtered);
+            let [current, direction, one] = filtered;
+            let effort = &motion.effort_filtered.as_ref()?[j];
+            let columns = [effort, &motion.velocity[j], &direction, &motion.acceleration[j], &one];
+            let used = used_samples(motion);
+            let count = (BLOCKS * used.len()).div_ceil(total.max(1));
+            let at_rest = motion.at_rest(j);
+            for b in 0..count {
+                let of =
+                    used.start + b * used.len() / count..used.start + (b + 1) * used.len() / count;
+                let moving: Vec<usize> = of.filter(|t| !at_rest[*t]).collect();
+                let part = |column: &[f64]| moving.iter().map(|t| column[*t]).collect::<Vec<_>>();
+                let mut block = AccumulatedQr::new(columns.len());
+                block.push_columns(&columns.map(|column| part(column)), &part(&current));
+                blocks.push(block);
+            }
+        }
+        let mut all = AccumulatedQr::new(5);
+        blocks.iter().for_each(|block| all.merge(block));
+        let solved = all.solve(RANK_CUT).ok()?;
+        if solved.rank < 5 || all.rows() <= 5 {
+            return None;
+        }
+        // over the current that the effort takes
+        let of = |x: &[f64]| -> Vec<f64> {
+            std::iter::once(1.0 / x[0]).chain(x[1..].iter().map(|x_k| x_k / x[0])).collect()
+        };
+        let values = of(&solved.solution);
+        let without: Option<Vec<Vec<f64>>> = (leave_one_out(&blocks).iter())
+            .map(|left| Some(of(&left.solve(RANK_CUT).ok()?.solution)))
+            .collect();
+        let off = deviations(&without?);
+        let value = |k: usize| SensedValue {
+            value: values[k],
+            standard_error: standard_error(off.iter().map(|d| d[k] * d[k]).sum(), off.len()),
+        };
+        let left = all.residual_sum_of_squares(&solved.solution) / all.rows() as f64;
+        Some(Self {
+            gain: value(0),
+            viscous: value(1),
+            coulomb: value(2),
+            inertia: value(3),
+            offset: value(4),
+            rms: left.sqrt() * values[0].abs(),
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a failed test may panic")]
+mod tests {
+    use armident_recording::JointChannels;
+    use rand::{RngExt, SeedableRng};
+
+    use super::*;
+
+    /// Efforts of a sensor and the current of a motor before a gear with friction: every number within three standard errors, and
+    /// these a small part of it. A joint without current has no gear.
+    #[test]
+    fn gear_is_found_between_motor_and_sensor() {
+        let mut random = rand_pcg::Pcg64::seed_from_u64(7);
+        let time_s: Vec<f64> = (0..6000).map(|k| k as f64 * 0.005).collect();
+        let wave = |t: f64| 0.9 * (1.3 * t).sin() + 0.4 * (3.1 * t).sin();
+        let speed = |t: f64| 0.9 * 1.3 * (1.3 * t).cos() + 0.4 * 3.1 * (3.1 * t).cos();
+        let turn = |t: f64| -0.9 * 1.69 * (1.3 * t).sin() - 0.4 * 9.61 * (3.1 * t).sin();
+        // the load has friction of its own behind the sensor
+        let effort: Vec<f64> = (time_s.iter())
+            .map(|&t| 20.0 * wave(t).cos() + 1.5 * turn(t) + 0.7 * speed(t).signum())
+            .collect();
+        let (gain, viscous, coulomb, inertia, offset) = (11.3, 3.0, 4.5, 0.8, -0.6);
+        let current: Vec<f64> = (time_s.iter().zip(&effort))
+            .map(|(&t, effort)| {
+                let lost = viscous * speed(t) + coulomb * speed(t).signum() + inertia * turn(t);
+                (effort + lost + offset) / gain + random.random_range(-0.05..0.05)
+            })
+            .collect();
+        let joint = |name: &str| {
+            let mut channels = JointChannels::new(name);
+            let mut set =
+                |quantity, values: &[f64]| *channels.channel_mut(quantity) = Some(values.to_vec());
+            set(Quantity::Position, &time_s.iter().map(|t| wave(*t)).collect::<Vec<_>>());
+            set(Quantity::Effort, &effort);
+            if name == "sensed" {
+                set(Quantity::Current, &current);
+            }
+            channels
+        };
+        let joints = ["sensed", "plain"].map(joint).to_vec();
+        let recording = Recording::new("made", time_s.clone(), joints).unwrap();
+        let found = sensed_gears(&[recording], &["sensed", "plain"], None).unwrap();
+        assert!(found[1].is_none());
+        let gear = found[0].unwrap();
+        for (found, truth) in [
+            (gear.gain, gain),
+            (gear.viscous, viscous),
+            (gear.coulomb, coulomb),
+            (gear.inertia, inertia),
+            (gear.offset, offset),
+        ] {
+            let off = (found.value - truth).abs();
+            assert!(off < 3.0 * found.standard_error, "{truth}: {found:?}");
+            assert!(found.standard_error < 0.05 * truth.abs(), "{truth}: {found:?}");
+        }
+    }
+}
