@@ -57,6 +57,8 @@ class IdentifyReport:
     """Rows of the least-squares problem."""
     schema: str
     """`armident.identify/2`."""
+    sensed_gears: list[SensedGearRow]
+    """What lies between motor and torque sensor, of joints with a current and an effort; absent without any."""
     steps: list[StepRow]
     """Steps of Algorithm 2; empty for `batch`."""
     velocities: str
@@ -705,6 +707,32 @@ class ReplayReport(Fields):
     """Length of a window [s]."""
     windows: int
     """Windows simulated to their end."""
+
+class SensedGearRow(Fields):
+    """Between the motor of a joint and its torque sensor."""
+
+    coulomb: SensedNumber
+    """Coulomb friction [N m or N]."""
+    gain: SensedNumber
+    """Torque constant times gear ratio [N m/A or N/A]."""
+    inertia: SensedNumber
+    """Inertia of motor and gear [kg m2 or kg]."""
+    joint: str
+    """Joint name."""
+    offset: SensedNumber
+    """Effort of the sensor at a current of 0, with the other sign [N m or N]."""
+    rms: float
+    """RMS residual in terms of effort [N m or N]."""
+    viscous: SensedNumber
+    """Viscous friction [N m s/rad or N s/m]."""
+
+class SensedNumber(Fields):
+    """A number with its standard error."""
+
+    standard_error: float
+    """Its standard error."""
+    value: float
+    """The estimate."""
 
 class SmallTerm(Fields):
     """A term of the model that no finding stands for."""

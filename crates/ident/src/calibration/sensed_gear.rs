@@ -45,7 +45,7 @@ pub struct SensedGear {
     pub inertia: SensedValue,
     /// Effort of a current of 0 that the sensor does not show \[N m or N\].
     pub offset: SensedValue,
-    /// RMS of what is left of gain times current \[N m or N\].
+    /// RMS residual in terms of effort \[N m or N\].
     pub rms: f64,
 }
 

@@ -141,7 +141,7 @@ pub struct SensedGearRow {
     pub inertia: SensedNumber,
     /// Effort of the sensor at a current of 0, with the other sign \[N m or N\].
     pub offset: SensedNumber,
-    /// RMS of gain times current less all these and the effort \[N m or N\].
+    /// RMS residual in terms of effort \[N m or N\].
     pub rms: f64,
 }
 
