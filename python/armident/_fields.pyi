@@ -713,6 +713,8 @@ class SensedGearRow(Fields):
 
     coulomb: SensedNumber
     """Coulomb friction [N m or N]."""
+    determined: bool
+    """Whether the effort of the sensor determines the gain; if not, the numbers mean nothing."""
     gain: SensedNumber
     """Torque constant times gear ratio [N m/A or N/A]."""
     inertia: SensedNumber

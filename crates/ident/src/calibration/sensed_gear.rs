@@ -11,7 +11,7 @@
 //! of robots, ASME J. Dyn. Syst. Meas. Control 136 (2014); the use of a sensor is own.
 
 use armident_effects::directions;
-use armident_inference::{deviations, leave_one_out, standard_error};
+use armident_inference::{deviations, leave_one_out, standard_error, student_t_975};
 use armident_motion::Motion;
 use armident_numeric::AccumulatedQr;
 use armident_recording::{Quantity, Recording};
@@ -35,6 +35,9 @@ pub struct SensedValue {
 /// Gear of a joint, between motor and torque sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensedGear {
+    /// Whether the effort of the sensor determines the gain: the 95 % interval of the current per effort excludes 0. If not, nothing
+    /// here is known in terms of effort.
+    pub is_determined: bool,
     /// Effort at the joint per current: torque constant times gear ratio \[N m/A or N/A\].
     pub gain: SensedValue,
     /// Viscous friction \[N m s/rad or N s/m\].
@@ -113,15 +116,21 @@ impl SensedGear {
         };
         let values = of(&solved.solution);
         let without: Option<Vec<Vec<f64>>> = (leave_one_out(&blocks).iter())
-            .map(|left| Some(of(&left.solve(RANK_CUT).ok()?.solution)))
+            .map(|left| Some(left.solve(RANK_CUT).ok()?.solution))
             .collect();
-        let off = deviations(&without?);
-        let value = |k: usize| SensedValue {
-            value: values[k],
-            standard_error: standard_error(off.iter().map(|d| d[k] * d[k]).sum(), off.len()),
+        let without = without?;
+        let error_of = |estimates: &[Vec<f64>], k: usize| {
+            let squares = deviations(estimates).iter().map(|d| d[k] * d[k]).sum();
+            standard_error(squares, estimates.len())
         };
+        let quantile = student_t_975((blocks.len().max(2) - 1) as f64);
+        let is_determined = solved.solution[0].abs() > quantile * error_of(&without, 0);
+        let of_blocks: Vec<Vec<f64>> = without.iter().map(|x| of(x)).collect();
+        let value =
+            |k: usize| SensedValue { value: values[k], standard_error: error_of(&of_blocks, k) };
         let left = all.residual_sum_of_squares(&solved.solution) / all.rows() as f64;
         Some(Self {
+            is_determined,
             gain: value(0),
             viscous: value(1),
             coulomb: value(2),
@@ -176,6 +185,7 @@ mod tests {
         let found = sensed_gears(&[recording], &["sensed", "plain"], None).unwrap();
         assert!(found[1].is_none());
         let gear = found[0].unwrap();
+        assert!(gear.is_determined);
         for (found, truth) in [
             (gear.gain, gain),
             (gear.viscous, viscous),

@@ -131,6 +131,8 @@ pub struct EffectRow {
 pub struct SensedGearRow {
     /// Joint name.
     pub joint: String,
+    /// Whether the effort of the sensor determines the gain; if not, the numbers mean nothing.
+    pub determined: bool,
     /// Torque constant times gear ratio \[N m/A or N/A\].
     pub gain: SensedNumber,
     /// Viscous friction \[N m s/rad or N s/m\].

@@ -254,6 +254,7 @@ fn sensed_gear_rows(gears: &[Option<SensedGear>], joints: &[&str]) -> Vec<Sensed
     let row = |(gear, joint): (&Option<SensedGear>, &&str)| {
         gear.map(|gear| SensedGearRow {
             joint: (*joint).to_owned(),
+            determined: gear.is_determined,
             gain: number(gear.gain),
             viscous: number(gear.viscous),
             coulomb: number(gear.coulomb),

@@ -23,6 +23,11 @@ impl Section<IdentifyReport> for SensedGears {
         let rows = result.sensed_gears.iter().map(|row| {
             let numbers = [row.gain, row.viscous, row.coulomb, row.inertia, row.offset].map(number);
             let mut cells = vec![row.joint.clone()];
+            if !row.determined {
+                cells.push("not identifiable".to_owned());
+                cells.resize(7, "-".to_owned());
+                return cells;
+            }
             cells.extend(numbers);
             cells.push(significant(row.rms, 3, 0.0));
             cells
