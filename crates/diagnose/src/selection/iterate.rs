@@ -14,7 +14,8 @@ use armident_effects::LawRole;
 use armident_inference::independent_share;
 use armident_numeric::dot;
 
-use crate::design::candidate::Candidate;
+use crate::design::candidate::{Candidate, CandidateKind};
+use crate::design::compliant_link::Posed;
 use crate::design::contact::ContactColumns;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::rebuild::recreate;
@@ -183,6 +184,7 @@ fn iterate<'a>(
             || !point.springs.is_empty()
             || has_converged(&moves(&problem, &pruned, &point), &point)
             || pass >= ALL_FROM;
+        let plain = best.clone();
         if all {
             best = with_simulated_candidates(
                 design,
@@ -195,19 +197,19 @@ fn iterate<'a>(
             );
             best.estimate = with_operating_terms(&problem, &best, &point);
         }
-        let ScaleFit { scale, inflated, estimate: found } = best;
-        let found = prune(&problem.marginalised(scale, &inflated), found, &point);
-        let rough = found.score;
-        let metric = (scale, &inflated[..]);
-        let found = refine(design, &at, &contact, &mut problem, metric, state, found, |_| true);
-        let refined = rough - found.score > PRICE_OF_CHOICE;
-        let found = prune(&problem.marginalised(scale, &inflated), found, &point);
-        let mut inconclusive = Vec::new();
-        let mut found = confirm(&problem.marginalised(scale, &inflated), found, &point);
-        // contained laws that came in must be material too
-        if !seeks_change {
-            found = prune(&problem.marginalised(scale, &inflated), found, &point);
+        let of_plain = best.scale == plain.scale;
+        let mut judged = judge(design, &at, &contact, &mut problem, state, best, &point);
+        // an expensive candidate that is removed again must not leave its prior scale behind
+        let is_expensive = |g: &usize| {
+            let candidate = &problem.candidates[*g];
+            candidate.moves_its_link()
+                || matches!(candidate.kind, CandidateKind::SmoothDirections(_))
+        };
+        if !seeks_change && !of_plain && !judged.fit.estimate.set.iter().any(is_expensive) {
+            judged = judge(design, &at, &contact, &mut problem, state, plain, &point);
         }
+        let Judged { fit: ScaleFit { scale, inflated, estimate: mut found }, refined } = judged;
+        let mut inconclusive = Vec::new();
         if seeks_change {
             let metric = problem.marginalised(scale, &inflated);
             found = one_body_first(&metric, with_changes(&metric, found));
@@ -279,6 +281,38 @@ fn iterate<'a>(
     }
     let (found, converged) = last?;
     Some(IterationEnd { design: weighted, found, converged })
+}
+
+/// A fit without what is immaterial or not confirmed.
+struct Judged {
+    fit: ScaleFit,
+    /// whether constants of shapes have moved
+    refined: bool,
+}
+
+/// The material and confirmed part of a fit, its shapes refined.
+fn judge(
+    design: &Design<'_>,
+    at: &[Posed<'_>],
+    contact: &ContactColumns,
+    problem: &mut LinearProblem,
+    state: &mut SearchState,
+    of: ScaleFit,
+    point: &OperatingPoint,
+) -> Judged {
+    let ScaleFit { scale, inflated, estimate: found } = of;
+    let found = prune(&problem.marginalised(scale, &inflated), found, point);
+    let rough = found.score;
+    let metric = (scale, &inflated[..]);
+    let found = refine(design, at, contact, problem, metric, state, found, |_| true);
+    let refined = rough - found.score > PRICE_OF_CHOICE;
+    let found = prune(&problem.marginalised(scale, &inflated), found, point);
+    let mut found = confirm(&problem.marginalised(scale, &inflated), found, point);
+    // contained laws that came in must be material too
+    if !design.observations.comparison.seeks_change() {
+        found = prune(&problem.marginalised(scale, &inflated), found, point);
+    }
+    Judged { fit: ScaleFit { scale, inflated, estimate: found }, refined }
 }
 
 /// The estimate with the operating terms: at the right operating point their coefficients are zero. A candidate that is

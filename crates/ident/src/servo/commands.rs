@@ -135,7 +135,7 @@ pub(super) fn lag(data: &[JointData]) -> Option<Lag> {
             let [least, _] = armident_numeric::extremes(squares.iter().copied());
             let about_mean = about_mean(position);
             let follows = least < NOT_FOLLOWED * dot(&about_mean, &about_mean);
-            follows.then(|| least_at(&squares) * (lags[1] - lags[0]))
+            follows.then(|| Some(least_at(&squares)? * (lags[1] - lags[0])))?
         };
         blocks.filter(|of| moves(&d.command[of.clone()], d)).filter_map(best).collect()
     };
@@ -144,15 +144,15 @@ pub(super) fn lag(data: &[JointData]) -> Option<Lag> {
     Some(Lag { value_s, interval_95 })
 }
 
-/// Place of the least of some values, on the parabola through its neighbours.
-fn least_at(values: &[f64]) -> f64 {
-    let least = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
-    if least == 0 || least + 1 >= values.len() {
-        return least as f64;
+/// Place of the least of some values, on the parabola through its neighbours; none at the last, beyond which it may be.
+fn least_at(values: &[f64]) -> Option<f64> {
+    let least = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b]))?;
+    if least == 0 {
+        return Some(0.0);
     }
-    let (a, b, c) = (values[least - 1], values[least], values[least + 1]);
+    let (a, b, c) = (values[least - 1], values[least], *values.get(least + 1)?);
     let curvature = a - 2.0 * b + c;
-    least as f64 + if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 }
+    Some(least as f64 + if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 })
 }
 
 /// Joints whose current is never negative although command minus position has both signs for a tenth of the samples each.
