@@ -463,6 +463,8 @@ class EvidenceRow(Fields):
 
     character: CharacterRow | None
     """Of `unmodelled`: kind of structure."""
+    holdout_gain: float | None
+    """Share of the squared error of the hold-out on `joint` that the finding removes, all else refitted; negative where the error is higher with it. Absent without a hold-out, for contacts, and for arms without efforts."""
     joint: str
     """The joint on which it is most material."""
     materiality: float
