@@ -113,7 +113,7 @@ impl StateReader {
     /// The state of a place, or why there is none.
     pub(crate) fn read(&mut self, place: &Place) -> Result<InGroup<RecordingState>, Failure> {
         let (group, index) = match place.at {
-            At::Line { offset, bytes } => return Ok(read_line(&place.file, offset, bytes)?),
+            At::Line { offset, bytes } => return read_line(&place.file, offset, bytes),
             At::Row { group, index } => (group, index),
         };
         let last = match self.last.take() {
