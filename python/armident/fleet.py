@@ -53,7 +53,7 @@ TABLE = "armident.state-table/1"
 #: Size of a column of a triangle, of the largest, below which it is none.
 ZERO_COLUMN = 1e-10
 #: Recordings of a row group: what is in memory when a table is written or read.
-GROUP = 64
+GROUP = 8
 
 #: A Ray dataset with a column `path` and, if robots are not the folders, a column `robot`.
 Paths = Any

@@ -17,7 +17,7 @@ use crate::state_lines::{Head, each_line};
 /// Version of the columns.
 const SCHEMA: &str = "armident.state-table/1";
 /// Recordings of a group of rows: what is in memory when a table is written or read.
-const GROUP: usize = 64;
+const GROUP: usize = 8;
 /// Below this share of the largest singular value a combination of columns is none, as in Python.
 const RANK_CUT: f64 = 1e-9;
 
