@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::shared::project;
+use crate::shared::{project, skipped};
 use crate::tool::UR5_JOINTS as JOINTS;
 use crate::tool::{Run, list, number, run_in, scratch, string, text};
 
@@ -13,6 +13,9 @@ use crate::tool::{Run, list, number, run_in, scratch, string, text};
 const ELBOW: f64 = 4.0;
 /// Mass that another robot gains on link 3 \[kg\].
 const GAINED_KG: f64 = 0.6;
+
+/// Days of the recordings of a robot: their order is that of the numbers, not of the letters.
+const DAYS: [usize; 4] = [1, 2, 9, 10];
 
 /// Positions of a recording: two sines a joint, others in each recording.
 fn trajectory(number: usize) -> String {
@@ -51,14 +54,13 @@ fn fleet(folder: &Path) -> PathBuf {
     std::fs::write(&urdf, plain).unwrap();
     for (index, robot) in ["gains", "rubs", "stays"].into_iter().enumerate() {
         std::fs::create_dir_all(folder.join("logs").join(robot)).unwrap();
-        for recording in 0..4 {
+        for (recording, day) in DAYS.into_iter().enumerate() {
             let number = 4 * index + recording;
             std::fs::write(folder.join("motion.csv"), trajectory(number)).unwrap();
             let changed = recording >= 2;
             let arm = if changed && robot == "gains" { "loaded.urdf" } else { "arm.urdf" };
             let elbow = if changed && robot == "rubs" { 2.0 * ELBOW } else { ELBOW };
-            let (seed, out) =
-                (number.to_string(), format!("logs/{robot}/day{}.csv", recording + 1));
+            let (seed, out) = (number.to_string(), format!("logs/{robot}/day{day}.csv"));
             let mut args = vec![
                 "simulate",
                 arm,
@@ -133,7 +135,12 @@ fn fleet_reports_what_changed() {
     assert_eq!(aside, ["logs/stays/day5.csv", "logs/stays/day6.csv"]);
     assert!(list(&result["set_aside"]).iter().all(|s| !string(&s["reason"]).is_empty()));
     let page = std::fs::read_to_string(folder.join("fleet.html")).unwrap();
-    assert!(page.contains("gains a body of") && page.contains("href=\"./logs/rubs/day2.html\""));
+    // names keep their case, and what stands in backticks is code
+    assert!(page.contains("<p>gains: link <code>link_3</code> gains a body of"));
+    assert!(page.contains("href=\"./logs/rubs/day2.html\""));
+    let (body, friction) = (string(&gains[0]["parameter"]), string(&rubs[0]["parameter"]));
+    assert!(["k1_", "k2_", "k3_", "U1_", "U2_", "U3_"].iter().any(|of| body.starts_with(of)));
+    assert_eq!(friction, "viscous_friction(elbow_joint)");
 
     // an interrupted run is continued and gives the same
     let states = std::fs::read_to_string(folder.join("states.jsonl")).unwrap();
@@ -153,13 +160,107 @@ fn fleet_reports_what_changed() {
     let ran = run_in(&folder, &["fleet", text(&urdf), "states.jsonl", "--robot-of", "arm*"]);
     assert_eq!(ran.code, 1);
     assert!(
-        ran.stderr.contains("expected `{robot}` once in the pattern, found `arm*`"),
+        ran.stderr
+            .contains("expected `{robot}` once in the pattern or `column:NAME`, found `arm*`"),
         "{}",
         ran.stderr
     );
     let ran = run_in(&folder, &["fleet", text(&urdf), "logs"]);
     assert_eq!(ran.code, 1);
     assert!(ran.stderr.contains("recordings need a file for their states"), "{}", ran.stderr);
+}
+
+/// The robot of a recording stands in a column of it, which its state keeps.
+#[test]
+fn robots_are_named_by_a_column() {
+    let folder = scratch("fleet_column");
+    let urdf = project("urdf/ur5.urdf");
+    for (name, robot) in [("train", "arm 1"), ("holdout", "arm 2")] {
+        let log = std::fs::read_to_string(project(&format!("examples/ur5/{name}.csv"))).unwrap();
+        let with = |(row, line): (usize, &str)| {
+            format!("{line},{}\n", if row == 0 { "cell" } else { robot })
+        };
+        let log: String = log.lines().enumerate().map(with).collect();
+        std::fs::write(folder.join(format!("{name}.csv")), log).unwrap();
+    }
+    std::fs::copy(project("examples/ur5/train.csv"), folder.join("other.csv")).unwrap();
+    let run = |more: &[&str]| {
+        let args = ["fleet", text(&urdf), "--robot-of", "column:cell", "--json", "-"];
+        run_in(&folder, &[&args, more].concat()).fine().json()
+    };
+    let logs = ["train.csv", "holdout.csv", "other.csv", "--states", "states.jsonl"];
+    let result = run(&logs);
+    let names: Vec<&str> = list(&result["robots"]).iter().map(|of| string(&of["robot"])).collect();
+    assert_eq!(names, ["arm 1", "arm 2"]);
+    let aside = &list(&result["set_aside"])[0];
+    assert_eq!(string(&aside["reason"]), "no column `cell` with the robot");
+    assert_eq!(run(&["states.jsonl"])["robots"], result["robots"]);
+}
+
+/// Tables of states are those of lines, whoever writes them.
+#[test]
+fn tables_of_states_equal_lines() {
+    if let Err(error) = armident_recording::tables_are_built(Path::new("states.parquet")) {
+        skipped("fleet", &error.to_string());
+        return;
+    }
+    let folder = scratch("fleet_tables");
+    let urdf = project("urdf/ur5.urdf");
+    let logs = ["train", "holdout"].map(|name| project(&format!("examples/ur5/{name}.csv")));
+    let [train, holdout] = [text(&logs[0]), text(&logs[1])];
+    let run = |args: &[&str]| run_in(&folder, args).fine();
+    let accumulated = |logs: &[&str], output: &str| -> Value {
+        let args = [&["accumulate", text(&urdf)], logs, &["-o", output, "--json", "-"]].concat();
+        run(&args).json()
+    };
+    accumulated(&[train, holdout], "states.jsonl");
+
+    // a table is continued, also by what an interrupted run has left beside it
+    assert_eq!(list(&accumulated(&[train], "states.parquet")["reduced"]).len(), 1);
+    let again = accumulated(&[train, holdout], "states.parquet");
+    let count = |key: &str| list(&again[key]).len();
+    assert_eq!((count("reduced"), count("already_there"), count("set_aside")), (1, 1, 0));
+    assert!(!folder.join("states.parquet.jsonl").exists());
+    let lines = std::fs::read_to_string(folder.join("states.jsonl")).unwrap();
+    std::fs::write(folder.join("left.parquet.jsonl"), format!("{lines}{{\"schema\":\"arm"))
+        .unwrap();
+    assert!(list(&accumulated(&[train, holdout], "left.parquet")["reduced"]).is_empty());
+
+    // what is made of them
+    let merged = |states: &str| run(&["merge", text(&urdf), states, "--json", "-"]).json();
+    let fleet = |states: &str| run(&["fleet", text(&urdf), states, "--json", "-"]).json();
+    for table in ["states.parquet", "left.parquet"] {
+        assert_eq!(merged(table), merged("states.jsonl"));
+        assert_eq!(fleet(table), fleet("states.jsonl"));
+    }
+
+    // a table of `armident.fleet.to_parquet`, made of the lines beside it
+    let [lines, table] =
+        ["jsonl", "parquet"].map(|end| project(&format!("tests/fleet/states.{end}")));
+    let urdf = project("urdf/planar_2r.urdf");
+    let both = [&lines, &table]
+        .map(|states| run(&["fleet", text(&urdf), text(states), "--json", "-"]).json());
+    assert_eq!(both[0], both[1]);
+    assert_eq!(string(&both[1]["robots"][0]["robot"]), "arm 1");
+    let both = [&lines, &table]
+        .map(|states| run(&["merge", text(&urdf), text(states), "--json", "-"]).json());
+    assert_eq!(both[0], both[1]);
+    // any column of a table
+    let args = ["fleet", text(&urdf), text(&table), "--robot-of", "column:schema", "--json", "-"];
+    let robots = &run(&args).json()["robots"];
+    assert_eq!(string(&robots[0]["robot"]), "armident.state-table/1");
+    // of another arm: set aside
+    let ran = run_in(&folder, &["fleet", text(&urdf), "states.parquet"]);
+    assert_eq!(ran.code, 1);
+    assert!(ran.stderr.contains("the state is of another arm"), "{}", ran.stderr);
+    // a recording is no table of states, and is not overwritten
+    let copied = folder.join("log.parquet");
+    run(&["convert", train, text(&copied)]);
+    let ur5 = project("urdf/ur5.urdf");
+    let args = ["accumulate", text(&ur5), holdout, "-o", text(&copied)];
+    let ran = run_in(&folder, &args);
+    assert_eq!(ran.code, 1);
+    assert!(ran.stderr.contains("the output file holds something else"), "{}", ran.stderr);
 }
 
 #[allow(dead_code, reason = "its table is not printed here")]

@@ -290,3 +290,13 @@ def accumulate(
     topic: str | None,
 ) -> Answer: ...
 def merge(robot: Robot, states: list[str]) -> Answer: ...
+def fleet(
+    robot: Robot,
+    inputs: list[str],
+    robot_of: str | None,
+    states: str | None,
+    cutoff_hz: float,
+    false_alarm_rate: float,
+    mapping: str | None,
+    topic: str | None,
+) -> Answer: ...

@@ -178,6 +178,30 @@ class ValidateReport:
     schema: str
     """`armident.validate/1`."""
 
+class FleetReport:
+    """Result of `armident fleet`."""
+
+    cutoff_hz: float
+    """Cut-off of the low-pass [Hz]."""
+    false_alarm_rate: float
+    """Probability of a change of a robot that does not change."""
+    outliers: list[FleetOutlierRow]
+    """Parameters of robots that are unlike the fleet's."""
+    parameters: list[FleetParameter]
+    """Parameters of the arm."""
+    robot: str
+    """Name of the arm in its URDF."""
+    robots: list[FleetRobot]
+    """The robots."""
+    scatter_freedom: float
+    """Degrees of freedom of the scatter of recordings."""
+    scatter_recordings: int
+    """Recordings that the scatter was estimated from."""
+    schema: str
+    """`armident.fleet/1`."""
+    set_aside: list[SetAside]
+    """Files and states that are not part of it."""
+
 class AlternativeRow(Fields):
     """An effect that the recordings cannot distinguish from a finding."""
 
@@ -441,6 +465,8 @@ class EvidenceRow(Fields):
 
     character: CharacterRow | None
     """Of `unmodelled`: kind of structure."""
+    holdout_gain: float | None
+    """Share of the squared error of the hold-out on `joint` that the finding removes, all else refitted; negative where the error is higher with it. Absent without a hold-out, for contacts, and for arms without efforts."""
     joint: str
     """The joint on which it is most material."""
     materiality: float
@@ -499,6 +525,110 @@ class Fits(Fields):
     """Of the hold-out; `null` without `--holdout`."""
     train: EffortErrors | None
     """Of the training recordings."""
+
+class FleetChangeRow(Fields):
+    """A change of a robot."""
+
+    alternatives: list[str]
+    """Other parts that explain the recordings as well."""
+    between: list[int]
+    """First and last number that it may have, by likelihood."""
+    degrees_of_freedom: int
+    """Its degrees of freedom."""
+    false_alarm_probability: float
+    """Probability of as large a statistic on a robot that does not change, at most."""
+    joint: str
+    """The joint that has it, or that moves the link that has it."""
+    link: str | None
+    """The link, of a body."""
+    number: int
+    """Its number, from 1, in the order of the robot's recordings."""
+    parameter: str | None
+    """Label of the parameter that it moves by most standard errors."""
+    recording: str
+    """First recording with it."""
+    sentence: str
+    """All that in a sentence."""
+    sizes: list[FleetSize]
+    """By how much."""
+    statistic: float
+    """Likelihood ratio over its degrees of freedom."""
+    threshold: float
+    """What it exceeds."""
+    what: str
+    """`viscous friction`, `body`."""
+
+class FleetOutlierRow(Fields):
+    """A parameter of a robot that is unlike the fleet's."""
+
+    false_alarm_probability: float
+    """Probability of as large a difference of a robot of the fleet, at most."""
+    median: float
+    """Median of the fleet."""
+    parameter: str
+    """Label of the parameter."""
+    robot: str
+    """The robot."""
+    standard_error: float
+    """Standard error of the difference."""
+    unit: str
+    """Its unit."""
+    value: float
+    """Its value."""
+
+class FleetParameter(Fields):
+    """A parameter of the arm."""
+
+    is_constant: bool
+    """Whether it is a constant of the minimal set."""
+    label: str
+    """Its label."""
+    scatter: float
+    """Standard deviation between recordings of a robot that does not change."""
+    unit: str
+    """Its unit."""
+
+class FleetRobot(Fields):
+    """A robot over its recordings."""
+
+    changes: list[FleetChangeRow]
+    """Its changes."""
+    pages: list[str | None]
+    """The page of a single diagnosis that stands beside each recording."""
+    recorded_at_s: list[float] | None
+    """When each was made, since 1970 [s], where all have it."""
+    recordings: list[str]
+    """Its recordings in their order."""
+    robot: str
+    """Its name."""
+    trends: list[FleetTrend]
+    """One of each parameter."""
+
+class FleetSize(Fields):
+    """A number of a change, after it less before it."""
+
+    interval: list[float]
+    """95 % interval."""
+    parameter: str
+    """Its name."""
+    standard_error: float
+    """Its standard error, with the scatter of recordings."""
+    unit: str
+    """Its unit."""
+    value: float
+    """Its value."""
+
+class FleetTrend(Fields):
+    """A parameter over the recordings of a robot."""
+
+    drift: list[float] | None
+    """Drift per recording beside the changes, and its standard error."""
+    points: list[list[float] | None]
+    """Value and standard error of each recording; none of those that do not determine it."""
+    standard_error: float | None
+    """Standard error of that."""
+    value: float | None
+    """Its value before the first change; none where the recordings do not determine it."""
 
 class InconclusiveChange(Fields):
     """A change that is not certain enough to be reported."""
@@ -735,6 +865,14 @@ class SensedNumber(Fields):
     """Its standard error."""
     value: float
     """The estimate."""
+
+class SetAside(Fields):
+    """A file that is not part of the result."""
+
+    file: str
+    """The file or recording."""
+    reason: str
+    """Why."""
 
 class SmallTerm(Fields):
     """A term of the model that no finding stands for."""

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from ._armident import Answer, Recording, Robot
 
 if TYPE_CHECKING:
-    from ._fields import CheckReport, DiagnoseReport, IdentifyReport, ValidateReport
+    from ._fields import CheckReport, DiagnoseReport, FleetReport, IdentifyReport, ValidateReport
 else:
     # the fields come from the JSON
-    CheckReport = DiagnoseReport = IdentifyReport = ValidateReport = object
+    CheckReport = DiagnoseReport = FleetReport = IdentifyReport = ValidateReport = object
 
 
 class ArmidentWarning(UserWarning):
@@ -172,6 +172,10 @@ class Accumulation(Result):
 
 class Merge(ModelResult):
     """The arm that states of its recordings identify, and its model."""
+
+
+class History(Result, FleetReport):
+    """Robots over their recordings: trends, changes, and what is unlike the fleet."""
 
 
 class Export(Result):

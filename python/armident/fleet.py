@@ -25,15 +25,20 @@ from typing import Any
 
 import numpy as np
 
+from . import _armident
 from ._armident import ArmidentError
-from ._commands import accumulate, merge
+from ._commands import _path, _paths, accumulate, merge
 from ._commands import diagnose as diagnose_one
-from ._results import Merge
+from ._progress import working
+from ._recordings import RobotLike, as_robot
+from ._results import History, Merge
 
 __all__ = [
     "Fleet",
+    "History",
     "SetAside",
     "diagnose",
+    "follow",
     "from_parquet",
     "identify",
     "merge_states",
@@ -45,8 +50,10 @@ __all__ = [
 
 #: Columns of a table of states, a row for each recording and joint, and its version.
 TABLE = "armident.state-table/1"
+#: Size of a column of a triangle, of the largest, below which it is none.
+ZERO_COLUMN = 1e-10
 #: Recordings of a row group: what is in memory when a table is written or read.
-GROUP = 64
+GROUP = 8
 
 #: A Ray dataset with a column `path` and, if robots are not the folders, a column `robot`.
 Paths = Any
@@ -161,6 +168,46 @@ def identify(
     return found
 
 
+def follow(
+    robot: RobotLike,
+    inputs: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    *,
+    robot_of: str | None = None,
+    states: str | os.PathLike[str] | None = None,
+    cutoff_hz: float = 5.0,
+    false_alarm_rate: float = 0.01,
+    mapping: str | os.PathLike[str] | None = None,
+    topic: str | None = None,
+) -> History:
+    """Follow the robots of a fleet over their recordings: trends, changes and outliers, as `armident fleet`.
+
+    Args:
+        robot: URDF or model file, or a robot.
+        inputs: Files of states, recordings, and folders of both.
+        robot_of: Which robot a recording is of: a pattern of the end of its path, `{robot}/*.csv`; its folder by default.
+        states: File of states that recordings are reduced to, continued where it exists.
+        cutoff_hz: Low-pass of recordings [Hz].
+        false_alarm_rate: Probability that a robot that does not change has a change reported.
+        mapping: TOML file that maps columns to joints, quantities and units.
+        topic: Joint state topic of bags of ROS.
+
+    Raises:
+        ArmidentError: Inputs that cannot be read; no state of this robot.
+    """
+    with working("following robots"):
+        answer = _armident.fleet(
+            as_robot(robot),
+            _paths(inputs),
+            robot_of,
+            _path(states),
+            cutoff_hz,
+            false_alarm_rate,
+            _path(mapping),
+            topic,
+        )
+    return History(answer)
+
+
 def write(states: Any, path: str | os.PathLike[str]) -> list[SetAside]:
     """Write states of a Ray dataset to a file for `armident merge` and `armident fleet`, one after another.
 
@@ -183,12 +230,18 @@ def _residual(triangle: list[float]) -> float:
     dense[np.triu_indices(width)] = triangle
     columns, effort = dense[:, :-1], dense[:, -1]
     norms = np.linalg.norm(columns, axis=0)
-    solved = np.linalg.lstsq(columns / np.where(norms > 0, norms, 1), effort, rcond=1e-9)[0]
-    return float(np.linalg.norm(effort - columns / np.where(norms > 0, norms, 1) @ solved))
+    # a column of round-off explains nothing
+    there = norms > ZERO_COLUMN * norms.max(initial=0.0)
+    unit = columns[:, there] / norms[there]
+    solved = np.linalg.lstsq(unit, effort, rcond=1e-9)[0]
+    return float(np.linalg.norm(effort - unit @ solved))
 
 
 def to_parquet(states: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:
     """Write a file of states as a Parquet table, a row for each recording and joint; returns the number of recordings.
+
+    [`accumulate`][armident.accumulate] writes the same table where its file is named `.parquet`, and `merge` and the command
+    line read it.
 
     Columns: schema, robot, recording, recorded_at_s, joint, rows, effective_rows, noise (root mean square of what the columns
     leave of the effort [N m or N]), triangle (upper triangle of the columns and the effort, row by row), effort_sum,
@@ -259,12 +312,12 @@ def from_parquet(path: str | os.PathLike[str], states: str | os.PathLike[str]) -
     return count
 
 
-def _findings(robot: str, path: str, name: str) -> Iterator[dict[str, Any]]:
+def _findings(robot: str, path: str, name: str, holdout: str | None) -> Iterator[dict[str, Any]]:
     """Findings of one recording as rows; one row without a law where there is none or it could not be used."""
     base: dict[str, Any] = {"robot": name, "recording": path, "joint": None, "law": None, "parameter": None}
-    base |= {"value": None, "sigma": None, "materiality": None, "confidence": None, "reason": None}
+    base |= {"value": None, "sigma": None, "materiality": None, "holdout_gain": None, "confidence": None, "reason": None}
     try:
-        result = diagnose_one(robot, path).to_dict()
+        result = diagnose_one(robot, path, holdout=holdout).to_dict()
     except ArmidentError as error:
         yield base | {"reason": str(error)}
         return
@@ -272,7 +325,8 @@ def _findings(robot: str, path: str, name: str) -> Iterator[dict[str, Any]]:
     for finding in result["findings"]:
         place = finding.get("link") or ", ".join(finding.get("joints", []))
         row = base | {"joint": place, "law": finding["effect"]}
-        row |= {"materiality": finding["evidence"].get("materiality"), "confidence": finding["confidence"]}
+        row |= {key: finding["evidence"].get(key) for key in ("materiality", "holdout_gain")}
+        row |= {"confidence": finding["confidence"]}
         for parameter, estimate in finding["parameters"].items():
             rows += 1
             yield row | {"parameter": parameter, "value": estimate["value"], "sigma": estimate["stderr"]}
@@ -285,16 +339,25 @@ def diagnose(
     *,
     robot: str | os.PathLike[str],
     robot_of: Callable[[str], str] | None = None,
+    holdout_of: Callable[[str], str | None] | None = None,
 ) -> Any:
     """Diagnose each recording on its own: a Ray dataset of findings, one row a parameter, for `write_parquet`.
 
+    Args:
+        recordings: As in [`states`][armident.fleet.states].
+        robot: URDF or model file, which every worker can read.
+        robot_of: Name of the robot from the path, where there is no column; the folder by default.
+        holdout_of: Path of another recording of the same robot, held out, from the path; none by default.
+
     Columns: robot, recording, joint (or link), law, parameter, value, sigma (standard error), materiality (in noise levels),
-    confidence, and the reason where a recording could not be used.
+    holdout_gain (share of the squared hold-out error that the finding removes), confidence, and the reason where a recording
+    could not be used.
     """
     urdf = os.fspath(robot)
 
     def found(row: dict[str, Any]) -> list[dict[str, Any]]:
-        return list(_findings(urdf, str(row["path"]), _name(row, robot_of)))
+        path = str(row["path"])
+        return list(_findings(urdf, path, _name(row, robot_of), holdout_of(path) if holdout_of else None))
 
     return recordings.flat_map(found)
 

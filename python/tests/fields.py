@@ -21,6 +21,7 @@ RESULTS = {
     "armident.identify": "IdentifyReport",
     "armident.diagnosis": "DiagnoseReport",
     "armident.validate": "ValidateReport",
+    "armident.fleet": "FleetReport",
 }
 #: Fields that every result has as a property.
 OF_RESULT = {"warnings", "notes"}

@@ -155,6 +155,15 @@ def test_changes_from_states_of_ray(ray, logs, cli, tmp_path):
     assert changes["stays"] == []
 
 
+def test_follow_is_the_command(logs, cli, tmp_path):
+    with pytest.warns(armident.ArmidentWarning, match=r"\[scatter\]"):
+        found = fleet.follow(URDF, logs, states=tmp_path / "states.parquet")
+    assert found.to_dict() == cli("fleet", URDF, logs, "--states", tmp_path / "states.jsonl")
+    assert [of.parameter for of in found.robots[1].changes] == ["viscous_friction(elbow_joint)"]
+    found.save_report(tmp_path / "fleet.html")
+    assert "<code>elbow_joint</code>" in (tmp_path / "fleet.html").read_text()
+
+
 def test_states_merge_in_any_order(logs, alone, tmp_path):
     states = []
     for path in sorted((logs / "stays").glob("day[1-4].csv")):
@@ -177,6 +186,24 @@ def test_table_of_states_is_the_states(logs, alone, tmp_path):
     assert fleet.from_parquet(table, back) == 4
     assert [json.loads(line) for line in back.open()] == [json.loads(line) for line in states.open()]
     assert same(armident.merge(URDF, back), alone["rubs"]) == 0
+
+
+def test_table_of_the_library_is_that_of_python(logs, alone, tmp_path):
+    pytest.importorskip("pyarrow")
+    pandas = pytest.importorskip("pandas")
+    states, own, theirs, back = (tmp_path / name for name in ("s.jsonl", "python.parquet", "rust.parquet", "back.jsonl"))
+    armident.accumulate(URDF, logs / "rubs", states)
+    armident.accumulate(URDF, logs / "rubs", theirs)
+    fleet.to_parquet(states, own)
+    expected, found = pandas.read_parquet(own), pandas.read_parquet(theirs)
+    assert list(found.columns) == list(expected.columns) and list(found.dtypes) == list(expected.dtypes)
+    for column in set(expected.columns) - {"noise", "triangle", "head"}:
+        assert found[column].equals(expected[column]), column
+    np.testing.assert_allclose(found["noise"], expected["noise"], rtol=1e-9)
+    assert fleet.from_parquet(theirs, back) == 4
+    assert [json.loads(line) for line in back.open()] == [json.loads(line) for line in states.open()]
+    for table in (own, theirs):
+        assert same(armident.merge(URDF, table), alone["rubs"]) == 0
 
 
 @pytest.mark.parametrize("partitions", [1, 2, 5])

@@ -238,9 +238,9 @@ Examples:
   armident accumulate robot.urdf logs/ -o states.jsonl
   armident accumulate robot.urdf day2/ -o day2.jsonl --cutoff-hz 8
 
-A state is the triangle of the least-squares rows of each joint, one line of JSON a recording. An output
-file that exists is continued: recordings that it holds are not read again, so that an interrupted run
-can be repeated. Recordings that cannot be used are set aside with the reason. The columns are the
+A state is the triangle of the least-squares rows of each joint, one line of JSON a recording, or rows of a
+table where the file is named .parquet. An output file that exists is continued: recordings that it holds are
+not read again, so that an interrupted run can be repeated. Recordings that cannot be used are set aside with the reason. The columns are the
 minimal set and the friction of each joint.")]
 pub(crate) struct AccumulateArgs {
     /// URDF, or a model written by identify or diagnose
@@ -292,6 +292,7 @@ pub(crate) struct MergeArgs {
 Examples:
   armident fleet robot.urdf states.jsonl --report fleet.html
   armident fleet robot.urdf logs/ --states states.jsonl --robot-of '{robot}/*.csv' --json fleet.json
+  armident fleet robot.urdf logs/ --states states.parquet --robot-of column:robot
 
 Reports for each robot how its parameters move from recording to recording, and where friction of a joint
 or a body on a link changed. Recordings are reduced to the file of --states first, which a later run
@@ -302,7 +303,7 @@ pub(crate) struct FleetArgs {
     /// Files of states, recordings, and folders of both
     #[arg(required = true)]
     pub(crate) inputs: Vec<PathBuf>,
-    /// Which robot a recording is of: pattern of the end of its path [default: its folder]
+    /// Which robot a recording is of: pattern of the end of its path, or column:NAME [default: its folder]
     #[arg(long, value_name = "PATTERN")]
     pub(crate) robot_of: Option<String>,
     /// File of states that recordings are reduced to, continued where it exists

@@ -1,6 +1,6 @@
 //! `armident accumulate`.
 
-use armident_commands::{Failure, accumulate, expand};
+use armident_commands::{Failure, Reduction, accumulate, expand};
 
 use super::recordings::reading_options;
 use crate::args::AccumulateArgs;
@@ -16,7 +16,8 @@ pub(crate) fn run(args: &AccumulateArgs) -> Result<Outcome, Failure> {
     let reading = reading_options(&args.reading);
     let progress = Progress::through(&args.output, "reducing recordings", files.len());
     let done = || progress.part_done();
-    let report = accumulate(&robot, &files, &args.output_file, args.cutoff_hz, &reading, done)?;
+    let how = Reduction { cutoff_hz: args.cutoff_hz, reading: &reading, robot_column: None };
+    let report = accumulate(&robot, &files, &args.output_file, &how, done)?;
     drop(progress);
     output::write_result(&args.output, &report.text(), &report, &[])
 }

@@ -68,6 +68,9 @@ fn findings_have_their_location() {
     assert!(["payload", "link_inertia_error"].contains(&string(&findings[0]["effect"])));
     assert!(findings[0]["link"].is_string());
     assert_eq!(findings[0]["joints"][0], "wrist_3_joint");
+    // nearly all of the error of the hold-out is its
+    let gain = number(&findings[0]["evidence"]["holdout_gain"]);
+    assert!(findings[0]["confirmed"] == true && 0.5 < gain && gain < 1.0, "{gain}");
 }
 
 /// Nothing concealed, nothing found; and the fields are those of the contract.

@@ -3,19 +3,20 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use alphanumeric_sort::{compare_path, compare_str};
 use armident_fleet::{FleetAnalysis, FleetSettings, outliers};
 use armident_ident::{RecordingState, StateColumns};
 use armident_model::ArmModel;
 use armident_recording::{Formats, is_one_recording};
 use armident_report::{FleetReport, SetAside};
 
-use crate::accumulate::accumulate;
+use crate::accumulate::{Reduction, accumulate};
 use crate::failure::Failure;
-use crate::natural_order::natural_order;
 use crate::recordings::{ReadingOptions, has_extension};
 use crate::robot::GivenRobot;
-use crate::robot_of::{folder_of, is_pattern, robot_of};
-use crate::state_files::{Head, Place, heads, holds_states};
+use crate::robot_of::{RobotOf, folder_of, robot_of as robot_in};
+use crate::state_files::{Place, StateReader, heads, holds_states};
+use crate::state_lines::Head;
 
 /// Recordings that the scatter is estimated from, at most: more make it no better known than it need be.
 const SCATTER_RECORDINGS: usize = 400;
@@ -23,7 +24,7 @@ const SCATTER_RECORDINGS: usize = 400;
 /// How a fleet is read.
 #[derive(Debug, Clone)]
 pub struct FleetOptions {
-    /// Pattern of paths with `{robot}`; none: the robot of the state, else the folder of the recording.
+    /// Pattern of paths with `{robot}`, or `column:NAME`; none: the robot of the state, else the folder of the recording.
     pub robot_of: Option<String>,
     /// File of states that recordings are reduced to, continued where it exists.
     pub states: Option<PathBuf>,
@@ -56,13 +57,16 @@ pub fn fleet(
     options: &FleetOptions,
     done: impl Fn(),
 ) -> Result<FleetReport, Failure> {
-    if let Some(pattern) = options.robot_of.as_deref().filter(|pattern| !is_pattern(pattern)) {
+    let Some(robot_of) = RobotOf::of(options.robot_of.as_deref()) else {
+        let given = options.robot_of.as_deref().unwrap_or_default();
         return Err(Failure::new(
-            format!("expected `{{robot}}` once in the pattern, found `{pattern}`"),
+            format!("expected `{{robot}}` once in the pattern or `column:NAME`, found `{given}`"),
             "--robot-of",
-            Some("pass a pattern of paths, for example '{robot}/*.csv'"),
+            Some(
+                "pass a pattern of paths, for example '{robot}/*.csv', or a column, for example column:robot",
+            ),
         ));
-    }
+    };
     let model = robot.arm(None)?;
     let (mut state_files, recordings) = files(inputs)?;
     let mut set_aside = Vec::new();
@@ -74,14 +78,18 @@ pub fn fleet(
                 Some("add --states states.jsonl; the next run continues it"),
             ));
         };
-        let report =
-            accumulate(robot, &recordings, states, options.cutoff_hz, &options.reading, &done)?;
+        let how = Reduction {
+            cutoff_hz: options.cutoff_hz,
+            reading: &options.reading,
+            robot_column: robot_of.column(),
+        };
+        let report = accumulate(robot, &recordings, states, &how, &done)?;
         set_aside.extend(report.into_set_aside());
         if !state_files.contains(states) {
             state_files.push(states.clone());
         }
     }
-    let (robots, cutoffs) = robots(&state_files, &model, options, &mut set_aside)?;
+    let (robots, cutoffs) = robots(&state_files, &model, robot_of, &mut set_aside)?;
     let cutoff_hz = common_cutoff(&cutoffs).unwrap_or(options.cutoff_hz);
     let columns = StateColumns::new(&model, cutoff_hz)?;
     let settings = FleetSettings { false_alarm_rate: options.false_alarm_rate };
@@ -94,14 +102,12 @@ pub fn fleet(
             Some("pass states that `armident accumulate` made for this robot"),
         )
     };
-    let sample = sample(&robots, &columns)?;
+    let mut reader = StateReader::default();
+    let sample = sample(&robots, &columns, &mut reader)?;
     if sample.is_empty() {
         let all = robots.values().flatten().next();
         let reason = match all {
-            Some(entry) => columns
-                .check(&entry.place.read()?)
-                .err()
-                .map(|error| SetAside { file: entry.recording.clone(), reason: error.to_string() }),
+            Some(entry) => usable(&columns, entry, &mut reader)?.err(),
             None => set_aside.first().cloned(),
         };
         return Err(no_states(reason.as_ref()));
@@ -114,11 +120,9 @@ pub fn fleet(
     for (name, entries) in &robots {
         let mut states = Vec::new();
         for entry in entries {
-            let state = entry.place.read()?;
-            match columns.check(&state) {
-                Ok(()) => states.push(state),
-                Err(error) => set_aside
-                    .push(SetAside { file: entry.recording.clone(), reason: error.to_string() }),
+            match usable(&columns, entry, &mut reader)? {
+                Ok(state) => states.push(state),
+                Err(aside) => set_aside.push(aside),
             }
         }
         if !states.is_empty() {
@@ -130,6 +134,18 @@ pub fn fleet(
     let unlike = outliers(&histories, options.false_alarm_rate, analysis.scatter().freedom);
     let warnings = warnings(&histories, analysis.scatter().freedom);
     Ok(FleetReport::new(&columns, &analysis, &histories, &unlike, set_aside, warnings, page_of))
+}
+
+/// The state of a recording, or why it cannot be used.
+fn usable(
+    columns: &StateColumns<'_>,
+    entry: &Entry,
+    reader: &mut StateReader,
+) -> Result<Result<RecordingState, SetAside>, Failure> {
+    Ok(reader.read(&entry.place)?.and_then(|state| match columns.check(&state) {
+        Ok(()) => Ok(state),
+        Err(error) => Err(SetAside { file: entry.recording.clone(), reason: error.to_string() }),
+    }))
 }
 
 /// What limits the result.
@@ -174,7 +190,7 @@ fn files(inputs: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Failure> {
             })?;
             let mut inside: Vec<PathBuf> =
                 entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-            inside.sort_by(|a, b| natural_order(&b.to_string_lossy(), &a.to_string_lossy()));
+            inside.sort_by(|a, b| compare_path(b, a));
             waiting.extend(inside.into_iter().map(|path| (path, false)));
         } else if holds_states(&path) {
             states.push(path);
@@ -191,7 +207,7 @@ fn files(inputs: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Failure> {
 fn robots(
     files: &[PathBuf],
     model: &ArmModel,
-    options: &FleetOptions,
+    robot_of: RobotOf<'_>,
     set_aside: &mut Vec<SetAside>,
 ) -> Result<(Robots, Vec<f64>), Failure> {
     let names = model.chain.joint_names();
@@ -209,24 +225,31 @@ fn robots(
                 cutoffs.push(head.arm.cutoff_hz);
             }
             let path = head.recording.replace('\\', "/");
-            let robot = match &options.robot_of {
-                Some(pattern) => robot_of(pattern, &path),
-                None => head
+            let robot = match robot_of {
+                RobotOf::Pattern(pattern) => robot_in(pattern, &path)
+                    .ok_or_else(|| "its path does not have the pattern of --robot-of".to_owned()),
+                RobotOf::Column(name) => head
+                    .named
+                    .or(head.robot)
+                    .ok_or_else(|| format!("its state has no robot by the column `{name}`")),
+                RobotOf::Folder => Ok(head
                     .robot
                     .or_else(|| folder_of(&path))
-                    .or_else(|| Some(model.chain.robot.clone())),
+                    .unwrap_or_else(|| model.chain.robot.clone())),
             };
-            let Some(robot) = robot else {
-                let reason = "its path does not have the pattern of --robot-of".to_owned();
-                faults.push(SetAside { file: head.recording, reason });
-                return;
+            let robot = match robot {
+                Ok(robot) => robot,
+                Err(reason) => {
+                    faults.push(SetAside { file: head.recording, reason });
+                    return;
+                }
             };
             let recorded_at_s = head.recorded_at_s;
             let entry = Entry { recording: head.recording.clone(), recorded_at_s, place };
             // a recording that was reduced anew stands further below
             known.insert(head.recording, (robot, entry));
         };
-        heads(file, each, set_aside)?;
+        heads(file, robot_of.column(), each, set_aside)?;
     }
     set_aside.extend(faults);
     let mut robots = Robots::new();
@@ -234,7 +257,7 @@ fn robots(
         robots.entry(robot).or_default().push(entry);
     }
     for entries in robots.values_mut() {
-        entries.sort_by(|a, b| natural_order(&a.recording, &b.recording));
+        entries.sort_by(|a, b| compare_str(&a.recording, &b.recording));
         if entries.iter().all(|entry| entry.recorded_at_s.is_some()) {
             entries.sort_by(|a, b| {
                 a.recorded_at_s.partial_cmp(&b.recorded_at_s).unwrap_or(std::cmp::Ordering::Equal)
@@ -256,6 +279,7 @@ fn common_cutoff(cutoffs: &[f64]) -> Option<f64> {
 fn sample(
     robots: &Robots,
     columns: &StateColumns<'_>,
+    reader: &mut StateReader,
 ) -> Result<Vec<Vec<RecordingState>>, Failure> {
     let several: Vec<&Vec<Entry>> = robots.values().filter(|entries| entries.len() > 1).collect();
     let of: Vec<&Vec<Entry>> = if several.is_empty() { robots.values().collect() } else { several };
@@ -269,10 +293,7 @@ fn sample(
         let start = (entries.len() - each) / 2;
         let mut states = Vec::new();
         for entry in &entries[start..start + each] {
-            let state = entry.place.read()?;
-            if columns.check(&state).is_ok() {
-                states.push(state);
-            }
+            states.extend(usable(columns, entry, reader)?);
         }
         if !states.is_empty() {
             sample.push(states);

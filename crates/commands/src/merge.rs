@@ -1,7 +1,7 @@
 //! `merge`: an arm from the states of its recordings.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use armident_ident::{RecordingState, StateColumns};
 use armident_model::ArmModel;
@@ -9,6 +9,7 @@ use armident_report::{MergeReport, SetAside};
 
 use crate::failure::Failure;
 use crate::robot::GivenRobot;
+use crate::state_files::states as read_states;
 
 /// An arm that was identified from states.
 #[derive(Debug)]
@@ -27,12 +28,9 @@ pub fn merge(robot: &GivenRobot, files: &[PathBuf]) -> Result<Merged, Failure> {
     let model = robot.arm(None)?;
     let (mut states, mut set_aside) = (BTreeMap::new(), Vec::new());
     for path in files {
-        let (read, faults) = read_states(path)?;
-        set_aside.extend(faults);
-        for state in read {
-            // one that was reduced anew stands further below
-            states.insert(state.recording.clone(), state);
-        }
+        // one that was reduced anew stands further below
+        let each = |state: RecordingState| drop(states.insert(state.recording.clone(), state));
+        read_states(path, each, &mut set_aside)?;
     }
     let cutoff_hz = states.values().next().map_or(f64::NAN, |state| state.arm.cutoff_hz);
     let columns = StateColumns::new(&model, cutoff_hz)?;
@@ -56,26 +54,4 @@ pub fn merge(robot: &GivenRobot, files: &[PathBuf]) -> Result<Merged, Failure> {
     let seconds = used.iter().map(|state| state.seconds).sum();
     let report = MergeReport::new(&model, &found, (used.len(), seconds, cutoff_hz), set_aside);
     Ok(Merged { report, model: found.model })
-}
-
-/// States of a file, one a line, and lines that are none.
-fn read_states(path: &Path) -> Result<(Vec<RecordingState>, Vec<SetAside>), Failure> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        Failure::new(
-            format!("cannot read: {error}"),
-            path.display(),
-            Some("pass a file that `armident accumulate` has written"),
-        )
-    })?;
-    let (mut states, mut faults) = (Vec::new(), Vec::new());
-    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        match serde_json::from_str(line) {
-            Ok(state) => states.push(state),
-            Err(error) => faults.push(SetAside {
-                file: format!("{}, line {}", path.display(), number + 1),
-                reason: format!("this is no state of a recording: {error}"),
-            }),
-        }
-    }
-    Ok((states, faults))
 }

@@ -1,9 +1,42 @@
-//! Which robot of a fleet a recording is of, by its path.
+//! Which robot of a fleet a recording is of, by its path or by a column.
 
 use std::path::Path;
 
 /// What stands for the robot in a pattern.
 const ROBOT: &str = "{robot}";
+
+/// What stands in front of the name of a column.
+const COLUMN: &str = "column:";
+
+/// What the name of the robot is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RobotOf<'a> {
+    /// That in its state, else its folder.
+    Folder,
+    /// A part of its path.
+    Pattern(&'a str),
+    /// The text of a column, of a table of states or of the recording.
+    Column(&'a str),
+}
+
+impl<'a> RobotOf<'a> {
+    /// As given: `column:NAME`, or a pattern with `{robot}` once.
+    pub(crate) fn of(given: Option<&'a str>) -> Option<Self> {
+        let Some(given) = given else { return Some(Self::Folder) };
+        match given.strip_prefix(COLUMN) {
+            Some(name) => (!name.is_empty()).then_some(Self::Column(name)),
+            None => (given.matches(ROBOT).count() == 1).then_some(Self::Pattern(given)),
+        }
+    }
+
+    /// The column, where it is one.
+    pub(crate) fn column(self) -> Option<&'a str> {
+        match self {
+            Self::Column(name) => Some(name),
+            Self::Folder | Self::Pattern(_) => None,
+        }
+    }
+}
 
 /// The part of a path that stands where a pattern has `{robot}`. The pattern covers the end of the path, from the start of
 /// a folder or file name on; `*` is any characters but `/`.
@@ -37,11 +70,6 @@ pub(crate) fn folder_of(path: &str) -> Option<String> {
     Some(folder.to_string_lossy().into_owned())
 }
 
-/// Whether a pattern names the robot once.
-pub(crate) fn is_pattern(pattern: &str) -> bool {
-    pattern.matches(ROBOT).count() == 1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,6 +82,11 @@ mod tests {
         assert_eq!(of("cell*/{robot}/*/*", "a/cell7/r1/x/y.mcap").as_deref(), Some("r1"));
         assert_eq!(of("{robot}/*.csv", "day3.csv"), None);
         assert_eq!(folder_of("logs/arm-2/day3.csv").as_deref(), Some("arm-2"));
-        assert!(is_pattern("{robot}*") && !is_pattern("*") && !is_pattern("{robot}{robot}"));
+        assert_eq!(RobotOf::of(Some("{robot}*")), Some(RobotOf::Pattern("{robot}*")));
+        assert_eq!(RobotOf::of(Some("column:cell")), Some(RobotOf::Column("cell")));
+        assert_eq!(
+            [Some("*"), Some("{robot}{robot}"), Some("column:")].map(RobotOf::of),
+            [None; 3]
+        );
     }
 }

@@ -170,12 +170,15 @@ impl Diagnosis {
             let without = &self.block_squares(model, &holdout)?[joint];
             let gains: Vec<f64> =
                 without.iter().zip(with).map(|(without, with)| (without / with).ln()).collect();
-            let is_better = with.iter().sum::<f64>() < without.iter().sum();
-            Ok(Some((is_better, paired_t(&gains) < -EXPECTED_T)))
+            let [with, without] = [with, without].map(|squares| squares.iter().sum::<f64>());
+            let gain = Some(1.0 - with / without).filter(|gain| gain.is_finite());
+            Ok(Some(((with < without, paired_t(&gains) < -EXPECTED_T), gain)))
         };
         let findings = self.findings.par_iter().zip(&self.without);
         let judged = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
         for (finding, judged) in self.findings.iter_mut().zip(judged) {
+            finding.evidence.holdout_gain = judged.and_then(|(_, gain)| gain);
+            let judged = judged.map(|(judged, _)| judged);
             finding.confirmed = judged.map(|(is_better, _)| is_better);
             match judged {
                 Some((false, true)) => finding.confidence *= NOT_CONFIRMED,

@@ -45,7 +45,8 @@ pub struct RecordingState {
     pub seconds: f64,
     /// What was repaired or left out on reading.
     pub notes: Vec<String>,
-    /// One of each joint.
+    /// One of each joint; tables have them in columns of their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<JointTriangle>,
 }
 

@@ -1,7 +1,7 @@
 //! Figures for plotly.js from what is drawn. A colour `@name` is one of the page's, which knows whether
 //! it is dark.
 
-use armident_report::{FleetParameter, FleetRobot};
+use armident_report::{FleetParameter, FleetRobot, effect_at, parameter_label};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -45,6 +45,8 @@ fn dash(model: usize, models: usize) -> &'static str {
 
 /// Name of the recorded effort in legends.
 const MEASURED: &str = "measured";
+/// Recordings with a number below the axis of a trend, at most.
+const MOST_TICKS: usize = 12;
 
 fn axis(title: &str) -> Value {
     json!({ "title": { "text": title }, "automargin": true })
@@ -518,20 +520,24 @@ pub(crate) fn fleet_trend(
     index: usize,
     robot: &FleetRobot,
     parameters: &[FleetParameter],
+    opened: Option<&str>,
 ) -> Figure {
     // friction before constants of the links
-    let mut order: Vec<usize> = (0..parameters.len()).collect();
+    let mut order: Vec<usize> = (0..parameters.len())
+        .filter(|&k| robot.trends[k].points.iter().any(Option::is_some))
+        .collect();
     order.sort_by_key(|&k| parameters[k].is_constant);
+    let first = opened.and_then(|label| order.iter().position(|&k| parameters[k].label == label));
     let shapes: Vec<Value> = (robot.changes.iter())
         .map(|change| {
             let x = change.number as f64 - 0.5;
             json!({ "type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper",
-                    "line": { "color": "@after", "width": 1.5, "dash": "dot" } })
+                    "line": { "color": "@before", "width": 1.5, "dash": "dot" } })
         })
         .collect();
+    let between_ticks = robot.recordings.len().div_ceil(MOST_TICKS).max(1);
     let views = order
         .into_iter()
-        .filter(|&k| robot.trends[k].points.iter().any(Option::is_some))
         .map(|k| {
             let points = || robot.trends[k].points.iter();
             let of = |at: usize| points().map(move |point| point.map(|point| point[at]));
@@ -544,19 +550,42 @@ pub(crate) fn fleet_trend(
                 "error_y": { "type": "data", "array": halves, "thickness": 1 },
                 "hovertemplate": "%{text}<br>%{y:.4g}<extra></extra>"
             });
-            let title = format!("{} [{}]", parameters[k].label, parameters[k].unit);
-            let layout = json!({
-                "hovermode": "closest", "showlegend": false, "xaxis": axis("recording"),
-                "yaxis": axis(&title), "shapes": shapes
+            let name = parameter_name(&parameters[k].label);
+            // above the axis: beside it there is no room for a name
+            let title = json!({
+                "text": format!("{name} [{}]", parameters[k].unit), "font": { "size": 12 },
+                "x": 0.005, "xref": "container", "xanchor": "left",
+                "y": 1, "yref": "paper", "yanchor": "bottom", "pad": { "b": 8 }
             });
-            view(&parameters[k].label, vec![data], layout)
+            let mut recordings = axis("recording");
+            recordings["tick0"] = json!(1);
+            recordings["dtick"] = json!(between_ticks);
+            let layout = json!({
+                "hovermode": "closest", "showlegend": false, "title": title, "xaxis": recordings,
+                "yaxis": { "automargin": true }, "shapes": shapes
+            });
+            view(&name, vec![data], layout)
         })
         .collect();
     let mut legend = "Value of each recording with its 95 % interval, scatter included.".to_owned();
     if !robot.changes.is_empty() {
         legend += " Dotted: changes.";
     }
-    figure(format!("trend-{index}"), robot.robot.clone(), legend, 320, views)
+    let mut figure = figure(format!("trend-{index}"), robot.robot.clone(), legend, 320, views);
+    figure.content["first"] = json!(first.unwrap_or(0));
+    figure
+}
+
+/// A parameter by its label, in words: `viscous friction on elbow` for `viscous_friction(elbow)`; constants keep theirs.
+pub(crate) fn parameter_name(label: &str) -> String {
+    let Some((what, joint)) = label.strip_suffix(')').and_then(|label| label.split_once('('))
+    else {
+        return label.to_owned();
+    };
+    let (slug, number) = what.split_once('.').unwrap_or((what, ""));
+    let joints = [joint.to_owned()];
+    let name = effect_at(slug, &joints, None);
+    if number.is_empty() { name } else { format!("{name}, {}", parameter_label(number)) }
 }
 
 /// Errors of all joints, one group of bars a joint.

@@ -7,6 +7,7 @@ use serde_json::Value;
 use crate::drawing::{Drawing, Quality, RecordingRole};
 use crate::error::PageError;
 use crate::figures::Figure;
+use crate::filters;
 use crate::kinds;
 use crate::pack::{in_script, library, packed};
 use crate::view::{Card, Grid, JointCard, Piece, Section, Step, Tone, View, number, optional};

@@ -20,6 +20,7 @@ mod canvas;
 mod drawing;
 mod error;
 mod figures;
+mod filters;
 mod finding;
 mod html;
 mod kinds;

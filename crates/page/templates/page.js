@@ -78,8 +78,8 @@
     return select;
   };
 
-  const drawViews = (place, views) => {
-    let shown = 0;
+  const drawViews = (place, views, first) => {
+    let shown = first;
     const draw = () => {
       const colours = theme();
       const view = views[shown];
@@ -88,6 +88,7 @@
     };
     if (views.length > 1) {
       const select = choice(views.map((view) => view.label));
+      select.value = shown;
       select.addEventListener("change", () => {
         shown = Number(select.value);
         draw();
@@ -257,7 +258,7 @@
     const drawn = new Set();
     for (const place of document.querySelectorAll(".chart")) {
       const figure = figures[place.id];
-      if (figure) drawers.set(place, figure.skeleton ? drawArm(place, figure.skeleton) : drawViews(place, figure.views));
+      if (figure) drawers.set(place, figure.skeleton ? drawArm(place, figure.skeleton) : drawViews(place, figure.views, figure.first || 0));
     }
     const draw = (place) => {
       drawn.add(place);

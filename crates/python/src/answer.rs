@@ -9,7 +9,7 @@ use armident_commands::{
     card_paths,
 };
 use armident_page::{Drawing, Provenance};
-use armident_report::{AccumulateReport, Bars, ParamsReport};
+use armident_report::{AccumulateReport, Bars, FleetReport, ParamsReport};
 use pyo3::prelude::*;
 use serde::Serialize;
 
@@ -31,6 +31,7 @@ pub(crate) enum Found {
     Excited(Box<Excited>),
     Accumulated(AccumulateReport),
     Merged(Box<Merged>),
+    Fleet(Box<FleetReport>),
 }
 
 /// The result of a command.
@@ -107,6 +108,7 @@ impl Answer {
             Found::Excited(found) => found.report.text(),
             Found::Accumulated(report) => report.text(),
             Found::Merged(found) => found.report.text(),
+            Found::Fleet(report) => report.text(),
         }
     }
 
@@ -193,6 +195,7 @@ impl Answer {
             Found::Exported(report) => report.warnings.clone(),
             Found::Informed(report) => report.warnings(),
             Found::Excited(found) => found.warnings.clone(),
+            Found::Fleet(report) => report.warnings.clone(),
             Found::Converted(_) | Found::Accumulated(_) | Found::Merged(_) => Vec::new(),
         }
     }
@@ -211,7 +214,8 @@ impl Answer {
             | Found::Params(_)
             | Found::Informed(_)
             | Found::Accumulated(_)
-            | Found::Merged(_) => &[],
+            | Found::Merged(_)
+            | Found::Fleet(_) => &[],
         };
         own.iter().chain(&self.notes).cloned().collect()
     }
@@ -234,6 +238,8 @@ fn document(
         Found::Identified(found) => Some(found.drawing()?),
         Found::Diagnosed(found) => Some(found.drawing()?),
         Found::Validated(found) => Some(found.drawing()?),
+        // its charts are made of the result; the drawing has where it comes from
+        Found::Fleet(_) => Some(Drawing::default()),
         _ => None,
     };
     // recordings in memory have no file to be digested
@@ -253,6 +259,7 @@ fn document(
         Found::Excited(found) => written(&found.report, None),
         Found::Accumulated(report) => written(report, None),
         Found::Merged(found) => written(&found.report, None),
+        Found::Fleet(report) => written(&**report, drawing.as_ref()),
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use armident_commands::{
     self as run, DiagnoseOptions, DiagnoseRecordings, ExciteOptions, ExportFormat, Failure,
-    FalseAlarms, GivenRobot, IdentifyOptions, MotionFormat, PayloadOn, PlannedRecordings,
-    ReadingOptions, SimulateOptions, SimulatedDirection, Simulator,
+    FalseAlarms, FleetOptions, GivenRobot, IdentifyOptions, MotionFormat, PayloadOn,
+    PlannedRecordings, ReadingOptions, Reduction, SimulateOptions, SimulatedDirection, Simulator,
 };
 use armident_effects::EffectOnJoint;
 use armident_excitation::{Part, SuiteSettings};
@@ -395,7 +395,8 @@ pub(crate) fn accumulate(
     let (files, report) = done(py, move || {
         let files = run::expand(&recordings)?;
         let reading = ReadingOptions { mapping, topic };
-        let report = run::accumulate(&given, &files, &output_file, cutoff_hz, &reading, || ())?;
+        let how = Reduction { cutoff_hz, reading: &reading, robot_column: None };
+        let report = run::accumulate(&given, &files, &output_file, &how, || ())?;
         Ok((files, report))
     })?;
     Ok(Answer::new(Found::Accumulated(report), "accumulate", files))
@@ -408,6 +409,27 @@ pub(crate) fn merge(py: Python<'_>, robot: &Robot, states: Vec<PathBuf>) -> PyRe
     let files = states.clone();
     let found = done(py, move || run::merge(&given, &states))?;
     Ok(Answer::new(Found::Merged(Box::new(found)), "merge", files))
+}
+
+/// Robots over their recordings, from states or from the recordings, which are reduced to a file of states.
+#[pyfunction]
+pub(crate) fn fleet(
+    py: Python<'_>,
+    robot: &Robot,
+    inputs: Vec<PathBuf>,
+    robot_of: Option<String>,
+    states: Option<PathBuf>,
+    cutoff_hz: f64,
+    false_alarm_rate: f64,
+    mapping: Option<PathBuf>,
+    topic: Option<String>,
+) -> PyResult<Answer> {
+    let given = robot.given.clone();
+    let files = inputs.clone();
+    let reading = ReadingOptions { mapping, topic };
+    let options = FleetOptions { robot_of, states, cutoff_hz, false_alarm_rate, reading };
+    let report = done(py, move || run::fleet(&given, &inputs, &options, || ()))?;
+    Ok(Answer::new(Found::Fleet(Box::new(report)), "fleet.follow", files))
 }
 
 /// Writes a file, whole or not at all.

@@ -21,7 +21,7 @@ mod _armident {
     use crate::answer::Answer;
     #[pymodule_export]
     use crate::commands::{
-        accumulate, check, convert, diagnose, excite, export, identify, info, merge,
+        accumulate, check, convert, diagnose, excite, export, fleet, identify, info, merge,
         one_to_convert, params, predict, schemas, simulate, validate,
     };
     #[pymodule_export]

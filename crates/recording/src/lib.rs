@@ -24,7 +24,7 @@
 //!
 //! NumPy and MATLAB: the same columns as arrays, or arrays of samples by joints. Parquet (feature `parquet`): the same columns.
 //! Bags of ROS: messages of joints of one topic, in MCAP (feature `mcap`), SQLite or ROS 1 (feature `all-formats`). [`encode`]
-//! writes CSV, NumPy, MCAP and Parquet. HDF5 (feature `all-formats`) has arrays as MATLAB has. Other formats (spreadsheets) are recognised, and the error names a converter. A
+//! writes CSV, NumPy, MCAP and Parquet. [`TableFile`] and [`write_table`] are tables of other things than recordings. HDF5 (feature `all-formats`) has arrays as MATLAB has. Other formats (spreadsheets) are recognised, and the error names a converter. A
 //! [`Format`] of another crate joins the list with [`Formats::with`]. [`inspect`] shows what a file with other names holds, and
 //! a [`MappingGuess`].
 //!
@@ -80,6 +80,7 @@
 
 mod error;
 mod finding;
+mod first_text;
 mod foreign_rows;
 mod formats;
 mod import;
@@ -93,6 +94,10 @@ mod raw;
 mod read;
 mod recording;
 mod spikes;
+mod table;
+#[cfg(feature = "parquet")]
+mod table_codec;
+mod table_column;
 mod timing;
 mod units;
 mod unwrap;
@@ -102,6 +107,7 @@ mod write;
 
 pub use error::{Fault, RecordingError};
 pub use finding::{Action, QualityIssue, QualityIssueKind, Span, percent};
+pub use first_text::first_text;
 pub use formats::{
     ALL as STANDARD_FORMATS, Bag, ColumnRequest, Csv, Db3, Echo, Encoded, FileStart, Format,
     Formats, Hdf5, Input, JointTopic, Matlab, Mcap, Npz, Parquet, ReadSettings, Rosbag2, Sage,
@@ -118,6 +124,8 @@ pub use read::{
     recording_of_columns,
 };
 pub use recording::{JointChannels, Recording};
+pub use table::{TableFile, tables_are_built, write_table};
+pub use table_column::{TableColumn, TableKind};
 pub use timing::{GAP_STEPS, Gap, Timing};
 pub use velocity_check::findings as velocity_findings;
 pub use whole_file::{remove_partial_files, write_whole};

@@ -4,8 +4,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
 use crate::results::{
-    CheckReport, ComparisonReport, DiagnoseReport, IdentifyReport, ModelCard, ServosReport,
-    ValidateReport,
+    CheckReport, ComparisonReport, DiagnoseReport, FleetReport, IdentifyReport, ModelCard,
+    ServosReport, ValidateReport,
 };
 use crate::section::DiagnosisSection;
 use crate::sections;
@@ -19,6 +19,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         (DiagnoseReport::SCHEMA, of::<DiagnoseReport>(sections::DIAGNOSIS)),
         (ValidateReport::SCHEMA, of::<ValidateReport>(&[])),
         (ComparisonReport::SCHEMA, of::<ComparisonReport>(&[])),
+        (FleetReport::SCHEMA, of::<FleetReport>(&[])),
         (ModelCard::SCHEMA, of::<ModelCard>(&[])),
     ]
 }

@@ -55,6 +55,10 @@ pub struct FindingEvidence {
     /// Character of an unmodelled structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub character: Option<Character>,
+    /// Share of the squared error of the hold-out on that joint that the finding removes, all else fitted again; negative where
+    /// the error is higher with it. None without a hold-out, and where it cannot show that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holdout_gain: Option<f64>,
 }
 
 /// One effect at one location that the given model lacks.
@@ -365,6 +369,7 @@ fn finding_of_candidate(
                 CandidateKind::Law(_) => Vec::new(),
             },
             character: None,
+            holdout_gain: None,
         },
         alternatives: Vec::new(),
     }
@@ -416,6 +421,7 @@ fn inflated_link(
             size: numbers.size,
             variables: Vec::new(),
             character: None,
+            holdout_gain: None,
         },
         alternatives: Vec::new(),
     }

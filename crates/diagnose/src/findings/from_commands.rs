@@ -171,6 +171,7 @@ impl JointFindings<'_> {
                 size,
                 variables: Vec::new(),
                 character: None,
+                holdout_gain: None,
             },
             alternatives,
         })

@@ -55,6 +55,7 @@ pub(crate) fn length_finding(found: &LinkLength, joints: &[String], noise: f64) 
             size,
             variables: Vec::new(),
             character: None,
+            holdout_gain: None,
         },
         alternatives: Vec::new(),
     }

@@ -1,15 +1,16 @@
 //! `armident fleet`.
 
-use armident_report::{FleetReport, FleetRobot, counted, percent, sentence};
+use armident_report::{FleetReport, FleetRobot, counted, percent};
 
-use crate::figures;
+use crate::figures::{self, parameter_name};
 use crate::view::{Grid, Piece, Section, Tone, View, number};
 
 /// Robots whose trends are drawn, at most, those with changes first: the numbers of all are in the JSON.
 const DRAWN_ROBOTS: usize = 24;
 
 pub(crate) fn view(of: &FleetReport) -> View {
-    let changes: Vec<String> = of.changes().map(|change| sentence(&change.sentence)).collect();
+    // the name of a robot keeps its case, in front too
+    let changes: Vec<String> = of.changes().map(|change| format!("{}.", change.sentence)).collect();
     let mut sections = vec![robots(of)];
     if !of.outliers.is_empty() {
         sections.push(outliers(of));
@@ -46,7 +47,7 @@ fn robots(of: &FleetReport) -> Section {
         let changes: Vec<String> = (robot.changes.iter())
             .map(|change| {
                 let place = change.link.as_ref().unwrap_or(&change.joint);
-                format!("{} on {place} at {}", change.what, change.number)
+                format!("{} on {place} from recording {}", change.what, change.number)
             })
             .collect();
         let unlike = of.outliers.iter().filter(|outlier| outlier.robot == robot.robot).count();
@@ -73,7 +74,8 @@ fn largest_drift(of: &FleetReport, robot: &FleetRobot) -> String {
         || "-".to_owned(),
         |(parameter, slope, error)| {
             let (slope, error) = (number(slope, 2), number(error, 2));
-            format!("{}: {slope} \u{b1} {error} {} per recording", parameter.label, parameter.unit)
+            let name = parameter_name(&parameter.label);
+            format!("{name}: {slope} \u{b1} {error} {} per recording", parameter.unit)
         },
     )
 }
@@ -83,7 +85,7 @@ fn outliers(of: &FleetReport) -> Section {
     let rows = of.outliers.iter().map(|row| {
         vec![
             row.robot.clone(),
-            row.parameter.clone(),
+            parameter_name(&row.parameter),
             row.unit.clone(),
             number(row.value, 3),
             number(row.median, 3),
@@ -100,10 +102,10 @@ fn trends(of: &FleetReport) -> Option<Section> {
         of.robots.iter().filter(|robot| robot.recordings.len() > 1).collect();
     robots.sort_by_key(|robot| robot.changes.is_empty());
     let drawn = robots.len().min(DRAWN_ROBOTS);
-    let charts = robots[..drawn]
-        .iter()
-        .enumerate()
-        .map(|(index, robot)| Piece::Chart(figures::fleet_trend(index, robot, &of.parameters)));
+    let charts = robots[..drawn].iter().enumerate().map(|(index, robot)| {
+        let opened = opened(of, robot);
+        Piece::Chart(figures::fleet_trend(index, robot, &of.parameters, opened))
+    });
     let mut pieces: Vec<Piece> = charts.collect();
     if drawn < robots.len() {
         let rest = counted(robots.len() - drawn, "more robot");
@@ -113,10 +115,21 @@ fn trends(of: &FleetReport) -> Option<Section> {
     (drawn > 0).then(|| Section { id: "trends".to_owned(), title, pieces })
 }
 
+/// The parameter whose trend of a robot is seen first: that of its first change, else that which is unlike the fleet's, else
+/// that of the first change of the fleet, to compare with.
+fn opened<'a>(of: &'a FleetReport, robot: &'a FleetRobot) -> Option<&'a str> {
+    let of_change = |robot: &'a FleetRobot| robot.changes.first()?.parameter.as_deref();
+    let unlike = || of.outliers.iter().find(|outlier| outlier.robot == robot.robot);
+    of_change(robot)
+        .or_else(|| Some(unlike()?.parameter.as_str()))
+        .or_else(|| of.robots.iter().find_map(of_change))
+}
+
 fn scatter(of: &FleetReport) -> Section {
     let header = ["parameter", "unit", "between recordings"];
     let rows = of.parameters.iter().map(|parameter| {
-        vec![parameter.label.clone(), parameter.unit.clone(), number(parameter.scatter, 3)]
+        let name = parameter_name(&parameter.label);
+        vec![name, parameter.unit.clone(), number(parameter.scatter, 3)]
     });
     let text = format!(
         "Standard deviation of each parameter between recordings of a robot that does not change, from {}; all errors and \

@@ -15,6 +15,8 @@ use crate::recording::Recording;
 const BLOCK_BYTES: u64 = 8 << 20;
 /// Bytes read at a time to complete the last line of a block.
 const LINE_BYTES: u64 = 1 << 12;
+/// Bytes that hold the header and the first row.
+const FIRST_BYTES: u64 = 1 << 16;
 /// What UTF-8 text may start with.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Bytes of a piece of a block; pieces are parsed in parallel.
@@ -75,6 +77,22 @@ pub(crate) fn read_columns(
     let mut raw = read_comma_separated(text.as_slice(), request)?;
     raw.notes.push(separator.note(decimal_commas));
     Ok(raw)
+}
+
+/// Text of the first row of a column; none where there is no such column.
+pub(crate) fn first_text(mut reader: impl Read, column: &str) -> io::Result<Option<String>> {
+    let first = read_block(&mut reader, FIRST_BYTES)?;
+    let start = first.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&first);
+    let text = Separator::of(start).map_or_else(|| start.to_vec(), |of| of.to_commas(start).0);
+    let mut rows = rows_of(text.as_slice())
+        .into_byte_records()
+        .filter(|row| !matches!(row, Ok(row) if is_blank(row)));
+    let (header, row) = (rows.next().transpose()?, rows.next().transpose()?);
+    let place = header
+        .and_then(|row| header_names(&row))
+        .and_then(|names| names.iter().position(|name| name == column));
+    let field = place.zip(row).and_then(|(place, row)| row.get(place).map(<[u8]>::to_vec));
+    Ok(field.and_then(|field| Some(String::from_utf8(field).ok()?.trim().to_owned())))
 }
 
 fn read_comma_separated(

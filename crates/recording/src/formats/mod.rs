@@ -34,7 +34,7 @@ pub use parquet::Parquet;
 pub use rosbag2::Rosbag2;
 pub use sage::Sage;
 
-pub(crate) use csv::read_columns as read_csv_columns;
+pub(crate) use csv::{first_text as first_csv_text, read_columns as read_csv_columns};
 pub(crate) use format::{EXPORT_CSV, start_of};
 
 use crate::error::RecordingError;

@@ -1,16 +1,20 @@
 //! `armident fleet`: robots over their recordings, as data and text.
 
-use armident_fleet::{ChangedPart, FleetAnalysis, FleetChange, FleetOutlier, RobotHistory};
+use armident_fleet::{
+    ChangedPart, FleetAnalysis, FleetChange, FleetOutlier, RobotHistory, TrendPoint,
+};
 use armident_ident::{StateColumns, Term};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::merge::{SetAside, set_aside_text};
 use crate::layout::{aligned, significant};
 use crate::words::counted;
 
-/// The result of `fleet`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// Result of `armident fleet`.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetReport {
+    /// `armident.fleet/1`.
     schema: String,
     /// Name of the arm in its URDF.
     pub robot: String,
@@ -35,7 +39,7 @@ pub struct FleetReport {
 }
 
 /// A parameter of the arm.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetParameter {
     /// Its label.
     pub label: String,
@@ -48,7 +52,7 @@ pub struct FleetParameter {
 }
 
 /// A robot over its recordings.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetRobot {
     /// Its name.
     pub robot: String,
@@ -65,7 +69,7 @@ pub struct FleetRobot {
 }
 
 /// A change of a robot.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetChangeRow {
     /// `viscous friction`, `body`.
     pub what: String,
@@ -81,6 +85,9 @@ pub struct FleetChangeRow {
     pub between: [usize; 2],
     /// By how much.
     pub sizes: Vec<FleetSize>,
+    /// Label of the parameter that it moves by most standard errors.
+    #[serde(default)]
+    pub parameter: Option<String>,
     /// Likelihood ratio over its degrees of freedom.
     pub statistic: f64,
     /// What it exceeds.
@@ -96,7 +103,7 @@ pub struct FleetChangeRow {
 }
 
 /// A number of a change, after it less before it.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetSize {
     /// Its name.
     pub parameter: String,
@@ -111,7 +118,7 @@ pub struct FleetSize {
 }
 
 /// A parameter over the recordings of a robot.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetTrend {
     /// Its value before the first change; none where the recordings do not determine it.
     pub value: Option<f64>,
@@ -124,7 +131,7 @@ pub struct FleetTrend {
 }
 
 /// A parameter of a robot that is unlike the fleet's.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct FleetOutlierRow {
     /// The robot.
     pub robot: String,
@@ -159,6 +166,40 @@ fn place(part: ChangedPart, columns: &StateColumns<'_>) -> String {
         ChangedPart::Law { .. } => format!("{} of joint `{}`", part.name(), joint.name),
         ChangedPart::Body { .. } => format!("a body on link `{}`", joint.child_link),
     }
+}
+
+/// Label of the parameter of a change whose recordings, between the changes before and behind it, differ by most standard
+/// errors.
+fn moved_most(
+    change: &FleetChange,
+    of: &RobotHistory,
+    columns: &StateColumns<'_>,
+) -> Option<String> {
+    let others = || of.changes.iter().map(|other| other.from);
+    let begin = others().filter(|&from| from < change.from).max().unwrap_or(0);
+    let end = others().filter(|&from| from > change.from).min().unwrap_or(of.recordings.len());
+    // mean and its variance, weighted
+    let mean = |points: &[Option<TrendPoint>]| {
+        let weight = |point: &TrendPoint| point.standard_error.powi(-2);
+        let total: f64 = points.iter().flatten().map(weight).sum();
+        let sum: f64 = points.iter().flatten().map(|point| weight(point) * point.value).sum();
+        (total > 0.0).then(|| (sum / total, 1.0 / total))
+    };
+    let moves = |term: &Term| match (*term, change.part) {
+        (Term::Effect { joint, effect, .. }, ChangedPart::Law { joint: of_joint, law }) => {
+            joint == of_joint && effect == law
+        }
+        (Term::Constant(_), ChangedPart::Body { .. }) => true,
+        _ => false,
+    };
+    let terms = columns.problem().terms.iter().zip(&of.trends).enumerate();
+    let differences = terms.filter(|(_, (term, _))| moves(term)).filter_map(|(k, (_, trend))| {
+        let (before, first_variance) = mean(&trend.points[begin..change.from])?;
+        let (after, second_variance) = mean(&trend.points[change.from..end])?;
+        Some((k, (after - before).abs() / (first_variance + second_variance).sqrt()))
+    });
+    let (k, _) = differences.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    columns.arm().parameters.get(k).cloned()
 }
 
 impl FleetChangeRow {
@@ -230,6 +271,7 @@ impl FleetChangeRow {
             number,
             between: [change.between.0 + 1, change.between.1 + 1],
             sizes: sizes.collect(),
+            parameter: moved_most(change, of, columns),
             statistic: change.statistic,
             threshold: change.threshold,
             degrees_of_freedom: change.degrees,

@@ -2,13 +2,14 @@
 
 use armident_ident::{MergedIdentification, Term};
 use armident_model::ArmModel;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::layout::{aligned, significant, uncertain};
 use crate::words::counted;
 
 /// A file that is not part of the result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct SetAside {
     /// The file or recording.
     pub file: String,

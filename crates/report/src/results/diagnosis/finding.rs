@@ -95,6 +95,10 @@ pub struct EvidenceRow {
     /// Of `unmodelled`: kind of structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub character: Option<CharacterRow>,
+    /// Share of the squared error of the hold-out on `joint` that the finding removes, all else refitted; negative where the error
+    /// is higher with it. Absent without a hold-out, for contacts, and for arms without efforts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holdout_gain: Option<f64>,
 }
 
 /// An effect that the recordings cannot distinguish from a finding.
@@ -180,6 +184,7 @@ impl FindingRow {
                 joint: found.evidence.joint.clone(),
                 variables: found.evidence.variables.clone(),
                 character,
+                holdout_gain: found.evidence.holdout_gain,
             },
             alternatives: (found.alternatives.iter())
                 .map(|other| AlternativeRow {

@@ -1,0 +1,27 @@
+//! What columns of tables hold.
+
+/// Values of a column in one group of rows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TableColumn {
+    /// Texts.
+    Text(Vec<Option<String>>),
+    /// Numbers.
+    Number(Vec<Option<f64>>),
+    /// Whole numbers.
+    Whole(Vec<Option<i64>>),
+    /// A list of numbers in each row, NaN where one is missing.
+    Numbers(Vec<Vec<f64>>),
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableKind {
+    /// [`TableColumn::Text`].
+    Text,
+    /// [`TableColumn::Number`].
+    Number,
+    /// [`TableColumn::Whole`].
+    Whole,
+    /// [`TableColumn::Numbers`].
+    Numbers,
+}
