@@ -58,6 +58,10 @@ fn merged_states_identify_the_arm() {
     let cut = merge(&["cut.jsonl"]);
     assert_eq!((cut["recordings"].clone(), list(&cut["set_aside"]).len()), (2.into(), 1));
 
+    // states in the folder of the recordings are no recording of the next run
+    assert_eq!(list(&accumulate(&["logs"], "logs/states.csv")["reduced"]).len(), 2);
+    assert_eq!(list(&accumulate(&["logs"], "logs/states.csv")["already_there"]).len(), 2);
+
     // states of another arm
     let ur10 = project("urdf/ur10.urdf");
     let ran = run_in(&folder, &["merge", text(&ur10), "whole.jsonl"]);
