@@ -324,7 +324,9 @@ impl<'a> ForwardStepper<'a> {
         let equations = self.equations(q, v, time_s, z);
         let m = &equations.inertia;
         let before_v = DVector::from_column_slice(before);
-        let r = m * &before_v + (self.on_rows(effort) - &equations.bias) * h;
+        let free = self.on_rows(effort) - &equations.bias;
+        let driving = free.amax();
+        let r = m * &before_v + free * h;
         let mut secant = Secant::default();
         for _ in 0..LOAD_ROUNDS {
             let levels = row_levels(self.arm, &self.rows, v, &self.loads);
@@ -333,7 +335,7 @@ impl<'a> ForwardStepper<'a> {
             let acceleration = (&w - &before_v) / h;
             let found = equations.loads(self.arm, acceleration.as_slice());
             let next = row_levels(self.arm, &self.rows, v, &found);
-            if agree(&levels, &next, STEP_AGREEMENT) {
+            if agree(&levels, &next, STEP_AGREEMENT, driving) {
                 self.loads = found;
                 return Ok((w, levels));
             }
@@ -393,7 +395,7 @@ impl<'a> ForwardStepper<'a> {
                 .ok_or_else(|| self.singular(q, v, m))?;
             let found = equations.loads(self.arm, acceleration.as_slice());
             let next = row_levels(self.arm, &self.rows, v, &found);
-            if agree(&levels, &next, INSTANT_AGREEMENT) {
+            if agree(&levels, &next, INSTANT_AGREEMENT, free.amax()) {
                 self.loads = found;
                 return Ok(acceleration);
             }
@@ -490,9 +492,11 @@ pub(crate) fn secant([tried_before, found_before]: [f64; 2], [tried, found]: [f6
     }
 }
 
-/// Whether the levels of all rows are the same up to a relative difference.
-fn agree(a: &RowLevels, b: &RowLevels, tolerance: f64) -> bool {
-    let near = |a: f64, b: f64| (a - b).abs() <= tolerance * a.abs().max(b.abs());
+/// Whether the levels of all rows are the same up to a relative difference, or up to the rounding of the efforts that drive the
+/// arm: where a load passes through 0, so does the friction that depends on it.
+fn agree(a: &RowLevels, b: &RowLevels, tolerance: f64, driving: f64) -> bool {
+    let rounding = INSTANT_AGREEMENT * driving;
+    let near = |a: f64, b: f64| (a - b).abs() <= tolerance * a.abs().max(b.abs()) + rounding;
     let rows = a.rows.iter().zip(&b.rows);
     rows.into_iter().all(|(a, b)| near(a.forward, b.forward) && near(a.backward, b.backward))
 }
@@ -515,6 +519,17 @@ mod tests {
     use armident_effects::EffectOnJoint;
 
     use super::*;
+
+    /// Friction of a load that passes through 0 is equal up to the rounding of what drives the arm, and no further.
+    #[test]
+    fn levels_near_zero_agree_up_to_rounding() {
+        use armident_effects::DryFriction;
+        let of = |level: f64| RowLevels { rows: vec![DryFriction::both(level)], pairs: Vec::new() };
+        let (a, b) = (of(1e-12), of(1e-12 + 1e-16));
+        assert!(agree(&a, &b, INSTANT_AGREEMENT, 0.5));
+        assert!(!agree(&a, &b, INSTANT_AGREEMENT, 1e-6));
+        assert!(!agree(&of(1.0), &of(1.0 + 1e-12), INSTANT_AGREEMENT, 0.5));
+    }
     use crate::test_arms::{effect, harmonic_at, planar, slider, stanford};
 
     fn states(dof: usize, t: f64) -> [Vec<f64>; 3] {
