@@ -95,7 +95,7 @@ pub(crate) fn protect<'a>(
 ) -> Result<(), Failure> {
     let inputs: Vec<&Path> = inputs.into_iter().collect();
     for written in outputs.into_iter().flatten() {
-        if inputs.iter().any(|input| same_file(written, input)) {
+        if inputs.iter().any(|input| armident_commands::same_file(written, input)) {
             return Err(Failure::new(
                 "the output would overwrite an input file",
                 written.display(),
@@ -104,12 +104,4 @@ pub(crate) fn protect<'a>(
         }
     }
     Ok(())
-}
-
-/// Whether two paths name the same existing file.
-pub(crate) fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
 }

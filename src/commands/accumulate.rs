@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armident_commands::{Failure, Reduction, accumulate, expand};
+use armident_commands::{Failure, Reduction, accumulate, recordings_to_reduce};
 
 use super::recordings::reading_options;
 use crate::args::AccumulateArgs;
@@ -11,10 +11,7 @@ use crate::progress::Progress;
 use crate::{output, robot};
 
 pub(crate) fn run(args: &AccumulateArgs) -> Result<Outcome, Failure> {
-    let mut files = expand(&args.recordings)?;
-    // a table of states in the folder of the recordings is no recording
-    let is_named = |file: &PathBuf| args.recordings.contains(file);
-    files.retain(|file| is_named(file) || !output::same_file(file, &args.output_file));
+    let files = recordings_to_reduce(&args.recordings, &args.output_file)?;
     let inputs = files.iter().chain([&args.robot]).map(PathBuf::as_path);
     output::protect(inputs, [Some(&args.output_file), args.output.json.as_ref()])?;
     let robot = robot::open(&args.robot, &args.chain)?;

@@ -139,7 +139,7 @@ fn by_commands(
 
 /// A recording cannot be fitted and held out.
 fn not_twice(train: &[PathBuf], holdout: &[PathBuf]) -> Result<(), Failure> {
-    match holdout.iter().find(|file| train.iter().any(|t| output::same_file(t, file))) {
+    match holdout.iter().find(|file| train.iter().any(|t| armident_commands::same_file(t, file))) {
         Some(file) => Err(Failure::new(
             "the same recording is used for training and hold-out",
             file.display(),

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<Outcome, Failure> {
         notes.extend(said);
         let path =
             if one_file { args.output_path.clone() } else { target(&args.output_path, file) };
-        if output::same_file(&path, file) {
+        if armident_commands::same_file(&path, file) {
             return Err(Failure::new(
                 "the output would overwrite its input trajectory",
                 path.display(),

@@ -11,7 +11,7 @@ use armident_recording::{first_text, tables_are_built};
 use armident_report::{AccumulateReport, SetAside};
 
 use crate::failure::Failure;
-use crate::recordings::{ReadingOptions, read_all};
+use crate::recordings::{ReadingOptions, expand, read_all};
 use crate::robot::GivenRobot;
 use crate::state_files::heads;
 use crate::state_lines::Head;
@@ -26,6 +26,28 @@ pub struct Reduction<'a> {
     pub reading: &'a ReadingOptions,
     /// Column of the recordings whose text names the robot.
     pub robot_column: Option<&'a str>,
+}
+
+/// Recordings to reduce from files and folders. A file of states that stands in a folder of recordings is none of them; one that is
+/// named is not left out.
+///
+/// # Errors
+/// As [`expand`].
+pub fn recordings_to_reduce(
+    given: &[PathBuf],
+    output_file: &Path,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = expand(given)?;
+    files.retain(|file| given.contains(file) || !same_file(file, output_file));
+    Ok(files)
+}
+
+/// Whether two paths name the same existing file.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
 }
 
 /// Reduces recordings to states in a file, which is continued where it exists: what it holds of the same content, read in the

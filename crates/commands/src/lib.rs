@@ -48,7 +48,7 @@ mod suite;
 mod topics;
 mod validate;
 
-pub use accumulate::{Reduction, accumulate};
+pub use accumulate::{Reduction, accumulate, recordings_to_reduce, same_file};
 pub use card::{CardFiles, CardOptions, card_files, card_paths};
 pub use check::{Checked, check};
 pub use closed_loop::predict_closed_loop;

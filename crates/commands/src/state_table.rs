@@ -84,13 +84,8 @@ impl StateTable {
 
     /// A column of texts, whole numbers as text; empty where there is none.
     fn texts(&self, group: usize, name: &str) -> Result<Vec<Option<String>>, RecordingError> {
-        Ok(match self.table.column(group, name)? {
-            Some(TableColumn::Text(texts)) => texts,
-            Some(TableColumn::Whole(numbers)) => {
-                numbers.into_iter().map(|number| Some(number?.to_string())).collect()
-            }
-            _ => Vec::new(),
-        })
+        let texts = self.table.column(group, name)?.and_then(TableColumn::into_texts);
+        Ok(texts.unwrap_or_default())
     }
 
     /// Recordings of a group in the order of their first rows; the number of its rows.

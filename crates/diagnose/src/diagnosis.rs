@@ -172,20 +172,23 @@ impl Diagnosis {
                 without.iter().zip(with).map(|(without, with)| (without / with).ln()).collect();
             let [with, without] = [with, without].map(|squares| squares.iter().sum::<f64>());
             let gain = Some(1.0 - with / without).filter(|gain| gain.is_finite());
-            Ok(Some(((with < without, paired_t(&gains) < -EXPECTED_T), gain)))
+            Ok(Some((with < without, paired_t(&gains) < -EXPECTED_T, gain)))
         };
         let findings = self.findings.par_iter().zip(&self.without);
         let judged = findings.map(judged).collect::<Result<Vec<_>, RecordingError>>()?;
         for (finding, judged) in self.findings.iter_mut().zip(judged) {
-            finding.evidence.holdout_gain = judged.and_then(|(_, gain)| gain);
-            let judged = judged.map(|(judged, _)| judged);
-            finding.confirmed = judged.map(|(is_better, _)| is_better);
-            match judged {
-                Some((false, true)) => finding.confidence *= NOT_CONFIRMED,
-                Some((false, false)) => {
+            let Some((is_better, is_clearly_worse, gain)) = judged else {
+                finding.confirmed = None;
+                continue;
+            };
+            finding.evidence.holdout_gain = gain;
+            finding.confirmed = Some(is_better);
+            match (is_better, is_clearly_worse) {
+                (true, _) => {}
+                (false, true) => finding.confidence *= NOT_CONFIRMED,
+                (false, false) => {
                     finding.confidence = with_odds(finding.confidence, NOT_CONFIRMED);
                 }
-                _ => {}
             }
         }
         Ok(())

@@ -7,8 +7,7 @@
 //!
 //! References: F. R. Hampel, The influence curve and its role in robust estimation, JASA 69 (1974).
 
-use armident_inference::student_t_tail;
-use armident_numeric::order_statistic;
+use armident_inference::{median, student_t_tail};
 
 use crate::history::RobotHistory;
 
@@ -34,15 +33,6 @@ pub struct FleetOutlier {
     pub error: f64,
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    let count = values.len();
-    let upper = order_statistic(&mut values, count / 2).unwrap_or(f64::NAN);
-    if count % 2 == 1 || count == 0 {
-        return upper;
-    }
-    0.5 * (upper + order_statistic(&mut values, count / 2 - 1).unwrap_or(upper))
-}
-
 /// Robots unlike the others, at most this probability of one that is not, with the degrees of freedom of the scatter; three
 /// robots or more.
 pub fn outliers(robots: &[RobotHistory], false_alarm_rate: f64, freedom: f64) -> Vec<FleetOutlier> {
@@ -57,10 +47,12 @@ pub fn outliers(robots: &[RobotHistory], false_alarm_rate: f64, freedom: f64) ->
         if known.len() < 3 {
             continue;
         }
-        let middle = median(known.iter().map(|of| of.1).collect());
-        let spread = match known.len() >= KNOWN_SPREAD {
-            true => OF_NORMAL * median(known.iter().map(|of| (of.1 - middle).abs()).collect()),
-            false => 0.0,
+        let values: Vec<f64> = known.iter().map(|of| of.1).collect();
+        let Some(middle) = median(&values) else { continue };
+        let off: Vec<f64> = values.iter().map(|value| (value - middle).abs()).collect();
+        let spread = match median(&off) {
+            Some(off) if known.len() >= KNOWN_SPREAD => OF_NORMAL * off,
+            _ => 0.0,
         };
         for &(robot, value, error) in &known {
             // the median of few robots has an error too

@@ -163,16 +163,16 @@ impl<'a> Prepared<'a> {
             Some(_) => None,
             None => efforts_of_known_load(&problem, request, &joints, cutoff_hz)?,
         };
-        let gears = sensed_gears(request.train, &joints, cutoff_hz)?;
         let [train, holdout] = with_efforts(request, converted.as_ref());
-        let motions = |recordings: &[Recording]| -> Result<Vec<Motion>, IdentifyError> {
-            let motions = motions_with_effort(recordings, &joints, cutoff_hz)?;
-            let unloaded = |motion| without_loads(&arm, motion, request.loads);
-            let decimated = |m: Motion| if request.decimate { m.thinned() } else { m };
-            Ok(motions.into_iter().map(unloaded).map(decimated).collect())
+        let unloaded = |motion| without_loads(&arm, motion, request.loads);
+        let decimated = |m: Motion| if request.decimate { m.thinned() } else { m };
+        let fitted = |motions: Vec<Motion>| -> Vec<Motion> {
+            motions.into_iter().map(unloaded).map(decimated).collect()
         };
-        let train_motions = motions(train)?;
-        let holdout_motions = motions(holdout)?;
+        let train_motions = motions_with_effort(train, &joints, cutoff_hz)?;
+        let gears = sensed_gears(request.train, &train_motions, &joints);
+        let train_motions = fitted(train_motions);
+        let holdout_motions = fitted(motions_with_effort(holdout, &joints, cutoff_hz)?);
         let dead_zone_shares = dead_zone_shares(train, &joints);
         problem = problem.with_dead_zones(dead_zone_shares.iter().map(Option::is_some).collect());
         (request.progress)(Stage::Structure);

@@ -20,7 +20,7 @@ pub use exceedances::{Tail, episodes};
 pub use folds::{FOLDS, merged, time_blocks, without};
 pub use jackknife::{FEWEST_BLOCKS, deviations, leave_one_out, standard_error, variance};
 pub use log_sum::log_sum;
-pub use median::median_with_interval_95;
+pub use median::{median, median_with_interval_95};
 pub use paired_gain::{paired_t, significant_gain};
 pub use quantiles::{chi_square_quantile, f_quantile, f_tail, student_t_975, student_t_tail};
 pub use whiteness::whiteness;

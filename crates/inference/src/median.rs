@@ -6,12 +6,27 @@
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-/// Median of some values and its 95 % interval: an interval from six values on, a median from one.
-pub fn median_with_interval_95(values: &[f64]) -> Option<(f64, Option<[f64; 2]>)> {
+/// Median of some values, the mean of the two in the middle of an even number; none of none.
+pub fn median(values: &[f64]) -> Option<f64> {
+    middle_of(&sorted(values))
+}
+
+fn sorted(values: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
+    sorted
+}
+
+fn middle_of(sorted: &[f64]) -> Option<f64> {
     let n = sorted.len();
-    let median = 0.5 * (sorted.get(n.checked_sub(1)? / 2)? + sorted.get(n / 2)?);
+    Some(0.5 * (sorted.get(n.checked_sub(1)? / 2)? + sorted.get(n / 2)?))
+}
+
+/// Median of some values and its 95 % interval: an interval from six values on, a median from one.
+pub fn median_with_interval_95(values: &[f64]) -> Option<(f64, Option<[f64; 2]>)> {
+    let sorted = sorted(values);
+    let n = sorted.len();
+    let median = middle_of(&sorted)?;
     let below = Binomial::new(0.5, n as u64).ok()?;
     // as many values may lie outside on each side
     let outside = (0..n as u64 / 2).take_while(|k| below.cdf(*k) <= 0.025).count();

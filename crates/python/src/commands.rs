@@ -393,7 +393,7 @@ pub(crate) fn accumulate(
 ) -> PyResult<Answer> {
     let given = robot.given.clone();
     let (files, report) = done(py, move || {
-        let files = run::expand(&recordings)?;
+        let files = run::recordings_to_reduce(&recordings, &output_file)?;
         let reading = ReadingOptions { mapping, topic };
         let how = Reduction { cutoff_hz, reading: &reading, robot_column: None };
         let report = run::accumulate(&given, &files, &output_file, &how, || ())?;

@@ -38,11 +38,6 @@ pub fn first_text(path: &Path, column: &str) -> Result<Option<String>, Recording
     if table.groups() == 0 {
         return Ok(None);
     }
-    Ok(match table.column(0, column)? {
-        Some(TableColumn::Text(texts)) => texts.into_iter().next().flatten(),
-        Some(TableColumn::Whole(numbers)) => {
-            numbers.into_iter().next().flatten().map(|number| number.to_string())
-        }
-        _ => None,
-    })
+    let texts = table.column(0, column)?.and_then(TableColumn::into_texts);
+    Ok(texts.and_then(|texts| texts.into_iter().next().flatten()))
 }

@@ -13,6 +13,19 @@ pub enum TableColumn {
     Numbers(Vec<Vec<f64>>),
 }
 
+impl TableColumn {
+    /// Texts, whole numbers as text; none of other columns.
+    pub fn into_texts(self) -> Option<Vec<Option<String>>> {
+        match self {
+            Self::Text(texts) => Some(texts),
+            Self::Whole(numbers) => {
+                Some(numbers.into_iter().map(|number| Some(number?.to_string())).collect())
+            }
+            Self::Number(_) | Self::Numbers(_) => None,
+        }
+    }
+}
+
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableKind {

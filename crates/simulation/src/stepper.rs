@@ -516,21 +516,20 @@ pub(crate) fn check_numbers(
 #[cfg(test)]
 mod tests {
     use armident_dynamics::inverse_dynamics;
-    use armident_effects::EffectOnJoint;
+    use armident_effects::{DryFriction, EffectOnJoint};
 
     use super::*;
+    use crate::test_arms::{effect, harmonic_at, planar, slider, stanford};
 
     /// Friction of a load that passes through 0 is equal up to the rounding of what drives the arm, and no further.
     #[test]
     fn levels_near_zero_agree_up_to_rounding() {
-        use armident_effects::DryFriction;
         let of = |level: f64| RowLevels { rows: vec![DryFriction::both(level)], pairs: Vec::new() };
         let (a, b) = (of(1e-12), of(1e-12 + 1e-16));
         assert!(agree(&a, &b, INSTANT_AGREEMENT, 0.5));
         assert!(!agree(&a, &b, INSTANT_AGREEMENT, 1e-6));
         assert!(!agree(&of(1.0), &of(1.0 + 1e-12), INSTANT_AGREEMENT, 0.5));
     }
-    use crate::test_arms::{effect, harmonic_at, planar, slider, stanford};
 
     fn states(dof: usize, t: f64) -> [Vec<f64>; 3] {
         std::array::from_fn(|d| (0..dof).map(|j| harmonic_at(j, t)[d]).collect())

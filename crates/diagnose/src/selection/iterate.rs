@@ -184,7 +184,7 @@ fn iterate<'a>(
             || !point.springs.is_empty()
             || has_converged(&moves(&problem, &pruned, &point), &point)
             || pass >= ALL_FROM;
-        let plain = best.clone();
+        let plain = (all && !seeks_change).then(|| best.clone());
         if all {
             best = with_simulated_candidates(
                 design,
@@ -197,7 +197,6 @@ fn iterate<'a>(
             );
             best.estimate = with_operating_terms(&problem, &best, &point);
         }
-        let of_plain = best.scale == plain.scale;
         let mut judged = judge(design, &at, &contact, &mut problem, state, best, &point);
         // an expensive candidate that is removed again must not leave its prior scale behind
         let is_expensive = |g: &usize| {
@@ -205,7 +204,10 @@ fn iterate<'a>(
             candidate.moves_its_link()
                 || matches!(candidate.kind, CandidateKind::SmoothDirections(_))
         };
-        if !seeks_change && !of_plain && !judged.fit.estimate.set.iter().any(is_expensive) {
+        if let Some(plain) = plain
+            && plain.scale != judged.fit.scale
+            && !judged.fit.estimate.set.iter().any(is_expensive)
+        {
             judged = judge(design, &at, &contact, &mut problem, state, plain, &point);
         }
         let Judged { fit: ScaleFit { scale, inflated, estimate: mut found }, refined } = judged;

@@ -11,17 +11,12 @@
 //! of robots, ASME J. Dyn. Syst. Meas. Control 136 (2014); the use of a sensor is own.
 
 use armident_effects::directions;
-use armident_inference::{deviations, leave_one_out, standard_error, student_t_975};
+use armident_inference::{FEWEST_BLOCKS, leave_one_out, student_t_975, variance};
 use armident_motion::Motion;
 use armident_numeric::AccumulatedQr;
 use armident_recording::{Quantity, Recording};
 
-use crate::identify::{IdentifyError, motions_with_effort};
-use crate::used_samples::used_samples;
-
-/// Blocks of time of all recordings together: enough for a Student quantile near the normal one.
-const BLOCKS: usize = 20;
-const RANK_CUT: f64 = 1e-9;
+use crate::regression::{RANK_CUT, blocks_of, used_s};
 
 /// A number with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,37 +47,29 @@ pub struct SensedGear {
     pub rms: f64,
 }
 
-/// The gears of an arm; none of joints without both channels in all recordings.
-///
-/// # Errors
-/// [`IdentifyError`] of the motions.
+/// The gears of an arm from recordings and their motions; none of joints without both channels in all recordings.
 pub(crate) fn sensed_gears(
     recordings: &[Recording],
+    motions: &[Motion],
     joints: &[&str],
-    cutoff_hz: Option<f64>,
-) -> Result<Vec<Option<SensedGear>>, IdentifyError> {
+) -> Vec<Option<SensedGear>> {
     let current = |recording: &Recording, joint: &str| -> Option<Vec<f64>> {
         let channels = recording.joint(joint)?;
         channels.channel(Quantity::Effort)?;
         channels.channel(Quantity::Current).map(<[f64]>::to_vec)
     };
-    let has_both = |joint: &&str| recordings.iter().all(|r| current(r, joint).is_some());
-    if recordings.is_empty() || !joints.iter().any(has_both) {
-        return Ok(vec![None; joints.len()]);
-    }
-    let motions = motions_with_effort(recordings, joints, cutoff_hz)?;
     let gear = |(j, joint): (usize, &&str)| {
         let currents: Option<Vec<Vec<f64>>> =
             recordings.iter().map(|recording| current(recording, joint)).collect();
-        SensedGear::of(&motions, &currents?, j)
+        SensedGear::of(motions, &currents?, j)
     };
-    Ok(joints.iter().enumerate().map(gear).collect())
+    joints.iter().enumerate().map(gear).collect()
 }
 
 impl SensedGear {
     /// Of joint `j`; `currents` at the stamps of the recordings. None where the motion does not separate the columns.
     fn of(motions: &[Motion], currents: &[Vec<f64>], j: usize) -> Option<Self> {
-        let total: usize = motions.iter().map(|motion| used_samples(motion).len()).sum();
+        let total_s = motions.iter().map(used_s).sum();
         let mut blocks = Vec::new();
         for (motion, current) in motions.iter().zip(currents) {
             let mut filtered =
@@ -91,13 +78,10 @@ impl SensedGear {
             let [current, direction, one] = filtered;
             let effort = &motion.effort_filtered.as_ref()?[j];
             let columns = [effort, &motion.velocity[j], &direction, &motion.acceleration[j], &one];
-            let used = used_samples(motion);
-            let count = (BLOCKS * used.len()).div_ceil(total.max(1));
-            let at_rest = motion.at_rest(j);
-            for b in 0..count {
-                let of =
-                    used.start + b * used.len() / count..used.start + (b + 1) * used.len() / count;
-                let moving: Vec<usize> = of.filter(|t| !at_rest[*t]).collect();
+            let mut left_out = motion.at_rest(j);
+            motion.unmeasured().into_iter().for_each(|of| left_out[of].fill(true));
+            for of in blocks_of(motion, total_s) {
+                let moving: Vec<usize> = of.filter(|t| !left_out[*t]).collect();
                 let part = |column: &[f64]| moving.iter().map(|t| column[*t]).collect::<Vec<_>>();
                 let mut block = AccumulatedQr::new(columns.len());
                 block.push_columns(&columns.map(|column| part(column)), &part(&current));
@@ -107,27 +91,24 @@ impl SensedGear {
         let mut all = AccumulatedQr::new(5);
         blocks.iter().for_each(|block| all.merge(block));
         let solved = all.solve(RANK_CUT).ok()?;
-        if solved.rank < 5 || all.rows() <= 5 {
+        if solved.rank < 5 || blocks.len() < FEWEST_BLOCKS {
             return None;
         }
         // over the current that the effort takes
-        let of = |x: &[f64]| -> Vec<f64> {
-            std::iter::once(1.0 / x[0]).chain(x[1..].iter().map(|x_k| x_k / x[0])).collect()
-        };
-        let values = of(&solved.solution);
+        let number = |x: &[f64], k: usize| if k == 0 { 1.0 / x[0] } else { x[k] / x[0] };
         let without: Option<Vec<Vec<f64>>> = (leave_one_out(&blocks).iter())
             .map(|left| Some(left.solve(RANK_CUT).ok()?.solution))
             .collect();
         let without = without?;
-        let error_of = |estimates: &[Vec<f64>], k: usize| {
-            let squares = deviations(estimates).iter().map(|d| d[k] * d[k]).sum();
-            standard_error(squares, estimates.len())
+        let error_of = |number: &dyn Fn(&[f64]) -> f64| {
+            variance(&without.iter().map(|x| number(x)).collect::<Vec<_>>()).sqrt()
         };
-        let quantile = student_t_975((blocks.len().max(2) - 1) as f64);
-        let is_determined = solved.solution[0].abs() > quantile * error_of(&without, 0);
-        let of_blocks: Vec<Vec<f64>> = without.iter().map(|x| of(x)).collect();
-        let value =
-            |k: usize| SensedValue { value: values[k], standard_error: error_of(&of_blocks, k) };
+        let quantile = student_t_975((blocks.len() - 1) as f64);
+        let is_determined = solved.solution[0].abs() > quantile * error_of(&|x| x[0]);
+        let value = |k: usize| SensedValue {
+            value: number(&solved.solution, k),
+            standard_error: error_of(&|x| number(x, k)),
+        };
         let left = all.residual_sum_of_squares(&solved.solution) / all.rows() as f64;
         Some(Self {
             is_determined,
@@ -136,7 +117,7 @@ impl SensedGear {
             coulomb: value(2),
             inertia: value(3),
             offset: value(4),
-            rms: left.sqrt() * values[0].abs(),
+            rms: left.sqrt() / solved.solution[0].abs(),
         })
     }
 }
@@ -144,6 +125,7 @@ impl SensedGear {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a failed test may panic")]
 mod tests {
+    use armident_motion::MotionSettings;
     use armident_recording::JointChannels;
     use rand::{RngExt, SeedableRng};
 
@@ -182,7 +164,9 @@ mod tests {
         };
         let joints = ["sensed", "plain"].map(joint).to_vec();
         let recording = Recording::new("made", time_s.clone(), joints).unwrap();
-        let found = sensed_gears(&[recording], &["sensed", "plain"], None).unwrap();
+        let names = ["sensed", "plain"];
+        let motion = Motion::from_recording(&recording, &names, &MotionSettings::default());
+        let found = sensed_gears(&[recording], &[motion.unwrap()], &names);
         assert!(found[1].is_none());
         let gear = found[0].unwrap();
         assert!(gear.is_determined);

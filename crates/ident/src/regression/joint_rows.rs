@@ -136,11 +136,16 @@ impl RowsOfJoint {
     }
 }
 
+/// Length of the samples of a motion that fits use \[s\].
+pub(crate) fn used_s(motion: &Motion) -> f64 {
+    used_samples(motion).len() as f64 / motion.rate_hz
+}
+
 /// Ranges of samples of one motion that standard errors take for independent, `total_s` being the length
 /// of all motions.
-fn blocks_of(motion: &Motion, total_s: f64) -> Vec<Range<usize>> {
+pub(crate) fn blocks_of(motion: &Motion, total_s: f64) -> Vec<Range<usize>> {
     let used = used_samples(motion);
-    let length_s = used.len() as f64 / motion.rate_hz;
+    let length_s = used_s(motion);
     let most = motion
         .filter
         .as_ref()
@@ -198,7 +203,7 @@ impl BatchProblem {
         width: impl Fn(usize) -> usize + Sync,
     ) -> JointRows {
         let n = self.by_joint.len();
-        let total_s: f64 = motions.iter().map(|m| used_samples(m).len() as f64 / m.rate_hz).sum();
+        let total_s: f64 = motions.iter().map(|m| used_s(m)).sum();
         let (mut independent, mut samples) = (0.0, 0.0);
         for motion in motions {
             let count = used_samples(motion).len() as f64;

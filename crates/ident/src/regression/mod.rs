@@ -21,5 +21,6 @@ pub use unknown::{Coupling, LAWS, MergedTerm, Term};
 
 pub(crate) use columns::TermColumn;
 pub(crate) use estimate::{RANK_CUT, noise_of};
+pub(crate) use joint_rows::{blocks_of, used_s};
 pub(crate) use link_prior::{UNKNOWN, spread_of_numbers};
 pub(crate) use unknown::SHARED;
