@@ -211,7 +211,12 @@ def light(browser):
         return None
     browser.run("document.querySelector('button.light').click()")
     wait(browser, "!!document.getElementById('skeleton').dataset.lit", 5)
-    return browser.run(
+    # the cells of the residual map in which it acts are framed, whichever joint's it is
+    framed = "document.querySelector('.chart[data-framed=\"0\"]')"
+    frames = browser.run(f"const c = {framed}; if (!c) return 0; c.scrollIntoView(); return 1") and (
+        wait(browser, f"{framed}.querySelectorAll('.shapelayer path').length > 0", 5)
+    )
+    return bool(frames), *browser.run(
         "const s = document.getElementById('skeleton');"
         " return [s.dataset.lit, s.nextElementSibling.textContent, s.querySelectorAll('.legendtext').length,"
         " [...s.querySelectorAll('.legendtext')].some((t) => t.textContent === s.dataset.lit)]"

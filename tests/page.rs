@@ -131,8 +131,9 @@ fn every_page_opens_in_browser() {
                 if name == "diagnose.html" {
                     // a finding that is clicked lights its joint, its regime and its time range
                     let lit = list(&page["lit"]);
-                    let (title, shown) = (string(&lit[0]), string(&lit[1]));
-                    assert!(shown.starts_with(title) && lit[3] == true, "{page}");
+                    let (title, shown) = (string(&lit[1]), string(&lit[2]));
+                    assert!(shown.starts_with(title) && lit[4] == true, "{page}");
+                    assert_eq!(lit[0], true, "no cell of a residual map is framed: {page}");
                     assert!(shown.contains("; regime: ") && shown.contains("; acts "), "{page}");
                 }
                 assert!(charts >= 20.0, "{page}");

@@ -68,7 +68,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn quantity(&self) -> DrawnQuantity {
+    pub(crate) fn quantity(&self) -> DrawnQuantity {
         self.sheets.first().map(|sheet| sheet.quantity).unwrap_or_default()
     }
 
@@ -127,9 +127,11 @@ impl<'a> Canvas<'a> {
         JointResidual {
             effort_deviation: (variance / measured.len() as f64).sqrt(),
             rms,
-            speed_position: residual_maps::speed_position(&sheets, joint),
+            speed_position: residual_maps::speed_position(&sheets, joint).mean_residuals(&sheets),
             load_direction: match self.quantity() {
-                DrawnQuantity::Effort => residual_maps::load_direction(&sheets, joint),
+                DrawnQuantity::Effort => {
+                    residual_maps::load_direction(&sheets, joint).mean_residuals(&sheets)
+                }
                 DrawnQuantity::Position => Map::default(),
             },
             time: residual_maps::time(&sheets, joint),

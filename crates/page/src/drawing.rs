@@ -198,6 +198,21 @@ pub struct FindingTraces {
     pub share: Vec<f64>,
     /// Means over classes of the motion; the first is where the law lives.
     pub views: Vec<FindingView>,
+    /// Where in the residual maps it acts, of the joints on which it does.
+    pub regions: Vec<FindingRegion>,
+}
+
+/// Parts of the residual maps of one joint in which a finding acts: rectangles
+/// \[left, right, bottom, top\] over cells in most of whose samples its effort is above a tenth of its largest.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FindingRegion {
+    /// Joint, from 0.
+    pub joint: usize,
+    /// In the map by position and speed.
+    pub speed_position: Vec<[f64; 4]>,
+    /// In the map by load and direction of motion.
+    pub load_direction: Vec<[f64; 4]>,
 }
 
 /// Mean residuals over classes of one abscissa, on one joint.

@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::drawing::{
-    Correlation, Drawing, DrawnQuantity, FindingTraces, JointResidual, PlotSeries, RecordingRole,
-    RecordingTraces, Skeleton,
+    Correlation, Drawing, DrawnQuantity, FindingRegion, FindingTraces, JointResidual, PlotSeries,
+    RecordingRole, RecordingTraces, Skeleton,
 };
 
 /// One figure with the views a reader chooses among.
@@ -155,26 +155,40 @@ pub(crate) fn efforts(
 }
 
 /// Heat maps of where residuals lie.
-pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Option<Figure> {
+pub(crate) fn maps<'a>(
+    drawing: &'a Drawing,
+    joint: usize,
+    of: &'a JointResidual,
+) -> Option<Figure> {
     let name = drawing.joints.get(joint)?;
     let unit = drawing.quantity.unit(name);
     let mut views = Vec::new();
+    // where each finding acts
+    let marks = |of: fn(&FindingRegion) -> &Vec<[f64; 4]>| -> Vec<&'a [[f64; 4]]> {
+        let of_finding = |finding: &'a FindingTraces| {
+            let region = finding.regions.iter().find(|r| r.joint == joint);
+            region.map_or(&[][..], |r| of(r))
+        };
+        drawing.findings.iter().map(of_finding).collect()
+    };
     let kinds = [
         (
             "speed and position",
             &of.speed_position,
+            marks(|r| &r.speed_position),
             format!("position [{}]", name.position_unit),
             json!({ "title": { "text": format!("speed [{}/s]", name.position_unit) }, "automargin": true }),
         ),
         (
             "load and direction",
             &of.load_direction,
+            marks(|r| &r.load_direction),
             format!("predicted effort [{}]", name.effort_unit),
             json!({ "title": { "text": "direction" }, "automargin": true, "tickmode": "array",
                     "tickvals": [-1, 0, 1], "ticktext": ["backward", "at rest", "forward"] }),
         ),
     ];
-    for (kind, map, x, y) in kinds {
+    for (kind, map, marks, x, y) in kinds {
         let one = |label: &str, z: &Vec<Vec<Option<f64>>>, most: f64| {
             let data = json!({
                 "type": "heatmap", "x": map.x, "y": map.y, "z": z, "zmin": -most, "zmax": most,
@@ -184,7 +198,9 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
                 "hoverongaps": false
             });
             let layout = json!({ "xaxis": axis(&x), "yaxis": y, "hovermode": "closest" });
-            view(&format!("{kind}, {label}"), vec![data], layout)
+            let mut view = view(&format!("{kind}, {label}"), vec![data], layout);
+            view["marks"] = json!(marks);
+            view
         };
         // all models on one scale: what became better is seen; and the last on its own: what is left
         let largest = |z: &Vec<Vec<Option<f64>>>| {
@@ -204,7 +220,8 @@ pub(crate) fn maps(drawing: &Drawing, joint: usize, of: &JointResidual) -> Optio
         figure(
             format!("maps-{joint}"),
             "Residual map".to_owned(),
-            "Mean residual per cell, training recordings; one colour scale for all models."
+            "Mean residual per cell, training recordings; one colour scale for all models. A finding shown in \
+             the arm frames the cells in which it acts."
                 .to_owned(),
             300,
             views,

@@ -7,9 +7,9 @@ use armident_kinematics::JointKind;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::canvas::Canvas;
-use crate::drawing::{FindingTraces, FindingView, RecordingRole};
+use crate::drawing::{DrawnQuantity, FindingRegion, FindingTraces, FindingView, RecordingRole};
 use crate::reduce::{rounded, rounded_some};
-use crate::residual_maps::Classes;
+use crate::residual_maps::{self, Cells, Classes};
 use crate::sheet::{Sheet, less};
 
 const CLASSES: usize = 48;
@@ -123,7 +123,30 @@ impl Canvas<'_> {
             return FindingTraces::default();
         }
         let (joints, share) = (0..self.chain.dof()).map(|j| acting(&pairs, j)).unzip();
-        FindingTraces { joints, share, views: self.views(place, &pairs) }
+        FindingTraces {
+            joints,
+            share,
+            views: self.views(place, &pairs),
+            regions: (0..self.chain.dof()).filter_map(|j| self.region(&pairs, j)).collect(),
+        }
+    }
+
+    /// Where in the residual maps of a joint a finding acts; none where it does not act on the joint.
+    fn region(&self, pairs: &[Pair<'_>], joint: usize) -> Option<FindingRegion> {
+        let least = acts_above(pairs, joint)?;
+        let fitted = self.fitted();
+        let within = |cells: &Cells| {
+            let acts: Vec<_> =
+                pairs.iter().map(|p| move |k: usize| p.law[joint][k].abs() > least).collect();
+            let sheets = pairs.iter().zip(&acts).filter(|(p, _)| !p.law[joint].is_empty());
+            cells.where_most(sheets.map(|(p, acts)| (p.sheet, acts as &dyn Fn(usize) -> bool)))
+        };
+        let load_direction = match self.quantity() {
+            DrawnQuantity::Effort => within(&residual_maps::load_direction(&fitted, joint)),
+            DrawnQuantity::Position => Vec::new(),
+        };
+        let speed_position = within(&residual_maps::speed_position(&fitted, joint));
+        Some(FindingRegion { joint, speed_position, load_direction })
     }
 
     /// Contacts are in no model: their effort `-J(q)^T F` is formed here, and taken off the residual.
@@ -390,19 +413,21 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Root mean squares without and with a finding where it acts on a joint, and the share of samples.
-fn acting(pairs: &[Pair<'_>], joint: usize) -> (Option<[f64; 2]>, f64) {
-    let all = || pairs.iter().flat_map(|p| &p.law[joint]);
-    let largest = all().fold(0.0_f64, |m, f| m.max(f.abs()));
+/// Effort of a finding on a joint above which it acts; none where it does not act on the joint.
+fn acts_above(pairs: &[Pair<'_>], joint: usize) -> Option<f64> {
+    let largest = pairs.iter().flat_map(|p| &p.law[joint]).fold(0.0_f64, |m, f| m.max(f.abs()));
     let scale =
         pairs.iter().flat_map(|p| &p.sheet.measured[joint]).fold(0.0_f64, |m, e| m.max(e.abs()));
-    if largest <= 1e-9 * scale {
-        return (None, 0.0);
-    }
+    (largest > 1e-9 * scale).then_some(ACTS * largest)
+}
+
+/// Root mean squares without and with a finding where it acts on a joint, and the share of samples.
+fn acting(pairs: &[Pair<'_>], joint: usize) -> (Option<[f64; 2]>, f64) {
+    let Some(least) = acts_above(pairs, joint) else { return (None, 0.0) };
     let (mut without, mut with, mut count) = (0.0, 0.0, 0.0_f64);
     for pair in pairs {
         for (f, r) in pair.law[joint].iter().zip(&pair.with[joint]) {
-            if f.abs() > ACTS * largest {
+            if f.abs() > least {
                 without += (r + f).powi(2);
                 with += r * r;
                 count += 1.0;
@@ -410,7 +435,8 @@ fn acting(pairs: &[Pair<'_>], joint: usize) -> (Option<[f64; 2]>, f64) {
         }
     }
     let rms = |squares: f64| (squares / count.max(1.0)).sqrt();
-    (Some([rms(without), rms(with)]), count / all().count().max(1) as f64)
+    let samples: usize = pairs.iter().map(|p| p.law[joint].len()).sum();
+    (Some([rms(without), rms(with)]), count / samples.max(1) as f64)
 }
 
 #[cfg(test)]

@@ -36,6 +36,11 @@ impl Classes {
         (((x - self.from) / self.width).max(0.0) as usize).min(self.count - 1)
     }
 
+    /// Ends of a class.
+    fn ends(&self, class: usize) -> [f64; 2] {
+        [class, class + 1].map(|k| self.from + k as f64 * self.width)
+    }
+
     pub(crate) fn middles(&self) -> Vec<f64> {
         rounded(
             &(0..self.count)
@@ -45,63 +50,118 @@ impl Classes {
     }
 }
 
-/// Mean residual of each model in the cells that `cell` sorts samples into.
-fn means(
-    sheets: &[&Sheet],
+/// Abscissa and ordinate of a sample of a sheet.
+type Place = dyn Fn(&Sheet, usize) -> (f64, f64);
+
+/// Cells of a map of one joint, and the place of a sample in it.
+pub(crate) struct Cells {
     joint: usize,
-    (x, y): (Vec<f64>, Vec<f64>),
-    cell: impl Fn(&Sheet, usize) -> (usize, usize),
-) -> Map {
-    let models = sheets.first().map_or(0, |s| s.residual.len());
-    let (columns, rows) = (x.len(), y.len());
-    let mut sums = vec![vec![0.0; columns * rows]; models];
-    let mut counts = vec![0_usize; columns * rows];
-    for sheet in sheets {
-        for k in sheet.kept.clone().take_while(|k| *k < sheet.measured[joint].len()) {
-            let (column, row) = cell(sheet, k);
-            let at = row * columns + column;
-            counts[at] += 1;
-            for (m, sum) in sums.iter_mut().enumerate() {
-                sum[at] += sheet.residual[m][joint][k];
+    columns: Classes,
+    rows: Classes,
+    place: Box<Place>,
+}
+
+impl Cells {
+    /// Number of the cell of a sample, row by row.
+    fn cell(&self, sheet: &Sheet, k: usize) -> usize {
+        let (x, y) = (self.place)(sheet, k);
+        self.rows.class(y) * self.columns.count + self.columns.class(x)
+    }
+
+    /// Samples of a recording that maps sort.
+    fn samples(&self, sheet: &Sheet) -> impl Iterator<Item = usize> + use<> {
+        let recorded = sheet.measured[self.joint].len();
+        sheet.kept.clone().take_while(move |k| *k < recorded)
+    }
+
+    /// Mean residual of each model.
+    pub(crate) fn mean_residuals(&self, sheets: &[&Sheet]) -> Map {
+        let models = sheets.first().map_or(0, |s| s.residual.len());
+        let cells = self.columns.count * self.rows.count;
+        let mut sums = vec![vec![0.0; cells]; models];
+        let mut counts = vec![0_usize; cells];
+        for sheet in sheets {
+            for k in self.samples(sheet) {
+                let at = self.cell(sheet, k);
+                counts[at] += 1;
+                for (m, sum) in sums.iter_mut().enumerate() {
+                    sum[at] += sheet.residual[m][self.joint][k];
+                }
             }
         }
+        let values = sums
+            .iter()
+            .map(|sum| {
+                let means: Vec<Option<f64>> = (sum.iter().zip(&counts))
+                    .map(|(s, &n)| (n >= LEAST_SAMPLES).then(|| s / n as f64))
+                    .collect();
+                rounded_some(&means)
+                    .chunks(self.columns.count)
+                    .map(<[Option<f64>]>::to_vec)
+                    .collect()
+            })
+            .collect();
+        Map { x: self.columns.middles(), y: self.rows.middles(), values }
     }
-    let values = sums
-        .iter()
-        .map(|sum| {
-            let means: Vec<Option<f64>> = (sum.iter().zip(&counts))
-                .map(|(s, &n)| (n >= LEAST_SAMPLES).then(|| s / n as f64))
-                .collect();
-            rounded_some(&means).chunks(columns).map(<[Option<f64>]>::to_vec).collect()
-        })
-        .collect();
-    Map { x, y, values }
+
+    /// Rectangles \[left, right, bottom, top\] over the cells with a majority of samples in which
+    /// `acts` holds; neighbours in a row are one rectangle.
+    pub(crate) fn where_most<'s>(
+        &self,
+        sheets: impl Iterator<Item = (&'s Sheet, &'s dyn Fn(usize) -> bool)>,
+    ) -> Vec<[f64; 4]> {
+        let cells = self.columns.count * self.rows.count;
+        let (mut acting, mut all) = (vec![0_usize; cells], vec![0_usize; cells]);
+        for (sheet, acts) in sheets {
+            for k in self.samples(sheet) {
+                let at = self.cell(sheet, k);
+                all[at] += 1;
+                acting[at] += usize::from(acts(k));
+            }
+        }
+        let marked = |at: usize| all[at] >= LEAST_SAMPLES && 2 * acting[at] > all[at];
+        let mut found = Vec::new();
+        for row in 0..self.rows.count {
+            let [bottom, top] = self.rows.ends(row);
+            let first = row * self.columns.count;
+            let mut column = 0;
+            while column < self.columns.count {
+                let run = (column..self.columns.count).take_while(|c| marked(first + c)).count();
+                if run > 0 {
+                    let right = self.columns.ends(column + run - 1)[1];
+                    let ends = rounded(&[self.columns.ends(column)[0], right, bottom, top]);
+                    found.push([ends[0], ends[1], ends[2], ends[3]]);
+                }
+                column += run.max(1);
+            }
+        }
+        found
+    }
 }
 
-/// Mean residual by position (columns) and speed (rows).
-pub(crate) fn speed_position(sheets: &[&Sheet], joint: usize) -> Map {
-    let positions = Classes::of(sheets.iter().flat_map(|s| &s.motion.position[joint]), POSITIONS);
+/// Cells by position (columns) and speed (rows).
+pub(crate) fn speed_position(sheets: &[&Sheet], joint: usize) -> Cells {
+    let columns = Classes::of(sheets.iter().flat_map(|s| &s.motion.position[joint]), POSITIONS);
     let fastest = fastest(sheets, joint);
-    let speeds = Classes::between(-fastest, fastest, SPEEDS);
-    means(sheets, joint, (positions.middles(), speeds.middles()), |s, k| {
-        (positions.class(s.motion.position[joint][k]), speeds.class(s.motion.velocity[joint][k]))
-    })
+    let rows = Classes::between(-fastest, fastest, SPEEDS);
+    let place = Box::new(move |s: &Sheet, k: usize| {
+        (s.motion.position[joint][k], s.motion.velocity[joint][k])
+    });
+    Cells { joint, columns, rows, place }
 }
 
-/// Mean residual by load (columns: effort of the last model) and direction of motion (rows: backward,
-/// rest, forward).
-pub(crate) fn load_direction(sheets: &[&Sheet], joint: usize) -> Map {
-    let load = |s: &Sheet, k: usize| s.predicted.last().map_or(0.0, |p| p[joint][k]);
-    let loads = Classes::of(
-        sheets.iter().filter_map(|s| s.predicted.last()).flat_map(|p| &p[joint]),
-        LOADS,
-    );
+/// Cells by load (columns: effort of the last model) and direction of motion (rows: -1 backward, 0 at
+/// rest, 1 forward).
+pub(crate) fn load_direction(sheets: &[&Sheet], joint: usize) -> Cells {
+    let load = move |s: &Sheet, k: usize| s.predicted.last().map_or(0.0, |p| p[joint][k]);
+    let loads = sheets.iter().filter_map(|s| s.predicted.last()).flat_map(|p| &p[joint]);
+    let columns = Classes::of(loads, LOADS);
     let rest = REST * fastest(sheets, joint);
-    means(sheets, joint, (loads.middles(), vec![-1.0, 0.0, 1.0]), |s, k| {
+    let place = Box::new(move |s: &Sheet, k: usize| {
         let v = s.motion.velocity[joint][k];
-        let row = if v < -rest { 0 } else { 1 + usize::from(v > rest) };
-        (loads.class(load(s, k)), row)
-    })
+        (load(s, k), if v.abs() > rest { v.signum() } else { 0.0 })
+    });
+    Cells { joint, columns, rows: Classes::between(-1.5, 1.5, 3), place }
 }
 
 fn fastest(sheets: &[&Sheet], joint: usize) -> f64 {

@@ -80,14 +80,38 @@
 
   const drawViews = (place, views, first) => {
     let shown = first;
+    let lit = null;
+    // rectangles of the finding that is shown in the arm
+    const marks = (view) => (lit !== null && view.marks && view.marks[lit]) || [];
     const draw = () => {
       const colours = theme();
       const view = views[shown];
       const height = Number(place.dataset.height);
-      return Plotly.react(place, coloured(view.data, colours), dressed(view.layout, colours, height), settings);
+      const layout = dressed(view.layout, colours, height);
+      const frames = marks(view).map(([x0, x1, y0, y1]) => ({ type: "rect", x0, x1, y0, y1, line: { color: colours.ink, width: 1.5 } }));
+      layout.shapes = [...(layout.shapes || []), ...frames];
+      return Plotly.react(place, coloured(view.data, colours), layout, settings);
     };
+    let select = null;
+    if (views.some((view) => view.marks)) {
+      document.addEventListener("finding", (event) => {
+        lit = event.detail;
+        place.dataset.framed = "";
+        if (!marks(views[shown]).length) {
+          const other = views.findIndex((view) => marks(view).length);
+          if (other >= 0) shown = other;
+        }
+        if (select) select.value = shown;
+        if (marks(views[shown]).length) {
+          place.dataset.framed = lit;
+          const closed = place.closest("details");
+          if (closed) closed.open = true;
+        }
+        if (place.offsetParent && place.classList.contains("js-plotly-plot")) draw();
+      });
+    }
     if (views.length > 1) {
-      const select = choice(views.map((view) => view.label));
+      select = choice(views.map((view) => view.label));
       select.value = shown;
       select.addEventListener("change", () => {
         shown = Number(select.value);
@@ -235,6 +259,7 @@
           }
         }
         draw();
+        document.dispatchEvent(new CustomEvent("finding", { detail: k }));
       };
       select.addEventListener("change", () => light(Number(select.value) ? Number(select.value) - 1 : null));
       control(place, "Finding ", select);
