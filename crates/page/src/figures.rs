@@ -207,8 +207,11 @@ pub(crate) fn maps<'a>(
             z.iter().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()))
         };
         let most = map.values.iter().map(largest).fold(0.0, f64::max);
-        for (model, z) in drawing.models.iter().zip(&map.values).rev() {
-            views.push(one(model, z, most));
+        for (m, (model, z)) in drawing.models.iter().zip(&map.values).enumerate().rev() {
+            let mut view = one(model, z, most);
+            // what a finding explains is in the residual of the given model
+            view["given"] = json!(m == 0);
+            views.push(view);
         }
         if let (Some(model), Some(z)) = (drawing.models.last(), map.values.last())
             && largest(z) < 0.5 * most

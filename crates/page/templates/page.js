@@ -97,10 +97,8 @@
       document.addEventListener("finding", (event) => {
         lit = event.detail;
         place.dataset.framed = "";
-        if (!marks(views[shown]).length) {
-          const other = views.findIndex((view) => marks(view).length);
-          if (other >= 0) shown = other;
-        }
+        const given = views.findIndex((view) => view.given && marks(view).length);
+        if (given >= 0) shown = given;
         if (select) select.value = shown;
         if (marks(views[shown]).length) {
           place.dataset.framed = lit;

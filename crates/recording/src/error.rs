@@ -267,6 +267,12 @@ pub enum Fault {
         /// The field, shortened.
         text: String,
     },
+    /// A column has values of another type.
+    #[error("column has {found}, expected a number in each row")]
+    WrongColumnType {
+        /// What it has instead.
+        found: String,
+    },
     /// A value is NaN or infinite.
     #[error(
         "value is {text}; {count} of {total} values in the recording {} NaN or infinite",
@@ -488,6 +494,10 @@ impl Fault {
             Self::NotANumber { .. } => {
                 "write a number such as `-0.25` or `1e-3`, without a unit".to_owned()
             }
+            Self::WrongColumnType { .. } => "write it as floating-point numbers, lists with the same number of \
+                                             entries in each row, or map other columns to the joints with \
+                                             `--mapping FILE`"
+                .to_owned(),
             Self::NotFinite { text, .. } if is_nan(text) => format!(
                 "delete these rows; missing samples are interpolated (as is NaN, up to \
                  {MISSING_RUN} in a row and {:.0} % of a channel, between numbers)",

@@ -35,6 +35,10 @@ pub(super) fn read_columns(
         let what = error.to_string();
         RecordingError::new(Fault::Broken { format: "Parquet", what }, source)
     };
+    let wrong_type = |column: &ColumnDescriptor| {
+        let found = type_in_words(column).to_owned();
+        RecordingError::new(Fault::WrongColumnType { found }, source)
+    };
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let rows = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
@@ -73,7 +77,18 @@ pub(super) fn read_columns(
         lists.push(list);
     }
     let all: Vec<String> = names.iter().map(|(_, _, name)| name.clone()).collect();
-    let wanted = request.wanted(&all, 0)?;
+    // where lists of numbers cannot be columns, their names are what is missed
+    let uneven =
+        schema.columns().iter().zip(&lists).find(|(column, list)| {
+            column.max_rep_level() == 1 && is_number(column) && list.is_none()
+        });
+    let wanted = request.wanted(&all, 0).map_err(|missing| match uneven {
+        Some((column, _)) => {
+            let name = column.path().parts().first().cloned().unwrap_or_default();
+            wrong_type(column).in_column(&name)
+        }
+        None => missing,
+    })?;
     let mut raw = RawColumns::new(source);
     for ((index, entry, name), wanted) in names.into_iter().zip(wanted) {
         let description = schema.column(index);
@@ -83,10 +98,7 @@ pub(super) fn read_columns(
             values = list;
         } else if wanted {
             if !is_number(&description) || description.max_rep_level() > 0 {
-                let text = format!("{} values", description.physical_type());
-                return Err(
-                    RecordingError::new(Fault::NotANumber { text }, source).in_column(&name)
-                );
+                return Err(wrong_type(&description).in_column(&name));
             }
             let mut column = Vec::new();
             read(index, &mut column).map_err(broken)?;
@@ -107,6 +119,24 @@ fn is_number(column: &ColumnDescriptor) -> bool {
     let numbers =
         [PhysicalType::INT32, PhysicalType::INT64, PhysicalType::FLOAT, PhysicalType::DOUBLE];
     numbers.contains(&column.physical_type())
+}
+
+/// What a column has that is no number in each row.
+fn type_in_words(column: &ColumnDescriptor) -> &'static str {
+    if column.max_rep_level() > 1 {
+        return "lists of lists";
+    }
+    if column.max_rep_level() == 1 && is_number(column) {
+        return "lists of different lengths";
+    }
+    match column.physical_type() {
+        PhysicalType::BOOLEAN => "true and false",
+        PhysicalType::INT96 => "time stamps in the old INT96 type",
+        _ if matches!(column.logical_type_ref(), Some(LogicalType::Decimal { .. })) => {
+            "decimal numbers of fixed precision"
+        }
+        _ => "text",
+    }
 }
 
 /// Entries of lists that have the same length in every row, a column each; none of other lists, and of lists too long for
