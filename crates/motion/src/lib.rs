@@ -57,6 +57,7 @@ mod duplicate_frames;
 mod end_extension;
 mod grid;
 mod held_efforts;
+mod late_signals;
 mod low_pass;
 mod motion;
 mod noise_spectrum;
@@ -79,6 +80,7 @@ pub use differentiate::differentiate;
 pub use drive_low_pass::reported;
 pub use end_extension::{EndExtension, QUARTIC_TERMS, Quartics};
 pub use grid::EvenGrid;
+pub use late_signals::{LateSignals, SignalLag};
 pub use low_pass::{
     CUTOFF_SHARE_BOUND, DEFAULT_ORDER, HIGHEST_ORDER, LOWEST_CUTOFF_SHARE, ZeroPhaseLowPass,
 };

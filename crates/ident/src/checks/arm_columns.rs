@@ -13,8 +13,9 @@ use std::sync::Arc;
 use armident_dynamics::{ArmMotion, RigidArm};
 use armident_inference::correlation_time;
 use armident_kinematics::JointKind;
-use armident_motion::{Motion, RESTING_RANGE};
+use armident_motion::{Motion, MotionSettings, RESTING_RANGE};
 use armident_numeric::{Cholesky, Mat, dot, gram_of_columns, range};
+use armident_recording::Recording;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -71,6 +72,19 @@ impl JointMap {
         moved.effort = motion.effort.as_ref().map(|e| self.of_arm(e));
         moved.effort_filtered = motion.effort_filtered.as_ref().map(|e| self.of_arm(e));
         moved
+    }
+
+    /// Motions of recordings below another cut-off \[Hz\]; none where a recording has none.
+    pub(super) fn motions_below(
+        &self,
+        cutoff_hz: f64,
+        recordings: &[Recording],
+        names: &[String],
+    ) -> Option<Vec<Motion>> {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let settings = MotionSettings { cutoff_hz: Some(cutoff_hz), ..MotionSettings::default() };
+        let below = |r| Some(self.motion(&Motion::from_recording(r, &names, &settings).ok()?));
+        recordings.iter().map(below).collect()
     }
 }
 

@@ -16,6 +16,7 @@ use super::excitation::{ConstantCheck, activity};
 use super::explanations::Explained;
 use super::link_errors::LARGEST_LOG_GAIN;
 use super::link_length::{FrameLength, LinkLength};
+use super::rows;
 use super::verdict::{Check, SURE, Topic, Verdict};
 
 /// `2 ln` of the likelihood ratio above which a delay is wrong: a thousand to one, with a prior of
@@ -235,9 +236,6 @@ pub(super) fn delay(
     let verdict = if look_alike.is_some() { verdict.min(Verdict::Inconclusive) } else { verdict };
     let rival = match look_alike {
         None => String::new(),
-        Some(LookAlike::Presliding) => {
-            "; friction that builds up after each reversal explains as much: no case against the clocks".to_owned()
-        }
         Some(LookAlike::OtherCutoff { cutoff_hz, delay_s }) => format!(
             "; below {} Hz it is {:.1} ms: no delay of clocks, which is the same at any cut-off",
             digits(cutoff_hz, 3),
@@ -716,18 +714,7 @@ pub(super) fn noise(
     let stepped = |step: Option<f64>| {
         step.map_or(String::new(), |step| format!(", quantisation {}", scientific(step)))
     };
-    let rms = |pick: &dyn Fn(&Motion) -> &[f64]| {
-        let all: Vec<f64> = motions.iter().flat_map(|m| pick(m).to_vec()).collect();
-        let mean = all.iter().sum::<f64>() / all.len() as f64;
-        (all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
-    };
-    let (rate_hz, cutoff_hz, share) =
-        motions.iter().fold((f64::INFINITY, 0.0, 0.0), |so_far, m| {
-            let cutoff_hz = m.filter.as_ref().map_or(0.5 * m.rate_hz, |f| f.cutoff_hz());
-            let (rate, cutoff, share): (f64, f64, f64) = so_far;
-            (rate.min(m.rate_hz), cutoff.max(cutoff_hz), share.max(m.independent_share()))
-        });
-    let exact = motions.iter().any(|m| m.filter.is_none());
+    let share = motions.iter().map(Motion::independent_share).fold(0.0, f64::max);
     let noise = |level: String, (sigma, step), unit, (share, of): (f64, &str), advice: &str| {
         let noisy = share > NOISY;
         let message = format!(
@@ -745,8 +732,9 @@ pub(super) fn noise(
     };
     let mut checks = Vec::new();
     if let Some((sigma, step)) = worst(Quantity::Effort) {
-        let of_signal =
-            sigma * share.sqrt() / rms(&|m| m.effort.as_ref().map_or(&[], |e| &e[joint]));
+        let all: Vec<&[f64]> =
+            motions.iter().filter_map(|m| Some(m.effort.as_ref()?[joint].as_slice())).collect();
+        let of_signal = sigma * share.sqrt() / rows::deviation(&all);
         checks.push(noise(
             format!("effort {} {newton}", scientific(sigma)),
             (sigma, step),
@@ -756,16 +744,15 @@ pub(super) fn noise(
         ));
     }
     let moving = activity(motions, joint).range >= RESTING_RANGE;
-    if let Some((sigma, step)) = worst(Quantity::Position).filter(|_| moving && !exact) {
-        // white noise up to the cut-off, differentiated twice
-        let omega = std::f64::consts::TAU * cutoff_hz;
-        let of_acceleration = sigma * omega * omega * (2.0 * cutoff_hz / (5.0 * rate_hz)).sqrt();
-        let of_signal = of_acceleration / rms(&|m| &m.acceleration[joint]);
+    let of_acceleration = rows::acceleration_noise(reports, motions, joint, name);
+    if let Some(((sigma, step), share)) =
+        worst(Quantity::Position).zip(of_acceleration).filter(|_| moving)
+    {
         checks.push(noise(
             format!("position {} {metre}", scientific(sigma)),
             (sigma, step),
             "rad or m",
-            (of_signal, "acceleration"),
+            (share, "acceleration"),
             "accelerate more, or lower --cutoff-hz",
         ));
     }

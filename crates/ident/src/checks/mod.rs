@@ -26,6 +26,7 @@ mod effort_low_pass;
 mod excitation;
 mod explanations;
 mod gravity;
+mod lag;
 mod likelihood;
 mod likelihood_top;
 mod link_errors;
@@ -54,14 +55,11 @@ pub use verdict::{Check, Topic, Verdict};
 use arm_likelihood::JointFacts;
 use columns::Alone;
 use computed::BesideRigid;
-use effort_low_pass::{evidence_beside_presliding, is_clear_beside_presliding};
+use lag::{LagKind, Lags};
 
 use crate::calibration::dead_zone_shares;
 use crate::minimal_set::MinimalSet;
 use crate::regression::BatchProblem;
-
-/// Times the efforts are shifted by the remaining delay.
-const ALIGNMENTS: usize = 2;
 
 /// Everything that was checked.
 #[derive(Debug, Clone)]
@@ -190,7 +188,6 @@ pub fn check(
     let mut problem = problem_of(&arm, motions)?;
     let mut rows = rows::accumulate(&problem, &arm, motions, &noise)?;
     let is_silent: Vec<bool> = map.source.iter().map(|&s| is_mute[s]).collect();
-    let mut delay = delay::delay(&rows, &is_silent);
     let cutoff_hz = motions.iter().find_map(|m| Some(m.filter.as_ref()?.cutoff_hz()));
     // a voltage is ahead of its effort by the back-EMF, and no measurement that a drive filters
     let is_filtered = !signals.values().any(|quantity| *quantity == Quantity::Voltage);
@@ -201,31 +198,38 @@ pub fn check(
         &rows,
         &is_silent,
     )?;
-    let mut low_pass = cutoff_hz
-        .filter(|_| is_filtered)
-        .and_then(|hz| effort_low_pass::effort_low_pass(&rows, &is_silent, hz));
-    if let (Some(_), Some(hz)) = (&low_pass, cutoff_hz) {
-        let beside = evidence_beside_presliding(&problem, motions, &is_silent, hz)?;
-        low_pass = low_pass.filter(|_| is_clear_beside_presliding(beside));
+    // noise of the accelerations would favour any lag that smooths the columns: below where it is little
+    let alive = (0..names.len()).filter(|&j| !is_silent[j]);
+    let noise_of = |j: usize| rows::acceleration_noise(&quality, motions, j, names[map.source[j]]);
+    let noisiest = alive.filter_map(noise_of).fold(0.0, f64::max);
+    let quiet = cutoff_hz
+        .and_then(|hz| lag::quiet_cutoff_hz(hz, noisiest))
+        .and_then(|hz| map.motions_below(hz, recordings, &motions[0].joints));
+    let lags = match &quiet {
+        Some(quiet) => {
+            let rows = rows::accumulate(&problem, &arm, quiet, &noise)?;
+            Lags::of(&problem, quiet, &rows, &is_silent)?
+        }
+        None => Lags::of(&problem, motions, &rows, &is_silent)?,
+    };
+    let (mut delay, mut low_pass) = (None, None);
+    if let Some(lags) = &lags {
+        let found = lags.most_likely(LagKind::Delay)?;
+        delay = found.map(|found| Delay::of(&found, lags));
+        if is_filtered {
+            low_pass = effort_low_pass::effort_low_pass(lags, found)?;
+        }
     }
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
-    for _ in 0..ALIGNMENTS {
-        let Some(so_far) = delay.clone().filter(Delay::excludes_zero) else { break };
-        aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
+    let mut look_alike = None;
+    if let Some(found) = delay.as_ref().filter(|delay| delay.excludes_zero()) {
+        let of = ((motions, noise.as_slice()), (recordings, map));
+        look_alike = delay::look_alike(found, &problem, of.0, of.1, &is_silent)?;
+        aligned = motions.iter().map(|m| rows::with_effort_from(m, found.delay_s)).collect();
         problem.choose_reversal_speeds(&aligned.iter().collect::<Vec<_>>())?;
         rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
-        let Some(rest) = delay::delay(&rows, &is_silent) else { break };
-        delay = Some(so_far.and_then(&rest));
     }
-    let look_alike = match delay.as_ref().filter(|d| d.excludes_zero()) {
-        Some(found) => {
-            let in_time = problem_of(&arm, motions)?;
-            let of = ((motions, noise.as_slice()), (recordings, map));
-            delay::look_alike(found, &in_time, of.0, of.1, &is_silent)?
-        }
-        None => None,
-    };
     let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
     let with_dead_zone: Vec<&str> =
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();

@@ -1,0 +1,312 @@
+//! How late the efforts come behind the motion: one number for the robot, of a delay or of a low-pass.
+//!
+//! Method: profile likelihood of the free model of each joint, its columns seen through a lag that is exact at every frequency, over
+//! the number of the lag. The efforts stay as recorded, so that all lags have the same noise. Only samples away from the joint's
+//! reversals are compared. Gauss-Newton steps on the derivative of the columns, projected (G. H. Golub, V. Pereyra, SIAM J. Numer.
+//! Anal. 10, 413 (1973)). The half-width of the 95 % interval is the larger one of that by the curvature, and of that by how the
+//! joints disagree (sandwich over joints, quantile of Student's t): unmodelled physics pulls each joint its own way, a number of the
+//! whole robot pulls all of them.
+
+use armident_inference::student_t_975;
+use armident_motion::{LateSignals, Motion, SignalLag, ZeroPhaseLowPass};
+use armident_numeric::{AccumulatedQr, NumericError};
+use rayon::prelude::*;
+
+use super::rows::{ChannelRows, SAMPLES_PER_CUTOFF, edge, independent};
+use crate::regression::{BatchProblem, RANK_CUT};
+
+/// Longest time constant and delay that are tried \[s\]: a low-pass of 2 Hz; drives filter at 5 Hz and above.
+const LONGEST_S: f64 = 0.08;
+/// Numbers of which the most likely one begins the search \[s\].
+const STARTS_S: [f64; 3] = [-0.04, 0.0, 0.04];
+/// Steps of a search, at most; they are cut to [`LONGEST_STEP_S`], and end below [`LAST_STEP_S`].
+const STEPS: usize = 15;
+const LONGEST_STEP_S: f64 = 0.02;
+const LAST_STEP_S: f64 = 2e-5;
+/// Samples that a joint has at least for each of its terms.
+const SAMPLES_OF_A_TERM: usize = 2;
+/// Speeds below this share of the root mean square speed are reversals, or rests.
+const SLOW: f64 = 0.05;
+/// How far the low-pass of the fit spreads what happens there, in periods of its cut-off.
+const SPREAD: f64 = 0.75;
+/// How long after it a lag is seen \[s\].
+const AFTER_S: f64 = 0.1;
+
+/// Noise of the accelerations, as a share of them, below which it is nothing beside the efforts: a lag that smooths the columns takes
+/// their noise out.
+const LITTLE_NOISE: f64 = 0.03;
+
+/// The cut-off below which the noise of the accelerations is little \[Hz\], where it is not little below this one: it grows with
+/// the frequency to the power of five halves.
+pub(super) fn quiet_cutoff_hz(cutoff_hz: f64, acceleration_noise: f64) -> Option<f64> {
+    (acceleration_noise > LITTLE_NOISE)
+        .then(|| cutoff_hz * (LITTLE_NOISE / acceleration_noise).powf(0.4))
+}
+
+/// Samples away from the reversals and rests of a joint: a joint that sticks reverses its friction gradually, and presliding friction
+/// builds up late, which a lag would otherwise explain.
+fn steady(motion: &Motion, joint: usize, cutoff_hz: f64) -> Vec<bool> {
+    let velocity = &motion.velocity[joint];
+    let squares: f64 = velocity.iter().map(|v| v * v).sum();
+    let slow = SLOW * (squares / velocity.len().max(1) as f64).sqrt();
+    let before = (motion.rate_hz * SPREAD / cutoff_hz).ceil() as usize;
+    let after = before + (motion.rate_hz * AFTER_S).ceil() as usize;
+    let mut is_steady = vec![true; velocity.len()];
+    for k in 0..velocity.len() {
+        let turns = k > 0 && velocity[k] * velocity[k - 1] < 0.0;
+        if turns || velocity[k].abs() < slow {
+            let end = (k + after).min(velocity.len());
+            is_steady[k.saturating_sub(before)..end].fill(false);
+        }
+    }
+    is_steady
+}
+
+/// The columns of one joint in one motion, and its efforts, at a rate that holds the band of the fit.
+struct LateMotion {
+    columns: LateSignals,
+    effort: Vec<f64>,
+    /// samples away from the ends, in motion
+    kept: Vec<usize>,
+}
+
+/// What is known of one joint.
+struct JointLag {
+    motions: Vec<LateMotion>,
+    terms: usize,
+    freedom: f64,
+}
+
+/// Logarithm of the likelihood at a lag, with its slope over the number of the lag.
+#[derive(Debug, Clone, Copy)]
+struct AtLag {
+    height: f64,
+    slope: f64,
+    /// of the negative logarithm
+    curvature: f64,
+}
+
+/// Lags with one number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum LagKind {
+    Delay,
+    LowPass,
+}
+
+impl LagKind {
+    fn of(self, number_s: f64) -> SignalLag {
+        match self {
+            Self::Delay => SignalLag { delay_s: number_s, ..SignalLag::default() },
+            Self::LowPass => SignalLag { time_constant_s: number_s, ..SignalLag::default() },
+        }
+    }
+
+    /// The smallest number.
+    fn least_s(self) -> f64 {
+        match self {
+            Self::Delay => -LONGEST_S,
+            Self::LowPass => 0.0,
+        }
+    }
+}
+
+impl JointLag {
+    /// Of a joint with this number of independent samples; none where too few samples are compared.
+    fn of(
+        problem: &BatchProblem,
+        motions: &[Motion],
+        joint: usize,
+        independent: f64,
+    ) -> Option<Self> {
+        let terms = problem.terms_of_joint(joint).len();
+        let mut samples = 0;
+        let motions: Vec<LateMotion> = motions
+            .iter()
+            .filter_map(|motion| {
+                let effort = &motion.effort_filtered.as_ref()?[joint];
+                let filter = motion.filter.as_ref();
+                let cutoff_hz =
+                    filter.map_or(motion.rate_hz / SAMPLES_PER_CUTOFF, ZeroPhaseLowPass::cutoff_hz);
+                let stride = (motion.rate_hz / (SAMPLES_PER_CUTOFF * cutoff_hz)).floor().max(1.0);
+                let thinned = |all: &Vec<f64>| -> Vec<f64> {
+                    all.iter().step_by(stride as usize).copied().collect()
+                };
+                let columns = problem.columns(joint, motion);
+                samples += effort.len().div_ceil(stride as usize);
+                let columns: Vec<Vec<f64>> = columns.iter().map(thinned).collect();
+                let is_steady = steady(motion, joint, cutoff_hz);
+                let edge = edge(motion);
+                let kept = (0..motion.len()).step_by(stride as usize).enumerate();
+                Some(LateMotion {
+                    columns: LateSignals::new(&columns, motion.rate_hz / stride),
+                    effort: thinned(effort),
+                    kept: kept
+                        .filter(|(_, k)| (edge..motion.len() - edge).contains(k) && is_steady[*k])
+                        .map(|(thin, _)| thin)
+                        .collect(),
+                })
+            })
+            .collect();
+        let kept: usize = motions.iter().map(|motion| motion.kept.len()).sum();
+        let share = kept as f64 / samples.max(1) as f64;
+        let freedom = (share * independent - terms as f64).max(1.0);
+        (kept > SAMPLES_OF_A_TERM * terms).then_some(Self { motions, terms, freedom })
+    }
+
+    /// The triangle of the columns that have a lag.
+    fn triangle(&self, late: &[Vec<Vec<f64>>]) -> AccumulatedQr {
+        let columns = late.first().map_or(0, Vec::len);
+        let mut triangle = AccumulatedQr::new(columns);
+        for (motion, late) in self.motions.iter().zip(late) {
+            let kept =
+                |all: &Vec<f64>| -> Vec<f64> { motion.kept.iter().map(|&k| all[k]).collect() };
+            let columns: Vec<Vec<f64>> = late.iter().map(kept).collect();
+            triangle.push_columns(&columns, &kept(&motion.effort));
+        }
+        triangle
+    }
+
+    fn at(&self, kind: LagKind, number_s: f64) -> Result<AtLag, NumericError> {
+        let lag = kind.of(number_s);
+        let mut late: Vec<Vec<Vec<f64>>> =
+            self.motions.iter().map(|motion| motion.columns.with(lag)).collect();
+        let triangle = self.triangle(&late);
+        let own = independent(&triangle, &(0..self.terms).collect::<Vec<usize>>());
+        let fit = triangle.with_unknowns(&own).solve(RANK_CUT)?;
+        for (motion, late) in self.motions.iter().zip(&mut late) {
+            let mut model = vec![0.0; motion.effort.len()];
+            for (&column, x) in own.iter().zip(&fit.solution) {
+                model.iter_mut().zip(&late[column]).for_each(|(m, c)| *m += x * c);
+            }
+            late.push(match kind {
+                LagKind::Delay => motion.columns.by_delay(&model),
+                LagKind::LowPass => motion.columns.by_time_constant(&model, number_s),
+            });
+        }
+        // what the terms leave of the derivative, and of the effort
+        let order: Vec<usize> = own.iter().copied().chain([self.terms, self.terms + 1]).collect();
+        let r = self.triangle(&late).reordered(&order);
+        let first = own.len();
+        let [rate, along, beside] =
+            [(0, 0), (0, 1), (1, 1)].map(|(i, j)| r[(first + i, first + j)]);
+        let squares = along * along + beside * beside;
+        let scale = self.freedom / squares;
+        Ok(AtLag {
+            height: -0.5 * self.freedom * squares.ln(),
+            slope: scale * rate * along,
+            curvature: scale * rate * rate,
+        })
+    }
+}
+
+/// The lag of one kind with the highest likelihood.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FoundLag {
+    /// delay or time constant \[s\]
+    pub(super) number_s: f64,
+    /// half of its 95 % interval \[s\]
+    pub(super) half_s: f64,
+    /// `2 ln` of the likelihood over that of no lag
+    pub(super) evidence: f64,
+}
+
+/// Lags of the efforts of some joints.
+pub(super) struct Lags {
+    joints: Vec<JointLag>,
+    without: f64,
+}
+
+impl Lags {
+    /// Of the joints that are not silent; none without any.
+    pub(super) fn of(
+        problem: &BatchProblem,
+        motions: &[Motion],
+        rows: &[ChannelRows],
+        is_silent: &[bool],
+    ) -> Result<Option<Self>, NumericError> {
+        let of_joint = |joint: usize| -> Option<JointLag> {
+            JointLag::of(problem, motions, joint, rows[joint].effective)
+        };
+        let alive: Vec<usize> = (0..rows.len()).filter(|&j| !is_silent[j]).collect();
+        let joints: Vec<JointLag> = alive.par_iter().filter_map(|&j| of_joint(j)).collect();
+        let without = height(&at_all(&joints, LagKind::Delay, 0.0)?);
+        Ok((!joints.is_empty() && without.is_finite()).then_some(Self { joints, without }))
+    }
+
+    /// Number of joints.
+    pub(super) fn joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Independent samples beyond the terms, of all joints.
+    pub(super) fn freedom(&self) -> f64 {
+        self.joints.iter().map(|joint| joint.freedom).sum()
+    }
+
+    /// `2 ln` of the likelihood of each joint at a lag, up to the same number for all lags.
+    pub(super) fn twice_log_likelihoods(
+        &self,
+        kind: LagKind,
+        number_s: f64,
+    ) -> Result<Vec<f64>, NumericError> {
+        let all = at_all(&self.joints, kind, number_s)?;
+        Ok(all.iter().map(|at| 2.0 * at.height).collect())
+    }
+
+    /// The most likely lag of a kind; none where the likelihood is highest at an end of the range, or nowhere.
+    pub(super) fn most_likely(&self, kind: LagKind) -> Result<Option<FoundLag>, NumericError> {
+        let mut from = (kind.least_s(), f64::NEG_INFINITY);
+        for number_s in STARTS_S.into_iter().filter(|&s| s >= kind.least_s()) {
+            let there = height(&at_all(&self.joints, kind, number_s)?);
+            if there > from.1 {
+                from = (number_s, there);
+            }
+        }
+        let mut number_s = from.0;
+        let mut here = at_all(&self.joints, kind, number_s)?;
+        let mut share = 1.0;
+        for _ in 0..STEPS {
+            let slope: f64 = here.iter().map(|at| at.slope).sum();
+            let curvature: f64 = here.iter().map(|at| at.curvature).sum();
+            let step = share * (slope / curvature).clamp(-LONGEST_STEP_S, LONGEST_STEP_S);
+            if !step.is_finite() {
+                return Ok(None);
+            }
+            let next_s = (number_s + step).clamp(kind.least_s(), LONGEST_S);
+            let there = at_all(&self.joints, kind, next_s)?;
+            if height(&there) >= height(&here) {
+                (number_s, here, share) = (next_s, there, 1.0);
+            } else {
+                share *= 0.5;
+            }
+            if step.abs() < LAST_STEP_S {
+                break;
+            }
+        }
+        let curvature: f64 = here.iter().map(|at| at.curvature).sum();
+        let others = here.len() as f64 - 1.0;
+        let disagreement: f64 = here.iter().map(|at| at.slope.powi(2)).sum();
+        let by_joints = if others > 0.0 {
+            let of_mean = here.len() as f64 / others;
+            student_t_975(others) * (of_mean * disagreement).sqrt() / curvature
+        } else {
+            0.0
+        };
+        let half_s = (1.96 / curvature.sqrt()).max(by_joints);
+        let is_inside = (kind.least_s() + LAST_STEP_S..LONGEST_S - LAST_STEP_S).contains(&number_s);
+        Ok((is_inside && half_s.is_finite()).then(|| FoundLag {
+            number_s,
+            half_s,
+            evidence: 2.0 * (height(&here) - self.without),
+        }))
+    }
+}
+
+/// The likelihoods of all joints.
+fn at_all(joints: &[JointLag], kind: LagKind, number_s: f64) -> Result<Vec<AtLag>, NumericError> {
+    joints.par_iter().map(|joint| joint.at(kind, number_s)).collect()
+}
+
+fn height(all: &[AtLag]) -> f64 {
+    all.iter().map(|at| at.height).sum()
+}
