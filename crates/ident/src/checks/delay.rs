@@ -38,6 +38,8 @@ pub(super) enum LookAlike {
         /// the delay there
         delay_s: f64,
     },
+    /// A low-pass of this time constant explains as much \[s\].
+    LowPass(f64),
     /// Samples are held for this time \[s\].
     Held(f64),
 }

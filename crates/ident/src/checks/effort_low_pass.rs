@@ -1,8 +1,8 @@
 //! A low-pass through which the drives report their efforts, one for the robot, apart from a delay.
 //!
-//! Method: the likelihood of a [lag](super::lag). A low-pass must explain clearly more than any delay, also without the joint that
-//! favours it most.
-//! References: own.
+//! Method: the likelihood of a [lag](super::lag). A low-pass must explain clearly more than any delay, where no joint counts for more
+//! than its motion would show of the difference. Where neither explains clearly more than the other, it may be either.
+//! References: D. R. Cox, J. R. Stat. Soc. B 24, 406 (1962), for ratios of separate families; the bound is own.
 
 use armident_numeric::NumericError;
 
@@ -27,28 +27,40 @@ impl EffortLowPass {
     }
 }
 
-/// The low-pass that the efforts show; none where there is none, and where a delay explains as much.
-pub(super) fn effort_low_pass(
-    lags: &Lags,
-    delay: Option<FoundLag>,
-) -> Result<Option<EffortLowPass>, NumericError> {
+/// What makes efforts late.
+pub(super) enum LateBy {
+    /// Nothing, or a delay.
+    NoLowPass,
+    /// A low-pass.
+    LowPass(EffortLowPass),
+    /// A delay, or as likely a low-pass of this time constant \[s\].
+    Either(f64),
+}
+
+/// Whether a low-pass makes the efforts late, or the delay that was found.
+pub(super) fn late_by(lags: &Lags, delay: Option<FoundLag>) -> Result<LateBy, NumericError> {
     // efforts that are not clearly late have none, and one joint alone has no other to agree with
-    let is_late = delay.is_some_and(|delay| delay.number_s > 0.0 && delay.evidence > CLEARLY);
-    if lags.joints() < 2 || !(is_late || delay.is_none()) {
-        return Ok(None);
+    let is_late = delay.is_none_or(|delay| delay.number_s > 0.0 && delay.evidence > CLEARLY);
+    if lags.joints() < 2 || !is_late {
+        return Ok(LateBy::NoLowPass);
     }
-    let Some(found) = lags.most_likely(LagKind::LowPass)? else { return Ok(None) };
-    let delay_s = delay.map_or(0.0, |delay| delay.number_s);
-    let of_delay = lags.twice_log_likelihoods(LagKind::Delay, delay_s)?;
+    let Some(found) = lags.most_likely(LagKind::LowPass)? else { return Ok(LateBy::NoLowPass) };
     let FoundLag { number_s: time_constant_s, half_s, evidence } = found;
-    let of_low_pass = lags.twice_log_likelihoods(LagKind::LowPass, time_constant_s)?;
-    // no joint alone decides: what its model lacks may look like either
-    let over: Vec<f64> = of_low_pass.iter().zip(&of_delay).map(|(l, d)| l - d).collect();
-    let largest = over.iter().copied().fold(0.0, f64::max);
-    let is_clear = over.iter().sum::<f64>() - largest > CLEARLY && time_constant_s > half_s;
-    Ok(is_clear.then_some(EffortLowPass {
-        time_constant_s,
-        interval_95_s: [time_constant_s - half_s, time_constant_s + half_s],
-        evidence,
-    }))
+    let low_pass = (LagKind::LowPass, time_constant_s);
+    let delay = (LagKind::Delay, delay.map_or(0.0, |delay| delay.number_s));
+    // what a joint shows beyond what it would in theory is no sign of either: its model lacks something
+    let clear_over = |one, other| -> Result<bool, NumericError> {
+        let shown = lags.log_ratios(one, other)?;
+        let expected = lags.expected_log_ratios(one, other)?;
+        Ok(shown.iter().zip(&expected).map(|(s, e)| s.min(*e)).sum::<f64>() > CLEARLY)
+    };
+    if clear_over(low_pass, delay)? && time_constant_s > half_s {
+        return Ok(LateBy::LowPass(EffortLowPass {
+            time_constant_s,
+            interval_95_s: [time_constant_s - half_s, time_constant_s + half_s],
+            evidence,
+        }));
+    }
+    let is_delay = clear_over(delay, low_pass)?;
+    Ok(if is_delay { LateBy::NoLowPass } else { LateBy::Either(time_constant_s) })
 }

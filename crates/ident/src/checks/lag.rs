@@ -77,6 +77,17 @@ struct JointLag {
     freedom: f64,
 }
 
+/// The model of one joint, fitted through a lag.
+struct FittedLag {
+    /// `[motion][column]`
+    late: Vec<Vec<Vec<f64>>>,
+    /// effort of each motion
+    models: Vec<Vec<f64>>,
+    /// columns that do not depend on those before them
+    own: Vec<usize>,
+    squares: f64,
+}
+
 /// Logarithm of the likelihood at a lag, with its slope over the number of the lag.
 #[derive(Debug, Clone, Copy)]
 struct AtLag {
@@ -166,21 +177,54 @@ impl JointLag {
         triangle
     }
 
-    fn at(&self, kind: LagKind, number_s: f64) -> Result<AtLag, NumericError> {
-        let lag = kind.of(number_s);
-        let mut late: Vec<Vec<Vec<f64>>> =
-            self.motions.iter().map(|motion| motion.columns.with(lag)).collect();
+    fn expected_log_ratio(
+        &self,
+        (kind, number_s): (LagKind, f64),
+        (other, other_s): (LagKind, f64),
+    ) -> Result<f64, NumericError> {
+        let FittedLag { models, squares, .. } = self.fitted(kind.of(number_s))?;
+        let mut through_other = self.late(other.of(other_s));
+        through_other.iter_mut().zip(models).for_each(|(columns, model)| columns.push(model));
+        let triangle = self.triangle(&through_other);
+        let mut order = self.own(&triangle);
+        let first = order.len();
+        order.push(self.terms);
+        let left = triangle.reordered(&order)[(first, first)];
+        Ok(self.freedom * (left * left / squares).ln_1p())
+    }
+
+    /// The columns of each motion through a lag.
+    fn late(&self, lag: SignalLag) -> Vec<Vec<Vec<f64>>> {
+        self.motions.iter().map(|motion| motion.columns.with(lag)).collect()
+    }
+
+    /// The terms that do not depend on those before them.
+    fn own(&self, triangle: &AccumulatedQr) -> Vec<usize> {
+        independent(triangle, &(0..self.terms).collect::<Vec<usize>>())
+    }
+
+    fn fitted(&self, lag: SignalLag) -> Result<FittedLag, NumericError> {
+        let late = self.late(lag);
         let triangle = self.triangle(&late);
-        let own = independent(&triangle, &(0..self.terms).collect::<Vec<usize>>());
+        let own = self.own(&triangle);
         let fit = triangle.with_unknowns(&own).solve(RANK_CUT)?;
-        for (motion, late) in self.motions.iter().zip(&mut late) {
-            let mut model = vec![0.0; motion.effort.len()];
+        let model = |late: &Vec<Vec<f64>>| {
+            let mut model = vec![0.0; late.first().map_or(0, Vec::len)];
             for (&column, x) in own.iter().zip(&fit.solution) {
                 model.iter_mut().zip(&late[column]).for_each(|(m, c)| *m += x * c);
             }
+            model
+        };
+        let models = late.iter().map(model).collect();
+        Ok(FittedLag { late, models, own, squares: fit.residual_sum_of_squares })
+    }
+
+    fn at(&self, kind: LagKind, number_s: f64) -> Result<AtLag, NumericError> {
+        let FittedLag { mut late, models, own, .. } = self.fitted(kind.of(number_s))?;
+        for ((motion, late), model) in self.motions.iter().zip(&mut late).zip(&models) {
             late.push(match kind {
-                LagKind::Delay => motion.columns.by_delay(&model),
-                LagKind::LowPass => motion.columns.by_time_constant(&model, number_s),
+                LagKind::Delay => motion.columns.by_delay(model),
+                LagKind::LowPass => motion.columns.by_time_constant(model, number_s),
             });
         }
         // what the terms leave of the derivative, and of the effort
@@ -243,14 +287,28 @@ impl Lags {
         self.joints.iter().map(|joint| joint.freedom).sum()
     }
 
-    /// `2 ln` of the likelihood of each joint at a lag, up to the same number for all lags.
-    pub(super) fn twice_log_likelihoods(
+    /// `2 ln` of the likelihood of one lag over that of another, of each joint.
+    pub(super) fn log_ratios(
         &self,
-        kind: LagKind,
-        number_s: f64,
+        (kind, number_s): (LagKind, f64),
+        (other, other_s): (LagKind, f64),
     ) -> Result<Vec<f64>, NumericError> {
-        let all = at_all(&self.joints, kind, number_s)?;
-        Ok(all.iter().map(|at| 2.0 * at.height).collect())
+        let [all, others] = [(kind, number_s), (other, other_s)]
+            .map(|(kind, number_s)| at_all(&self.joints, kind, number_s));
+        Ok(all?
+            .iter()
+            .zip(&others?)
+            .map(|(one, other)| 2.0 * (one.height - other.height))
+            .collect())
+    }
+
+    /// The same where the efforts are those of the model through the first lag: what the motion shows of the difference.
+    pub(super) fn expected_log_ratios(
+        &self,
+        of: (LagKind, f64),
+        over: (LagKind, f64),
+    ) -> Result<Vec<f64>, NumericError> {
+        self.joints.par_iter().map(|joint| joint.expected_log_ratio(of, over)).collect()
     }
 
     /// The most likely lag of a kind; none where the likelihood is highest at an end of the range, or nowhere.

@@ -241,6 +241,10 @@ pub(super) fn delay(
             digits(cutoff_hz, 3),
             1e3 * delay_s
         ),
+        Some(LookAlike::LowPass(time_constant_s)) => format!(
+            "; a low-pass of {} Hz in the drives explains as much",
+            digits(1.0 / (std::f64::consts::TAU * time_constant_s), 2)
+        ),
         Some(LookAlike::Held(held_s)) => format!(
             "; effort samples are held for {:.0} ms, and come late by half of it",
             1e3 * held_s

@@ -55,6 +55,8 @@ pub use verdict::{Check, Topic, Verdict};
 use arm_likelihood::JointFacts;
 use columns::Alone;
 use computed::BesideRigid;
+use delay::LookAlike;
+use effort_low_pass::LateBy;
 use lag::{LagKind, Lags};
 
 use crate::calibration::dead_zone_shares;
@@ -212,20 +214,25 @@ pub fn check(
         }
         None => Lags::of(&problem, motions, &rows, &is_silent)?,
     };
-    let (mut delay, mut low_pass) = (None, None);
+    let (mut delay, mut late_by) = (None, LateBy::NoLowPass);
     if let Some(lags) = &lags {
         let found = lags.most_likely(LagKind::Delay)?;
         delay = found.map(|found| Delay::of(&found, lags));
         if is_filtered {
-            low_pass = effort_low_pass::effort_low_pass(lags, found)?;
+            late_by = effort_low_pass::late_by(lags, found)?;
         }
     }
+    let (low_pass, mut look_alike) = match late_by {
+        LateBy::LowPass(found) => (Some(found), None),
+        LateBy::Either(time_constant_s) => (None, Some(LookAlike::LowPass(time_constant_s))),
+        LateBy::NoLowPass => (None, None),
+    };
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
-    let mut look_alike = None;
     if let Some(found) = delay.as_ref().filter(|delay| delay.excludes_zero()) {
         let of = ((motions, noise.as_slice()), (recordings, map));
-        look_alike = delay::look_alike(found, &problem, of.0, of.1, &is_silent)?;
+        let other = delay::look_alike(found, &problem, of.0, of.1, &is_silent)?;
+        look_alike = other.or(look_alike);
         aligned = motions.iter().map(|m| rows::with_effort_from(m, found.delay_s)).collect();
         problem.choose_reversal_speeds(&aligned.iter().collect::<Vec<_>>())?;
         rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
