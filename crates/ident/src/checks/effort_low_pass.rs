@@ -37,8 +37,9 @@ pub(super) enum LateBy {
     Either(f64),
 }
 
-/// Whether a low-pass makes the efforts late, or the delay that was found.
-pub(super) fn late_by(lags: &Lags, delay: Option<FoundLag>) -> Result<LateBy, NumericError> {
+/// Whether a low-pass makes the efforts late, or a delay.
+pub(super) fn late_by(lags: &Lags) -> Result<LateBy, NumericError> {
+    let delay = lags.most_likely(LagKind::Delay)?;
     // efforts that are not clearly late have none, and one joint alone has no other to agree with
     let is_late = delay.is_none_or(|delay| delay.number_s > 0.0 && delay.evidence > CLEARLY);
     if lags.joints() < 2 || !is_late {

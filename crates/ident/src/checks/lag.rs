@@ -36,11 +36,18 @@ const AFTER_S: f64 = 0.1;
 /// their noise out.
 const LITTLE_NOISE: f64 = 0.03;
 
-/// The cut-off below which the noise of the accelerations is little \[Hz\], where it is not little below this one: it grows with
-/// the frequency to the power of five halves.
-pub(super) fn quiet_cutoff_hz(cutoff_hz: f64, acceleration_noise: f64) -> Option<f64> {
-    (acceleration_noise > LITTLE_NOISE)
-        .then(|| cutoff_hz * (LITTLE_NOISE / acceleration_noise).powf(0.4))
+/// How far above the cut-off of the fit lags are compared, at most, and below which share of the sampling rate.
+const HIGHEST_BAND: f64 = 4.0;
+const HIGHEST_SHARE: f64 = 0.1;
+
+/// The cut-off up to which the noise of the accelerations is little \[Hz\]: it grows with the frequency to the power of five halves.
+/// The wider the band, the clearer a lag, and the shorter what a reversal spreads to.
+pub(super) fn band_of_lags_hz(cutoff_hz: f64, rate_hz: f64, acceleration_noise: f64) -> f64 {
+    let quiet = (LITTLE_NOISE / acceleration_noise).powf(0.4);
+    if quiet < 1.0 {
+        return cutoff_hz * quiet;
+    }
+    (cutoff_hz * quiet.min(HIGHEST_BAND)).min(HIGHEST_SHARE * rate_hz).max(cutoff_hz)
 }
 
 /// Samples away from the reversals and rests of a joint: a joint that sticks reverses its friction gradually, and presliding friction
@@ -280,11 +287,6 @@ impl Lags {
     /// Number of joints.
     pub(super) fn joints(&self) -> usize {
         self.joints.len()
-    }
-
-    /// Independent samples beyond the terms, of all joints.
-    pub(super) fn freedom(&self) -> f64 {
-        self.joints.iter().map(|joint| joint.freedom).sum()
     }
 
     /// `2 ln` of the likelihood of one lag over that of another, of each joint.

@@ -18,7 +18,9 @@ pub(super) struct Top {
     pub(super) off: f64,
     /// Half of the 95 % interval.
     pub(super) half: f64,
-    /// Logarithm of the likelihood of all joints at the top.
+    /// Logarithm of the likelihood of all joints, at each value.
+    pub(super) total: Vec<f64>,
+    /// The same at the top.
     pub(super) height: f64,
 }
 
@@ -50,6 +52,6 @@ impl Top {
             0.0
         };
         let half = (1.96 / steepness.sqrt()).max(by_joints);
-        Some(Self { best, off, half, height })
+        Some(Self { best, off, half, total, height })
     }
 }

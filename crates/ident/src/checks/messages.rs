@@ -233,9 +233,16 @@ pub(super) fn delay(
     } else {
         Verdict::Ok
     };
-    let verdict = if look_alike.is_some() { verdict.min(Verdict::Inconclusive) } else { verdict };
+    // late by a low-pass is late too
+    let verdict = match look_alike {
+        None | Some(LookAlike::LowPass(_)) => verdict,
+        Some(_) => verdict.min(Verdict::Inconclusive),
+    };
     let rival = match look_alike {
         None => String::new(),
+        Some(LookAlike::Presliding) => {
+            "; friction that builds up after each reversal explains as much: no case against the clocks".to_owned()
+        }
         Some(LookAlike::OtherCutoff { cutoff_hz, delay_s }) => format!(
             "; below {} Hz it is {:.1} ms: no delay of clocks, which is the same at any cut-off",
             digits(cutoff_hz, 3),
@@ -262,7 +269,7 @@ pub(super) fn delay(
             "shift the effort stamps by {:.1} ms, or time-stamp both channels at the source",
             -1e3 * found.delay_s
         )),
-        Verdict::Inconclusive if look_alike.is_none() => {
+        Verdict::Inconclusive if matches!(look_alike, None | Some(LookAlike::LowPass(_))) => {
             Some("excite several frequencies, faster".to_owned())
         }
         Verdict::Inconclusive | Verdict::Ok => None,

@@ -57,11 +57,15 @@ use columns::Alone;
 use computed::BesideRigid;
 use delay::LookAlike;
 use effort_low_pass::LateBy;
-use lag::{LagKind, Lags};
+use lag::Lags;
+use likelihood_top::CLEARLY;
 
 use crate::calibration::dead_zone_shares;
 use crate::minimal_set::MinimalSet;
 use crate::regression::BatchProblem;
+
+/// Times the efforts are shifted by the remaining delay.
+const ALIGNMENTS: usize = 2;
 
 /// Everything that was checked.
 #[derive(Debug, Clone)]
@@ -200,43 +204,58 @@ pub fn check(
         &rows,
         &is_silent,
     )?;
-    // noise of the accelerations would favour any lag that smooths the columns: below where it is little
+    let mut delay = delay::delay(&rows, &is_silent);
+    // efforts that are not clearly late went through no low-pass
+    let is_late = delay.as_ref().is_none_or(|d| d.delay_s > 0.0 && d.evidence > CLEARLY);
+    // noise of the accelerations would favour any lag that smooths the columns: in the band where it is little
     let alive = (0..names.len()).filter(|&j| !is_silent[j]);
     let noise_of = |j: usize| rows::acceleration_noise(&quality, motions, j, names[map.source[j]]);
     let noisiest = alive.filter_map(noise_of).fold(0.0, f64::max);
+    let rate_hz = motions.iter().map(|m| m.rate_hz).fold(f64::INFINITY, f64::min);
     let quiet = cutoff_hz
-        .and_then(|hz| lag::quiet_cutoff_hz(hz, noisiest))
+        .map(|hz| lag::band_of_lags_hz(hz, rate_hz, noisiest))
+        .filter(|hz| is_late && Some(*hz) != cutoff_hz)
         .and_then(|hz| map.motions_below(hz, recordings, &motions[0].joints));
     let lags = match &quiet {
+        _ if !is_filtered || !is_late => None,
         Some(quiet) => {
             let rows = rows::accumulate(&problem, &arm, quiet, &noise)?;
             Lags::of(&problem, quiet, &rows, &is_silent)?
         }
         None => Lags::of(&problem, motions, &rows, &is_silent)?,
     };
-    let (mut delay, mut late_by) = (None, LateBy::NoLowPass);
-    if let Some(lags) = &lags {
-        let found = lags.most_likely(LagKind::Delay)?;
-        delay = found.map(|found| Delay::of(&found, lags));
-        if is_filtered {
-            late_by = effort_low_pass::late_by(lags, found)?;
-        }
-    }
-    let (low_pass, mut look_alike) = match late_by {
-        LateBy::LowPass(found) => (Some(found), None),
-        LateBy::Either(time_constant_s) => (None, Some(LookAlike::LowPass(time_constant_s))),
-        LateBy::NoLowPass => (None, None),
+    let late_by = match &lags {
+        Some(lags) => effort_low_pass::late_by(lags)?,
+        None => LateBy::NoLowPass,
     };
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
-    if let Some(found) = delay.as_ref().filter(|delay| delay.excludes_zero()) {
-        let of = ((motions, noise.as_slice()), (recordings, map));
-        let other = delay::look_alike(found, &problem, of.0, of.1, &is_silent)?;
-        look_alike = other.or(look_alike);
-        aligned = motions.iter().map(|m| rows::with_effort_from(m, found.delay_s)).collect();
+    for _ in 0..ALIGNMENTS {
+        let Some(so_far) = delay.clone().filter(Delay::excludes_zero) else { break };
+        aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
         problem.choose_reversal_speeds(&aligned.iter().collect::<Vec<_>>())?;
         rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
+        let Some(rest) = delay::delay(&rows, &is_silent) else { break };
+        delay = Some(so_far.and_then(&rest));
     }
+    let mut look_alike = match delay.as_ref().filter(|d| d.excludes_zero()) {
+        Some(found) => {
+            let in_time = problem_of(&arm, motions)?;
+            let of = ((motions, noise.as_slice()), (recordings, map));
+            delay::look_alike(found, &in_time, of.0, of.1, &is_silent)?
+        }
+        None => None,
+    };
+    let low_pass = match late_by {
+        LateBy::LowPass(found) => Some(found),
+        LateBy::Either(time_constant_s) => {
+            let is_late = delay.as_ref().is_some_and(Delay::excludes_zero);
+            let low_pass = is_late.then_some(LookAlike::LowPass(time_constant_s));
+            look_alike = look_alike.or(low_pass);
+            None
+        }
+        LateBy::NoLowPass => None,
+    };
     let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
     let with_dead_zone: Vec<&str> =
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();

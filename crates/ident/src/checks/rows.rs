@@ -1,5 +1,5 @@
 //! The rows of all checks: one triangle a joint, with the columns of the model, the
-//! URDF's gravity, and the efforts of all joints.
+//! URDF's gravity, the efforts of all joints, and the joint's own effort at other times.
 
 use armident_dynamics::{ArmMotion, RigidArm, inverse_dynamics_of_motion};
 use armident_motion::{Motion, QualityReport};
@@ -10,6 +10,8 @@ use crate::regression::{BatchProblem, RANK_CUT, Term};
 use crate::used_samples::EDGE_PERIODS;
 use armident_inference::correlation_time;
 
+/// Effort shifts tried to either side.
+pub(super) const SHIFTS_ASIDE: usize = 16;
 /// Longest delay looked for \[s\]: drives and field buses have been seen to take some tens of
 /// milliseconds.
 pub(super) const LONGEST_DELAY_S: f64 = 0.06;
@@ -18,7 +20,8 @@ pub(super) const SAMPLES_PER_CUTOFF: f64 = 4.0;
 
 /// Rows of one joint, reduced.
 ///
-/// Columns: the joint's terms, the URDF's gravity effort, the effort of every joint; the right-hand side is the joint's own effort.
+/// Columns: the joint's terms, the URDF's gravity effort, the effort of every joint, the joint's own
+/// effort at each of [`shifts_s`], which also stands on the right-hand side.
 #[derive(Debug, Clone)]
 pub(super) struct ChannelRows {
     pub(super) triangle: AccumulatedQr,
@@ -47,13 +50,40 @@ pub(super) struct ChannelRows {
     pub(super) friction_share: f64,
 }
 
+/// What the terms of a joint leave of its effort at each shift: the vectors have the squares and products of the residuals.
+pub(super) struct ShiftedResiduals {
+    /// Independent samples beyond the terms.
+    pub(super) freedom: f64,
+    /// `[shift][row]`
+    pub(super) left: Vec<Vec<f64>>,
+}
+
 impl ChannelRows {
+    /// What its terms leave of its effort at each shift.
+    pub(super) fn shifted_residuals(&self) -> ShiftedResiduals {
+        let own = independent(&self.triangle, &(0..self.terms).collect::<Vec<usize>>());
+        let first = own.len();
+        let shifts = 2 * SHIFTS_ASIDE + 1;
+        let order: Vec<usize> =
+            own.into_iter().chain((0..shifts).map(|k| self.shifted(k))).collect();
+        let r = self.triangle.reordered(&order);
+        let left = |k: usize| (first..first + shifts).map(|i| r[(i, first + k)]).collect();
+        ShiftedResiduals {
+            freedom: (self.effective - first as f64).max(1.0),
+            left: (0..shifts).map(left).collect(),
+        }
+    }
+
     pub(super) fn gravity(&self) -> usize {
         self.terms
     }
 
     pub(super) fn effort_of(&self, joint: usize) -> usize {
         self.terms + 1 + joint
+    }
+
+    pub(super) fn shifted(&self, shift: usize) -> usize {
+        self.terms + 1 + self.joints + shift
     }
 
     /// Share of the standard deviation of the effort that the terms leave: as many terms as independent samples would leave
@@ -166,6 +196,12 @@ pub(super) fn independent(rows: &AccumulatedQr, columns: &[usize]) -> Vec<usize>
     (0..columns.len()).filter(is_own).map(|k| columns[k]).collect()
 }
 
+/// Times by which the effort is read later \[s\]: positive finds an effort that lags.
+pub(super) fn shifts_s() -> Vec<f64> {
+    let steps = SHIFTS_ASIDE as f64;
+    (0..=2 * SHIFTS_ASIDE).map(|k| (k as f64 - steps) / steps * LONGEST_DELAY_S).collect()
+}
+
 /// The motion with its efforts read `delay_s` later.
 pub(super) fn with_effort_from(motion: &Motion, delay_s: f64) -> Motion {
     let later: Vec<f64> = motion.time_s.iter().map(|t| t + delay_s).collect();
@@ -273,6 +309,7 @@ pub(super) fn accumulate(
     noise: &[f64],
 ) -> Result<Vec<ChannelRows>, NumericError> {
     let n = arm.dof();
+    let shifts = shifts_s();
     let mut gravity: Vec<Vec<Vec<f64>>> = Vec::new();
     let mut of_urdf = vec![(0.0, 0.0, 0.0); n];
     let moved = problem.arm_motions(&motions.iter().collect::<Vec<_>>());
@@ -293,7 +330,7 @@ pub(super) fn accumulate(
     for joint in 0..n {
         let terms = problem.terms_of_joint(joint).len();
         let mut rows = ChannelRows {
-            triangle: AccumulatedQr::new(terms + 1 + n),
+            triangle: AccumulatedQr::new(terms + 1 + n + shifts.len()),
             terms,
             joints: n,
             samples: 0.0,
@@ -314,6 +351,13 @@ pub(super) fn accumulate(
             let mut columns = model_columns(problem, joint, motion, moved);
             columns.push(gravity[joint][kept.clone()].to_vec());
             columns.extend(effort.iter().map(|e| e[kept.clone()].to_vec()));
+            for shift in &shifts {
+                let later: Vec<f64> =
+                    motion.time_s[kept.clone()].iter().map(|t| t + shift).collect();
+                let longest_s = 2.0 / motion.rate_hz;
+                let at = Interpolation::new(&motion.time_s, &later, longest_s);
+                columns.push(at.apply(&effort[joint]));
+            }
             // a rest is one row
             let observed = motion.observations(joint, kept.clone()).beginning_at(edge);
             let columns: Vec<Vec<f64>> = columns.iter().map(|c| observed.of(c)).collect();

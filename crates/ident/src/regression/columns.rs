@@ -179,7 +179,7 @@ impl BatchProblem {
         motion.filtered_fine(formed)
     }
 
-    /// The shared transmissions among the unknowns that a joint is part of.
+    /// The shared transmissions among the parameters that a joint is part of.
     pub(crate) fn couplings_on(&self, joint: usize) -> Vec<Coupling> {
         let mut all: Vec<Coupling> = Vec::new();
         for &k in &self.by_joint[joint] {
