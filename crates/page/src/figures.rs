@@ -9,6 +9,7 @@ use crate::drawing::{
     Correlation, Drawing, DrawnQuantity, FindingRegion, FindingTraces, JointResidual, PlotSeries,
     RecordingRole, RecordingTraces, Skeleton,
 };
+use crate::finding::ACTS;
 
 /// One figure with the views a reader chooses among.
 #[derive(Debug, Clone)]
@@ -413,8 +414,6 @@ pub(crate) struct LitFinding {
 impl LitFinding {
     /// With what the recordings show of a finding.
     pub(crate) fn with(self, traces: &FindingTraces) -> Self {
-        // a law acts where its effort is above this share of its largest
-        const ACTS: f64 = 0.1;
         let regime = traces.views.first().map_or_else(String::new, |view| view.over.clone());
         let over_time = traces.views.iter().find(|view| view.over.starts_with("time in"));
         let Some(view) = over_time else { return Self { regime, ..self } };

@@ -17,7 +17,7 @@ const LEAST_SAMPLES: usize = 4;
 /// Samples of a recording that are sorted into classes.
 const SORTED: usize = 60_000;
 /// A law acts where its effort is above this share of its largest.
-const ACTS: f64 = 0.1;
+pub(crate) const ACTS: f64 = 0.1;
 /// Time around a reversal that is looked at \[s\].
 const AROUND_S: f64 = 0.4;
 /// Gravity patterns below this share of the largest are not drawn.

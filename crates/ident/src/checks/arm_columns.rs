@@ -74,8 +74,8 @@ impl JointMap {
         moved
     }
 
-    /// Motions of recordings below another cut-off \[Hz\]; none where a recording has none.
-    pub(super) fn motions_below(
+    /// Motions of recordings with another cut-off \[Hz\]; none where it is not possible for a recording.
+    pub(super) fn motions_with_cutoff(
         &self,
         cutoff_hz: f64,
         recordings: &[Recording],

@@ -76,7 +76,7 @@ pub(super) fn look_alike(
     else {
         return Ok(None);
     };
-    let Some(lower) = map.motions_below(cutoff_hz, recordings, &motions[0].joints) else {
+    let Some(lower) = map.motions_with_cutoff(cutoff_hz, recordings, &motions[0].joints) else {
         return Ok(None);
     };
     let rows = rows::accumulate(problem, problem.arm(), &lower, noise)?;

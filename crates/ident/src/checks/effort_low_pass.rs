@@ -50,18 +50,18 @@ pub(super) fn late_by(lags: &Lags) -> Result<LateBy, NumericError> {
     let low_pass = (LagKind::LowPass, time_constant_s);
     let delay = (LagKind::Delay, delay.map_or(0.0, |delay| delay.number_s));
     // what a joint shows beyond what it would in theory is no sign of either: its model lacks something
-    let clear_over = |one, other| -> Result<bool, NumericError> {
-        let shown = lags.log_ratios(one, other)?;
-        let expected = lags.expected_log_ratios(one, other)?;
-        Ok(shown.iter().zip(&expected).map(|(s, e)| s.min(*e)).sum::<f64>() > CLEARLY)
+    let shown = lags.log_ratios(low_pass, delay)?;
+    let is_clear = |sign: f64, expected: Vec<f64>| {
+        let bounded = shown.iter().zip(&expected).map(|(shown, most)| (sign * shown).min(*most));
+        bounded.sum::<f64>() > CLEARLY
     };
-    if clear_over(low_pass, delay)? && time_constant_s > half_s {
+    if time_constant_s > half_s && is_clear(1.0, lags.expected_log_ratios(low_pass, delay)?) {
         return Ok(LateBy::LowPass(EffortLowPass {
             time_constant_s,
             interval_95_s: [time_constant_s - half_s, time_constant_s + half_s],
             evidence,
         }));
     }
-    let is_delay = clear_over(delay, low_pass)?;
+    let is_delay = is_clear(-1.0, lags.expected_log_ratios(delay, low_pass)?);
     Ok(if is_delay { LateBy::NoLowPass } else { LateBy::Either(time_constant_s) })
 }

@@ -3,15 +3,13 @@
 //! Method: profile likelihood of the free model of each joint, its columns seen through a lag that is exact at every frequency, over
 //! the number of the lag. The efforts stay as recorded, so that all lags have the same noise. Only samples away from the joint's
 //! reversals are compared. Gauss-Newton steps on the derivative of the columns, projected (G. H. Golub, V. Pereyra, SIAM J. Numer.
-//! Anal. 10, 413 (1973)). The half-width of the 95 % interval is the larger one of that by the curvature, and of that by how the
-//! joints disagree (sandwich over joints, quantile of Student's t): unmodelled physics pulls each joint its own way, a number of the
-//! whole robot pulls all of them.
+//! Anal. 10, 413 (1973)). The interval is that of a [tabulated likelihood](super::likelihood_top).
 
-use armident_inference::student_t_975;
 use armident_motion::{LateSignals, Motion, SignalLag, ZeroPhaseLowPass};
 use armident_numeric::{AccumulatedQr, NumericError};
 use rayon::prelude::*;
 
+use super::likelihood_top::half_of_95;
 use super::rows::{ChannelRows, SAMPLES_PER_CUTOFF, edge, independent};
 use crate::regression::{BatchProblem, RANK_CUT};
 
@@ -315,15 +313,14 @@ impl Lags {
 
     /// The most likely lag of a kind; none where the likelihood is highest at an end of the range, or nowhere.
     pub(super) fn most_likely(&self, kind: LagKind) -> Result<Option<FoundLag>, NumericError> {
-        let mut from = (kind.least_s(), f64::NEG_INFINITY);
+        let mut from: Option<(f64, Vec<AtLag>)> = None;
         for number_s in STARTS_S.into_iter().filter(|&s| s >= kind.least_s()) {
-            let there = height(&at_all(&self.joints, kind, number_s)?);
-            if there > from.1 {
-                from = (number_s, there);
+            let there = at_all(&self.joints, kind, number_s)?;
+            if from.as_ref().is_none_or(|(_, best)| height(&there) > height(best)) {
+                from = Some((number_s, there));
             }
         }
-        let mut number_s = from.0;
-        let mut here = at_all(&self.joints, kind, number_s)?;
+        let Some((mut number_s, mut here)) = from else { return Ok(None) };
         let mut share = 1.0;
         for _ in 0..STEPS {
             let slope: f64 = here.iter().map(|at| at.slope).sum();
@@ -344,15 +341,8 @@ impl Lags {
             }
         }
         let curvature: f64 = here.iter().map(|at| at.curvature).sum();
-        let others = here.len() as f64 - 1.0;
-        let disagreement: f64 = here.iter().map(|at| at.slope.powi(2)).sum();
-        let by_joints = if others > 0.0 {
-            let of_mean = here.len() as f64 / others;
-            student_t_975(others) * (of_mean * disagreement).sqrt() / curvature
-        } else {
-            0.0
-        };
-        let half_s = (1.96 / curvature.sqrt()).max(by_joints);
+        let slopes: Vec<f64> = here.iter().map(|at| at.slope).collect();
+        let half_s = half_of_95(curvature, &slopes);
         let is_inside = (kind.least_s() + LAST_STEP_S..LONGEST_S - LAST_STEP_S).contains(&number_s);
         Ok((is_inside && half_s.is_finite()).then(|| FoundLag {
             number_s,

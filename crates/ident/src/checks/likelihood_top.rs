@@ -24,10 +24,23 @@ pub(super) struct Top {
     pub(super) height: f64,
 }
 
+/// Half of the 95 % interval of a number at the top of the likelihood of all joints, by its steepness (minus the second derivative)
+/// there and by the slopes of the joints, which add up to zero.
+pub(super) fn half_of_95(steepness: f64, slopes: &[f64]) -> f64 {
+    let by_curvature = 1.96 / steepness.sqrt();
+    let others = slopes.len() as f64 - 1.0;
+    if others < 1.0 {
+        return by_curvature;
+    }
+    let of_mean = slopes.len() as f64 / others;
+    let disagreement: f64 = slopes.iter().map(|slope| slope.powi(2)).sum();
+    by_curvature.max(student_t_975(others) * (of_mean * disagreement).sqrt() / steepness)
+}
+
 impl Top {
     /// Of `[joint][value]`, values `step` apart; none without a joint, and where the top is at an end or there is none.
     pub(super) fn of(log_likelihood: &[Vec<f64>], step: f64) -> Option<Self> {
-        let (joints, values) = (log_likelihood.len(), log_likelihood.first()?.len());
+        let values = log_likelihood.first()?.len();
         let total: Vec<f64> =
             (0..values).map(|k| log_likelihood.iter().map(|l| l[k]).sum()).collect();
         let best = (0..values).max_by(|&a, &b| total[a].total_cmp(&total[b]))?;
@@ -42,16 +55,9 @@ impl Top {
         }
         let off = slope(&total) / steepness;
         let height = total[best] + 0.5 * steepness * off * off;
-        // slopes of the joints at the common top add up to zero
-        let disagreement: f64 =
-            log_likelihood.iter().map(|l| (slope(l) + curvature(l) * off).powi(2)).sum();
-        let by_joints = if joints > 1 {
-            let of_mean = joints as f64 / (joints - 1) as f64;
-            student_t_975((joints - 1) as f64) * (of_mean * disagreement).sqrt() / steepness
-        } else {
-            0.0
-        };
-        let half = (1.96 / steepness.sqrt()).max(by_joints);
+        let slopes: Vec<f64> =
+            log_likelihood.iter().map(|l| slope(l) + curvature(l) * off).collect();
+        let half = half_of_95(steepness, &slopes);
         Some(Self { best, off, half, total, height })
     }
 }

@@ -207,27 +207,29 @@ pub fn check(
     let mut delay = delay::delay(&rows, &is_silent);
     // efforts that are not clearly late went through no low-pass
     let is_late = delay.as_ref().is_none_or(|d| d.delay_s > 0.0 && d.evidence > CLEARLY);
-    // noise of the accelerations would favour any lag that smooths the columns: in the band where it is little
-    let alive = (0..names.len()).filter(|&j| !is_silent[j]);
-    let noise_of = |j: usize| rows::acceleration_noise(&quality, motions, j, names[map.source[j]]);
-    let noisiest = alive.filter_map(noise_of).fold(0.0, f64::max);
-    let rate_hz = motions.iter().map(|m| m.rate_hz).fold(f64::INFINITY, f64::min);
-    let quiet = cutoff_hz
-        .map(|hz| lag::band_of_lags_hz(hz, rate_hz, noisiest))
-        .filter(|hz| is_late && Some(*hz) != cutoff_hz)
-        .and_then(|hz| map.motions_below(hz, recordings, &motions[0].joints));
-    let lags = match &quiet {
-        _ if !is_filtered || !is_late => None,
-        Some(quiet) => {
-            let rows = rows::accumulate(&problem, &arm, quiet, &noise)?;
-            Lags::of(&problem, quiet, &rows, &is_silent)?
+    let mut late_by = LateBy::NoLowPass;
+    if is_filtered && is_late {
+        // noise of the accelerations would favour any lag that smooths the columns: in the band where it is little
+        let alive = (0..names.len()).filter(|&j| !is_silent[j]);
+        let noise_of =
+            |j: usize| rows::acceleration_noise(&quality, motions, j, names[map.source[j]]);
+        let noisiest = alive.filter_map(noise_of).fold(0.0, f64::max);
+        let rate_hz = motions.iter().map(|m| m.rate_hz).fold(f64::INFINITY, f64::min);
+        let quiet = cutoff_hz
+            .map(|hz| lag::band_of_lags_hz(hz, rate_hz, noisiest))
+            .filter(|hz| Some(*hz) != cutoff_hz)
+            .and_then(|hz| map.motions_with_cutoff(hz, recordings, &motions[0].joints));
+        let lags = match &quiet {
+            Some(quiet) => {
+                let rows = rows::accumulate(&problem, &arm, quiet, &noise)?;
+                Lags::of(&problem, quiet, &rows, &is_silent)?
+            }
+            None => Lags::of(&problem, motions, &rows, &is_silent)?,
+        };
+        if let Some(lags) = &lags {
+            late_by = effort_low_pass::late_by(lags)?;
         }
-        None => Lags::of(&problem, motions, &rows, &is_silent)?,
-    };
-    let late_by = match &lags {
-        Some(lags) => effort_low_pass::late_by(lags)?,
-        None => LateBy::NoLowPass,
-    };
+    }
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
     for _ in 0..ALIGNMENTS {
@@ -275,7 +277,8 @@ pub fn check(
         .filter(|&j| alive[j])
         .map(|j| {
             let name = names[map.source[j]];
-            BesideRigid::of(&problem, j, &rows[j], rows::recorded_noise(&quality, name))
+            let noise = rows::recorded_noise(&quality, name, Quantity::Effort);
+            BesideRigid::of(&problem, j, &rows[j], noise.unwrap_or(0.0))
         })
         .collect();
 

@@ -237,12 +237,15 @@ fn model_columns(
     columns
 }
 
-/// Standard deviation of the noise of one recorded effort sample of a joint \[N m or N\], of the noisiest recording.
-pub(super) fn recorded_noise(reports: &[QualityReport], name: &str) -> f64 {
-    let of =
-        |c: &&armident_motion::ChannelQuality| c.joint == name && c.quantity == Quantity::Effort;
-    let all = reports.iter().flat_map(|r| r.channels.iter().filter(of)).filter_map(|c| c.noise);
-    all.fold(0.0, f64::max)
+/// Standard deviation of the noise of one recorded sample of a joint, of the noisiest recording; none where it is not known.
+pub(super) fn recorded_noise(
+    reports: &[QualityReport],
+    name: &str,
+    quantity: Quantity,
+) -> Option<f64> {
+    let channels = reports.iter().flat_map(|r| &r.channels);
+    let own = channels.filter(|c| c.joint == name && c.quantity == quantity);
+    own.filter_map(|c| c.noise).max_by(f64::total_cmp)
 }
 
 /// Standard deviation of values about their mean.
@@ -261,10 +264,7 @@ pub(super) fn acceleration_noise(
     joint: usize,
     name: &str,
 ) -> Option<f64> {
-    let of =
-        |c: &&armident_motion::ChannelQuality| c.joint == name && c.quantity == Quantity::Position;
-    let channels = reports.iter().flat_map(|r| r.channels.iter().filter(of));
-    let sigma = channels.filter_map(|c| c.noise).max_by(f64::total_cmp)?;
+    let sigma = recorded_noise(reports, name, Quantity::Position)?;
     let cutoffs_hz: Option<Vec<f64>> =
         motions.iter().map(|m| Some(m.filter.as_ref()?.cutoff_hz())).collect();
     let cutoff_hz = cutoffs_hz?.into_iter().fold(0.0, f64::max);

@@ -82,21 +82,6 @@ impl ReversalCandidates {
         if motions.iter().all(|m| m.filter.is_none()) {
             return Self { tried: Vec::new(), joints: Vec::new() };
         }
-        let usual = ReversalModel::regularised(DEFAULT_SPEED_RESOLUTION);
-        Self::new(usual, problem.motion_scales(motions))
-    }
-
-    pub(super) fn usual(&self) -> Option<Vec<ReversalModel>> {
-        (!self.tried.is_empty()).then(|| self.on_joints(0))
-    }
-}
-
-/// Largest share of the speed below which a check regularises dry friction.
-const FASTEST_OF_A_CHECK: f64 = 0.1;
-
-impl BatchProblem {
-    /// How far, how fast and how long each joint moves.
-    pub(crate) fn motion_scales(&self, motions: &[&Motion]) -> Vec<MotionScale> {
         let root_mean_square = |of: &dyn Fn(&Motion) -> &Vec<f64>, about: f64| {
             let squares: f64 =
                 motions.iter().flat_map(|m| of(m)).map(|x| (x - about).powi(2)).sum();
@@ -112,16 +97,28 @@ impl BatchProblem {
             let all = || motions.iter().flat_map(|m| &m.position[joint]);
             let mean = all().sum::<f64>() / all().count() as f64;
             MotionScale {
-                kind: self.arm().joints[joint].kind,
+                kind: problem.arm().joints[joint].kind,
                 speed_rms: root_mean_square(&|m| &m.velocity[joint], 0.0),
                 position_deviation: root_mean_square(&|m| &m.position[joint], mean),
                 duration_s,
             }
         };
         let joints = motions.first().map_or(0, |m| m.velocity.len());
-        (0..joints).map(scale).collect()
+        Self::new(
+            ReversalModel::regularised(DEFAULT_SPEED_RESOLUTION),
+            (0..joints).map(scale).collect(),
+        )
     }
 
+    pub(super) fn usual(&self) -> Option<Vec<ReversalModel>> {
+        (!self.tried.is_empty()).then(|| self.on_joints(0))
+    }
+}
+
+/// Largest share of the speed below which a check regularises dry friction.
+const FASTEST_OF_A_CHECK: f64 = 0.1;
+
+impl BatchProblem {
     /// Chooses only the speed below which each joint's dry friction is regularised: a check looks for a lag of the efforts
     /// first, which presliding friction would absorb.
     ///
