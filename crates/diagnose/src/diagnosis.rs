@@ -4,6 +4,7 @@ use crate::checks::effort_columns::InputChecks;
 use crate::design::known_effort::KnownModel;
 use std::collections::BTreeMap;
 
+use armident_effects::{DriveLowPass, Effect, TimeDelay};
 use armident_ident::checks::LinkLength;
 use armident_inference::levels::EXPECTED_T;
 use armident_inference::{paired_t, whiteness};
@@ -12,7 +13,7 @@ use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::findings::confidence::{NOT_CONFIRMED, with_odds};
+use crate::findings::confidence::{NOT_CONFIRMED, beside_rival, with_odds};
 use crate::findings::finding::{Alternative, DoubtfulChange, Finding};
 use crate::findings::geometry::length_finding;
 use crate::findings::placebo::Placebo;
@@ -125,6 +126,21 @@ impl Diagnosis {
         let own = [&mut self.model, &mut self.rigid].into_iter().chain(given);
         for model in own.chain(beside).chain(rivals) {
             model.effort_low_pass_s += time_constant_s;
+        }
+    }
+
+    /// A delay of the efforts that a low-pass explains as well is less sure, and has it as an alternative.
+    pub(crate) fn weigh_low_pass_against_delay(&mut self) {
+        let Some(found) = self.input_checks.low_pass_or_delay else { return };
+        for finding in self.findings.iter_mut().filter(|f| f.effect == TimeDelay.slug()) {
+            finding.confidence = beside_rival(finding.confidence, found.delay_over_low_pass);
+            finding.alternatives.push(Alternative {
+                effect: DriveLowPass.slug().to_owned(),
+                joints: finding.joints.clone(),
+                link: None,
+                left_more: None,
+                separated_by: TimeDelay.law().separated_from(DriveLowPass.law()),
+            });
         }
     }
 

@@ -137,6 +137,9 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
         diagnosis.report_length(length, without.ok().map(|without| without.model));
     }
     diagnosis.report_through_low_pass(low_pass_s, !request.reference.is_empty());
+    if request.reference.is_empty() {
+        diagnosis.weigh_low_pass_against_delay();
+    }
     diagnosis.widen_by_drive_gains();
     diagnosis.confirm()?;
     Ok(diagnosis)

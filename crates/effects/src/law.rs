@@ -193,7 +193,8 @@ pub enum Naming {
     PredictionOnly,
     /// Fitted by `identify` where commands and no efforts are recorded.
     FromCommands,
-    /// Found by the input checks beside any inertias of the links, and corrected before the others are sought.
+    /// Found by the input checks beside any inertias of the links, and corrected before the others are sought; where it cannot be
+    /// distinguished from a law that is reported, an alternative of that.
     FromChecks,
 }
 

@@ -27,6 +27,16 @@ pub(crate) fn with_odds(confidence: f64, factor: f64) -> f64 {
     factor * confidence / (1.0 - confidence + factor * confidence)
 }
 
+/// The confidence beside one more rival, which scores worse by this much.
+pub(crate) fn beside_rival(confidence: f64, behind: f64) -> f64 {
+    confidence / (1.0 + odds_of_rival(behind))
+}
+
+/// Odds of a rival that scores worse by this much, twice a log odds; no rival is more likely than the name by its score alone.
+fn odds_of_rival(behind: f64) -> f64 {
+    (-0.5 * behind.max(0.0)).exp()
+}
+
 /// What a confidence is formed of.
 pub(crate) struct Evidence<'a> {
     pub(crate) materiality: &'a Materiality,
@@ -54,7 +64,7 @@ impl Evidence<'_> {
         let of_size = self.size.map_or(0.0, |size| size.powi(-2));
         let both = (materiality.powi(-2) + of_size).powf(-0.5);
         let alone = 1.0 / (1.0 + (-STEEPNESS * (both - 1.0)).exp());
-        let rivals: f64 = self.behind.iter().map(|behind| (-0.5 * behind.max(0.0)).exp()).sum();
+        let rivals: f64 = self.behind.iter().map(|behind| odds_of_rival(*behind)).sum();
         alone / (1.0 + rivals)
     }
 }

@@ -31,8 +31,8 @@ pub struct Alternative {
     pub joints: Vec<String>,
     /// Link.
     pub link: Option<String>,
-    /// Root mean square residual that it adds to that of the finding, in noise levels.
-    pub left_more: f64,
+    /// Root mean square residual that it adds to that of the finding, in noise levels; none where it was not fitted.
+    pub left_more: Option<f64>,
     /// The motion that would separate the two, in words, if the library has one.
     pub separated_by: Option<&'static str>,
 }
@@ -281,7 +281,7 @@ fn alternative(solution: &Solution<'_, '_>, of: InPlace, rival: &Rival) -> Alter
         effect: other.map_or(UNMODELLED, Effect::slug).to_owned(),
         joints: joints.iter().map(|j| design.names[*j].clone()).collect(),
         link,
-        left_more: rival.left,
+        left_more: Some(rival.left),
         separated_by: (!between_links).then(|| separated_by(own, other)).flatten(),
     }
 }
@@ -298,7 +298,7 @@ fn load_unweighed(solution: &Solution<'_, '_>, candidate: usize) -> Option<Alter
         effect: Payload.slug().to_owned(),
         joints: vec![design.names[last].clone()],
         link: link_of(design, &candidates[candidate]),
-        left_more: 0.0,
+        left_more: Some(0.0),
         separated_by: Some("No motion of this arm distinguishes them, because its efforts do not depend on the mass: weigh the load."),
     })
 }

@@ -232,7 +232,7 @@ impl JointFindings<'_> {
             effect: law.slug().to_owned(),
             joints: vec![self.fit.joint.clone()],
             link: None,
-            left_more: 0.0,
+            left_more: None,
             separated_by: named.law().separated_from(law.law()),
         }
     }

@@ -3,6 +3,7 @@
 mod asymmetric_coulomb_friction;
 mod backlash;
 mod coulomb_friction;
+mod drive_low_pass;
 mod encoder_offset;
 mod external_contact;
 mod friction_drift;
@@ -29,6 +30,7 @@ mod viscous_friction;
 pub use asymmetric_coulomb_friction::AsymmetricCoulombFriction;
 pub use backlash::Backlash;
 pub use coulomb_friction::CoulombFriction;
+pub use drive_low_pass::DriveLowPass;
 pub use encoder_offset::EncoderOffset;
 pub use external_contact::ExternalContact;
 pub use friction_drift::FrictionDrift;
@@ -81,6 +83,7 @@ pub(crate) const STANDARD: &[&dyn Effect] = &[
     &SublinearViscousFriction,
     &PositionControl,
     &LinkGeometryError,
+    &DriveLowPass,
 ];
 
 /// The baseline terms: what every joint has in a plain identification, in the order of its parameter vectors.

@@ -33,8 +33,17 @@ pub(super) enum LateBy {
     NoLowPass,
     /// A low-pass.
     LowPass(EffortLowPass),
-    /// A delay, or as likely a low-pass of this time constant \[s\].
-    Either(f64),
+    /// A delay, or a low-pass.
+    Either(LowPassOrDelay),
+}
+
+/// A low-pass of first order that explains late efforts as well as a delay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LowPassOrDelay {
+    /// Its time constant \[s\].
+    pub time_constant_s: f64,
+    /// `2 ln` of the likelihood of the delay over its, of each joint no more than its motion would show.
+    pub delay_over_low_pass: f64,
 }
 
 /// Whether a low-pass makes the efforts late, or a delay.
@@ -51,17 +60,20 @@ pub(super) fn late_by(lags: &Lags) -> Result<LateBy, NumericError> {
     let delay = (LagKind::Delay, delay.map_or(0.0, |delay| delay.number_s));
     // what a joint shows beyond what it would in theory is no sign of either: its model lacks something
     let shown = lags.log_ratios(low_pass, delay)?;
-    let is_clear = |sign: f64, expected: Vec<f64>| {
-        let bounded = shown.iter().zip(&expected).map(|(shown, most)| (sign * shown).min(*most));
-        bounded.sum::<f64>() > CLEARLY
+    let bounded = |sign: f64, expected: Vec<f64>| -> f64 {
+        shown.iter().zip(&expected).map(|(shown, most)| (sign * shown).min(*most)).sum()
     };
-    if time_constant_s > half_s && is_clear(1.0, lags.expected_log_ratios(low_pass, delay)?) {
+    let low_pass_over_delay = bounded(1.0, lags.expected_log_ratios(low_pass, delay)?);
+    if time_constant_s > half_s && low_pass_over_delay > CLEARLY {
         return Ok(LateBy::LowPass(EffortLowPass {
             time_constant_s,
             interval_95_s: [time_constant_s - half_s, time_constant_s + half_s],
             evidence,
         }));
     }
-    let is_delay = is_clear(-1.0, lags.expected_log_ratios(delay, low_pass)?);
-    Ok(if is_delay { LateBy::NoLowPass } else { LateBy::Either(time_constant_s) })
+    let delay_over_low_pass = bounded(-1.0, lags.expected_log_ratios(delay, low_pass)?);
+    Ok(match delay_over_low_pass > CLEARLY {
+        true => LateBy::NoLowPass,
+        false => LateBy::Either(LowPassOrDelay { time_constant_s, delay_over_low_pass }),
+    })
 }

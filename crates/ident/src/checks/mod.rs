@@ -46,7 +46,7 @@ use armident_recording::{QualityIssue, Quantity, Recording};
 
 pub use channel::{ChannelEvidence, ChannelKind};
 pub use delay::Delay;
-pub use effort_low_pass::EffortLowPass;
+pub use effort_low_pass::{EffortLowPass, LowPassOrDelay};
 pub use excitation::ConstantCheck;
 pub use gravity::GravityDirectionFound;
 pub use link_length::{FrameLength, LinkLength};
@@ -86,6 +86,8 @@ pub struct RecordingCheck {
     pub delay: Option<Delay>,
     /// The low-pass through which the efforts are reported; none where there is none that explains more than a delay.
     pub effort_low_pass: Option<EffortLowPass>,
+    /// A low-pass that explains the delay as well; none where the recordings separate them.
+    pub low_pass_or_delay: Option<LowPassOrDelay>,
     /// A distance between two axes that is not the given one; none where the recordings contradict none.
     pub link_length: Option<LinkLength>,
     /// How well each constant is determined.
@@ -240,7 +242,7 @@ pub fn check(
         let Some(rest) = delay::delay(&rows, &is_silent) else { break };
         delay = Some(so_far.and_then(&rest));
     }
-    let mut look_alike = match delay.as_ref().filter(|d| d.excludes_zero()) {
+    let look_alike = match delay.as_ref().filter(|d| d.excludes_zero()) {
         Some(found) => {
             let in_time = problem_of(&arm, motions)?;
             let of = ((motions, noise.as_slice()), (recordings, map));
@@ -248,16 +250,17 @@ pub fn check(
         }
         None => None,
     };
-    let low_pass = match late_by {
-        LateBy::LowPass(found) => Some(found),
-        LateBy::Either(time_constant_s) => {
+    let (low_pass, low_pass_or_delay) = match late_by {
+        LateBy::LowPass(found) => (Some(found), None),
+        LateBy::Either(either) => {
             let is_late = delay.as_ref().is_some_and(Delay::excludes_zero);
-            let low_pass = is_late.then_some(LookAlike::LowPass(time_constant_s));
-            look_alike = look_alike.or(low_pass);
-            None
+            (None, is_late.then_some(either))
         }
-        LateBy::NoLowPass => None,
+        LateBy::NoLowPass => (None, None),
     };
+    let of_low_pass =
+        low_pass_or_delay.map(|low_pass| LookAlike::LowPass(low_pass.time_constant_s));
+    let look_alike = look_alike.or(of_low_pass);
     let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
     let with_dead_zone: Vec<&str> =
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();
@@ -330,6 +333,7 @@ pub fn check(
         mirrored: map.sign.iter().map(|sign| *sign < 0.0).collect(),
         delay,
         effort_low_pass: low_pass,
+        low_pass_or_delay,
         link_length,
         constants,
         rank: (rank, problem.terms.len()),

@@ -191,7 +191,7 @@ impl FindingRow {
                     effect: other.effect.clone(),
                     joints: other.joints.clone(),
                     link: other.link.clone(),
-                    extra_residual: Some(other.left_more),
+                    extra_residual: other.left_more,
                     separated_by: other.separated_by.map(ToOwned::to_owned),
                 })
                 .collect(),
