@@ -137,7 +137,9 @@ fn spikes(values: &[f64], is_judged: impl Fn(usize, f64) -> bool) -> Vec<usize> 
         if off[*k] <= FAR * count.max(QUIET * of_all) {
             return false;
         }
-        let mut near: [f64; WINDOW] = std::array::from_fn(|i| values[k + i - WINDOW / 2]);
+        // at the ends the window does not lie around the sample
+        let from = k.saturating_sub(WINDOW / 2).min(n - WINDOW);
+        let mut near: [f64; WINDOW] = std::array::from_fn(|i| values[from + i]);
         near.sort_unstable_by(f64::total_cmp);
         let off_median = (values[*k] - near[WINDOW / 2]).abs();
         let mut around = off[k.saturating_sub(AROUND)..(k + AROUND + 1).min(n)].to_vec();
@@ -147,15 +149,21 @@ fn spikes(values: &[f64], is_judged: impl Fn(usize, f64) -> bool) -> Vec<usize> 
             && off_median > (FAR_STEPS * usual_step(values, *k)).max(FAR * count)
             && is_judged(*k, noise)
     };
-    // at the ends the window does not lie around the sample
-    (WINDOW / 2..n - WINDOW / 2).filter(is_spike).collect()
+    (0..n).filter(is_spike).collect()
 }
 
-/// Distance of a sample to the middle of its neighbours: the median over pairs as far before as behind; 0 at the ends.
+/// Distance of a sample to the middle of its neighbours: the median over pairs as far before as behind. Of the first and the last
+/// sample half their distance to the line through two samples, one twice as far as the other: white noise makes as much of it.
 fn off_neighbours(values: &[f64], at: usize) -> f64 {
-    let pair = |m: usize| {
-        let (before, behind) = (values[at.checked_sub(m)?], values.get(at + m)?);
-        Some(values[at] - 0.5 * (before + behind))
+    let last = values.len() - 1;
+    let to_line = |near: usize, far: usize| 0.5 * (values[at] - 2.0 * values[near] + values[far]);
+    let pair = |m: usize| match at {
+        0 => Some(to_line(m, 2 * m)),
+        _ if at == last => Some(to_line(last - m, last - 2 * m)),
+        _ => {
+            let (before, behind) = (values[at.checked_sub(m)?], values.get(at + m)?);
+            Some(values[at] - 0.5 * (before + behind))
+        }
     };
     let mut off: Vec<f64> = (1..=PAIRS).filter_map(pair).collect();
     off.sort_unstable_by(f64::total_cmp);
@@ -215,6 +223,12 @@ mod tests {
                 position[k] += off;
             }
             assert_eq!(glitches(&position), [40, 41, 700, 1900]);
+        }
+        // in the first and last rows too, one at a time
+        for k in [0, 1, 2, 1997, 1998, 1999] {
+            let mut position = swing(2000, 1e-5);
+            position[k] -= 1.9;
+            assert_eq!(glitches(&position), [k]);
         }
         let mut effort: Vec<f64> =
             noise(4000).iter().zip(swing(4000, 0.0)).map(|(e, q)| 0.2 * e + 10.0 * q).collect();

@@ -285,6 +285,18 @@ mod parquet {
     }
 
     #[test]
+    fn decimals_are_scaled() {
+        let found = read(&judge("decimals.parquet")).unwrap();
+        let shoulder = found.joint("shoulder").unwrap();
+        for k in 0..120 {
+            assert!((found.time_s[k] - 0.005 * k as f64).abs() < 1e-12);
+            let (position, effort) = sample(k);
+            assert!((shoulder.position.as_ref().unwrap()[k] - position[0]).abs() < 0.51e-7);
+            assert!((shoulder.effort.as_ref().unwrap()[k] - effort[0]).abs() < 0.51e-12);
+        }
+    }
+
+    #[test]
     fn episodes_of_a_dataset_are_read() {
         let path = judge("lerobot/data/chunk-000/file-000.parquet");
         let joints = ["shoulder", "elbow"].map(str::to_owned);

@@ -1,4 +1,4 @@
-"""Recordings by other people's writers: joint_states.mcap (mcap-ros2-support), joint_states.parquet and the
+"""Recordings by other people's writers: joint_states.mcap (mcap-ros2-support), joint_states.parquet, decimals.parquet and the
 folder lerobot (pyarrow). Run: python formats.py
 
 MCAP: topic /joint_states with two joints whose order changes and a gripper that publishes by itself,
@@ -12,6 +12,7 @@ Made with Python 3.11, mcap 1.6.0, mcap-ros2-support 0.6.0, pyarrow 26.0.1.
 
 import json
 import math
+from decimal import Decimal
 from pathlib import Path
 
 import pyarrow as pa
@@ -93,6 +94,18 @@ def write_parquet():
     pq.write_table(table, HERE / "joint_states.parquet", compression="zstd")
 
 
+def write_decimals():
+    """Decimals in 32 and 64 bits, as databases write them."""
+    rows = [sample(k) for k in range(SAMPLES)]
+    decimal = lambda value, places: Decimal(f"{value:.{places}f}")
+    table = pa.table({
+        "t": pa.array([decimal(k * STEP_NS / 1e9, 3) for k in range(SAMPLES)], pa.decimal128(9, 3)),
+        "shoulder/position": pa.array([decimal(row[0][0], 7) for row in rows], pa.decimal128(9, 7)),
+        "shoulder/effort": pa.array([decimal(row[2][0], 12) for row in rows], pa.decimal128(18, 12)),
+    })
+    pq.write_table(table, HERE / "decimals.parquet", store_decimal_as_integer=True, compression="zstd")
+
+
 def write_lerobot():
     folder = HERE / "lerobot"
     features = {
@@ -121,4 +134,5 @@ def write_lerobot():
 if __name__ == "__main__":
     write_mcap()
     write_parquet()
+    write_decimals()
     write_lerobot()

@@ -9,7 +9,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use ::parquet::basic::{LogicalType, Repetition, TimeUnit, Type as PhysicalType};
+use ::parquet::basic::{ConvertedType, LogicalType, Repetition, TimeUnit, Type as PhysicalType};
 use ::parquet::column::reader::ColumnReader;
 use ::parquet::data_type::DoubleType;
 use ::parquet::errors::ParquetError;
@@ -121,6 +121,12 @@ fn is_number(column: &ColumnDescriptor) -> bool {
     numbers.contains(&column.physical_type())
 }
 
+/// Whether it has integers that count a power of ten: their `type_scale`.
+fn is_decimal(column: &ColumnDescriptor) -> bool {
+    matches!(column.logical_type_ref(), Some(LogicalType::Decimal { .. }))
+        || column.converted_type() == ConvertedType::DECIMAL
+}
+
 /// What a column has that is no number in each row.
 fn type_in_words(column: &ColumnDescriptor) -> &'static str {
     if column.max_rep_level() > 1 {
@@ -132,9 +138,7 @@ fn type_in_words(column: &ColumnDescriptor) -> &'static str {
     match column.physical_type() {
         PhysicalType::BOOLEAN => "true and false",
         PhysicalType::INT96 => "time stamps in the old INT96 type",
-        _ if matches!(column.logical_type_ref(), Some(LogicalType::Decimal { .. })) => {
-            "decimal numbers of fixed precision"
-        }
+        _ if is_decimal(column) => "decimal numbers of fixed precision in more than 64 bits",
         _ => "text",
     }
 }
@@ -157,6 +161,8 @@ fn read_column(
     into: &mut Vec<f64>,
 ) -> Result<(), ParquetError> {
     let full = description.max_def_level();
+    let per_unit =
+        if is_decimal(description) { 10_f64.powi(description.type_scale()) } else { 1.0 };
     macro_rules! of_type {
         ($reader:expr) => {{
             let mut reader = $reader;
@@ -173,7 +179,7 @@ fn read_column(
                 if rows == 0 {
                     return Ok(());
                 }
-                let mut values = values.into_iter().map(|value| value as f64);
+                let mut values = values.into_iter().map(|value| value as f64 / per_unit);
                 if full == 0 {
                     into.extend(values);
                 } else {
