@@ -3,7 +3,7 @@
 //! Method: beam search over adding, removing and replacing candidates.
 //! References: B. T. Lowerre, The HARPY speech recognition system, thesis, Carnegie Mellon University, 1976.
 
-use crate::regression::fit_set::{Estimate, fit_set};
+use crate::regression::fit_set::{Estimate, admissible_part, fit_set};
 use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
@@ -28,7 +28,9 @@ pub(crate) fn search(
     let mut front: Vec<Estimate> = Vec::new();
     for start in starts.iter().chain([&Vec::new()]) {
         let allowed: Vec<usize> = start.iter().copied().filter(|g| !banned.contains(g)).collect();
-        front.extend(fit_set(metric, allowed));
+        // laws that are missing still may give others a wrong sign
+        let found = fit_set(metric, allowed.clone());
+        front.extend(found.or_else(|| admissible_part(metric, allowed, &[])));
     }
     loop {
         front.sort_by(|a, b| a.score.total_cmp(&b.score));
@@ -39,6 +41,15 @@ pub(crate) fn search(
         front.extend(successors(metric, &next, banned, &mut known));
     }
     front.into_iter().next()
+}
+
+/// A set to go on with.
+struct Successor {
+    /// without a look at signs
+    score: f64,
+    set: Vec<usize>,
+    /// the candidate that is new in it
+    added: Option<usize>,
 }
 
 fn successors(
@@ -73,7 +84,7 @@ fn successors(
             rests.insert(rest.clone(), fit);
         }
     }
-    let score_with = |(g, rest): &(usize, Vec<usize>)| -> Option<(f64, Vec<usize>)> {
+    let score_with = |(g, rest): &(usize, Vec<usize>)| -> Option<Successor> {
         let fit = match rests.get(rest) {
             Some(fit) => fit.as_ref()?,
             None => &from.fit,
@@ -85,27 +96,33 @@ fn successors(
         let left = (fit.sum_of_squares - metric.gain(fit, &added)).max(f64::MIN_POSITIVE);
         let mut set = [rest.clone(), vec![*g]].concat();
         set.sort_unstable();
-        Some((metric.score(left, fit.columns.len() + added.len(), &set), set))
+        let score = metric.score(left, fit.columns.len() + added.len(), &set);
+        Some(Successor { score, set, added: Some(*g) })
     };
-    let mut scored: Vec<(f64, Vec<usize>)> = exchanges.par_iter().filter_map(score_with).collect();
+    let mut scored: Vec<Successor> = exchanges.par_iter().filter_map(score_with).collect();
     for k in 0..from.set.len() {
         let mut set = from.set.clone();
         set.remove(k);
         let columns = metric.columns_of(&set);
         if let Some(fit) = metric.fit(columns.clone()) {
-            scored.push((metric.score(fit.sum_of_squares, columns.len(), &set), set));
+            let score = metric.score(fit.sum_of_squares, columns.len(), &set);
+            scored.push(Successor { score, set, added: None });
         }
     }
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    scored.sort_by(|a, b| a.score.total_cmp(&b.score));
     let mut kept = Vec::new();
-    for (_, set) in scored {
+    for Successor { set, added, .. } in scored {
         if kept.len() == SUCCESSORS {
             break;
         }
         if known.get(&set).is_some_and(Option::is_none) {
             continue;
         }
-        let found = fit_set(metric, set.clone());
+        // beside the right law those that imitated it may have a wrong sign: they make way for it where that is better
+        let without_others = |g: usize| {
+            admissible_part(metric, set.clone(), &[g]).filter(|found| found.score < from.score)
+        };
+        let found = fit_set(metric, set.clone()).or_else(|| added.and_then(without_others));
         known.insert(set, found.as_ref().map(|a| a.score));
         kept.extend(found);
     }
