@@ -13,7 +13,7 @@ use armident_recording::{Recording, RecordingError};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::findings::confidence::{NOT_CONFIRMED, beside_rival, with_odds};
+use crate::findings::confidence::{NOT_CONFIRMED, beside_other, with_odds};
 use crate::findings::finding::{Alternative, DoubtfulChange, Finding};
 use crate::findings::geometry::length_finding;
 use crate::findings::placebo::Placebo;
@@ -133,7 +133,7 @@ impl Diagnosis {
     pub(crate) fn weigh_low_pass_against_delay(&mut self) {
         let Some(found) = self.input_checks.low_pass_or_delay else { return };
         for finding in self.findings.iter_mut().filter(|f| f.effect == TimeDelay.slug()) {
-            finding.confidence = beside_rival(finding.confidence, found.delay_over_low_pass);
+            finding.confidence = beside_other(finding.confidence, found.delay_over_low_pass);
             finding.alternatives.push(Alternative {
                 effect: DriveLowPass.slug().to_owned(),
                 joints: finding.joints.clone(),

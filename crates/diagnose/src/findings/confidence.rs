@@ -27,9 +27,10 @@ pub(crate) fn with_odds(confidence: f64, factor: f64) -> f64 {
     factor * confidence / (1.0 - confidence + factor * confidence)
 }
 
-/// The confidence beside one more rival, which scores worse by this much.
-pub(crate) fn beside_rival(confidence: f64, behind: f64) -> f64 {
-    confidence / (1.0 + odds_of_rival(behind))
+/// The confidence where something beyond the laws explains the same and scores worse by this much: no surer than the name is against
+/// that alone.
+pub(crate) fn beside_other(confidence: f64, behind: f64) -> f64 {
+    confidence.min(1.0 / (1.0 + odds_of_rival(behind)))
 }
 
 /// Odds of a rival that scores worse by this much, twice a log odds; no rival is more likely than the name by its score alone.
@@ -92,6 +93,14 @@ mod tests {
         assert!((with_odds(0.5, NOT_CONFIRMED) - 1.0 / 3.0).abs() < 1e-12);
         assert!(with_odds(0.99, NOT_CONFIRMED) > 0.98);
         assert_eq!([with_odds(0.0, NOT_CONFIRMED), with_odds(1.0, NOT_CONFIRMED)], [0.0, 1.0]);
+    }
+
+    #[test]
+    fn name_is_no_surer_than_against_what_is_beyond_laws() {
+        assert_eq!(beside_other(1.0 - 1e-9, 0.0), 0.5);
+        assert_eq!(beside_other(0.3, 0.0), 0.3);
+        assert_eq!(beside_other(0.9, -7.0), 0.5);
+        assert!((beside_other(1.0, 2.0 * 3.0_f64.ln()) - 0.75).abs() < 1e-12);
     }
 
     #[test]
