@@ -29,8 +29,6 @@ pub(crate) const SCALES: [f64; 9] = [0.0, 0.012, CAD_SCALE, 0.05, 0.1, 0.2, 0.4,
 const ALL_LINKS_WRONG: f64 = 0.2;
 /// Most inflated links.
 const MOST_INFLATED_LINKS: usize = 2;
-/// Difference of scores, twice a log odds of ten to one, from which on one is clearly lower.
-const CLEARLY_LOWER: f64 = 4.6;
 /// Rounds of scanning the residual.
 const ROUNDS: usize = 6;
 
@@ -251,28 +249,6 @@ pub(crate) fn with_one_more(
         Some((inflated, score))
     };
     bodies.par_iter().filter_map(with).collect()
-}
-
-/// The same set at the prior scale and with the inflated links that give it the lowest score, where that is clearly lower: small laws
-/// beside it, which have been removed since, may have absorbed the error of a link.
-pub(crate) fn at_better_scale(problem: &LinearProblem, fit: &ScaleFit) -> Option<ScaleFit> {
-    let set = &fit.estimate.set;
-    let at = |scale: &f64| {
-        let mut inflated = Vec::new();
-        let mut best = fit_set(&problem.marginalised(*scale, &[]), set.clone())?.score;
-        while may_be_inflated(problem, *scale) && inflated.len() < MOST_INFLATED_LINKS {
-            let trials = with_one_more(problem, *scale, set, &inflated);
-            let least = trials.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((trial, lower)) = least.filter(|(_, other)| *other < best) else { break };
-            (inflated, best) = (trial, lower);
-        }
-        Some((*scale, inflated, best))
-    };
-    let least = SCALES.iter().filter_map(at).min_by(|a, b| a.2.total_cmp(&b.2));
-    let (scale, inflated, _) =
-        least.filter(|(.., lower)| *lower < fit.estimate.score - CLEARLY_LOWER)?;
-    let estimate = fit_set(&problem.marginalised(scale, &inflated), set.clone())?;
-    Some(ScaleFit { scale, inflated, estimate })
 }
 
 /// Inflates single links as long as that lowers the score.
