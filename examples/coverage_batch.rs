@@ -12,6 +12,8 @@
 
 #![allow(clippy::print_stdout, reason = "the table is the output")]
 
+mod random_arm;
+
 use armident_effects::EffectOnJoint;
 use armident_ident::estimators::{Estimator, by_name};
 use armident_ident::{
@@ -21,12 +23,13 @@ use armident_kinematics::{
     ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
 };
 use armident_model::ArmModel;
-use armident_recording::{JointChannels, Recording};
+use armident_recording::Recording;
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
-use nalgebra::{Matrix3, Matrix4, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
+use nalgebra::{Matrix3, Vector3};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
+
+use random_arm::{add_coloured_noise, drawn_link, sum_of_sines};
 
 const RATE_HZ: f64 = 100.0;
 const DURATION_S: f64 = 20.0;
@@ -238,26 +241,11 @@ fn true_arm(
             // a stream of its own, so that the motions are those of the other study
             let mut random = Pcg64::new(u128::from(seed), 1);
             for joint in &mut truth.chain.joints {
-                joint.link = drawn_link(&joint.link, &mut random)?;
+                joint.link = drawn_link(&joint.link, DRAWN_ERROR, &mut random)?;
             }
         }
     }
     Ok(truth)
-}
-
-/// A link that is real and differs from a given one: its mass is stretched, sheared and moved by shares of
-/// its own extent, whatever the direction.
-fn drawn_link(
-    link: &InertialParameters,
-    random: &mut Pcg64,
-) -> Result<InertialParameters, Box<dyn std::error::Error>> {
-    let normal = Matrix4::from_fn(|_, _| StandardNormal.sample(random));
-    // half, for what is on both sides counts twice
-    let stretch = Matrix4::identity() + normal * (0.5 * DRAWN_ERROR);
-    let root = link.pseudo_inertia().cholesky().ok_or("a link is not physically consistent")?.l();
-    Ok(InertialParameters::from_pseudo_inertia(
-        &(root * stretch * stretch.transpose() * root.transpose()),
-    ))
 }
 
 /// Friction and rotors of every joint.
@@ -331,28 +319,8 @@ fn recording(
         .iter()
         .enumerate()
         .map(|(j, name)| {
-            let phases: Vec<f64> =
-                (0..5).map(|_| random.random_range(0.0..std::f64::consts::TAU)).collect();
-            let at = |t: f64| {
-                let mut sum = (middle[j], 0.0, 0.0);
-                for (k, phase) in phases.iter().enumerate() {
-                    let w = std::f64::consts::TAU * FUNDAMENTAL_HZ * (k + 1) as f64;
-                    let (sin, cos) = (w * t + phase).sin_cos();
-                    sum.0 += speed[j] / w * sin;
-                    sum.1 += speed[j] * cos;
-                    sum.2 -= speed[j] * w * sin;
-                }
-                sum
-            };
-            let column = |pick: fn((f64, f64, f64)) -> f64| {
-                Some(time_s.iter().map(|&t| pick(at(t))).collect())
-            };
-            JointChannels {
-                position: column(|s| s.0),
-                velocity: column(|s| s.1),
-                acceleration: column(|s| s.2),
-                ..JointChannels::new(name)
-            }
+            let motion = [middle[j], speed[j]];
+            sum_of_sines(name, &time_s, FUNDAMENTAL_HZ, motion, &mut random)
         })
         .collect();
     let planned = Recording::new(format!("motion {seed}"), time_s, joints)?;
@@ -364,15 +332,7 @@ fn recording(
         joint.velocity = None;
         joint.acceleration = None;
         let Some(effort) = &mut joint.effort else { continue };
-        let count = effort.len() as f64;
-        let mean = effort.iter().sum::<f64>() / count;
-        let spread = (effort.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let mut noise = 0.0;
-        for e in effort {
-            let fresh: f64 = StandardNormal.sample(&mut random);
-            noise = COLOUR * noise + (1.0 - COLOUR * COLOUR).sqrt() * fresh;
-            *e += NOISE * spread * noise;
-        }
+        add_coloured_noise(effort, NOISE, COLOUR, &mut random);
     }
     Ok(measured)
 }

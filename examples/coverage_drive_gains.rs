@@ -10,27 +10,30 @@
 
 #![allow(clippy::print_stdout, reason = "the table is the output")]
 
+mod random_arm;
+
 use std::collections::BTreeMap;
 
 use armident_diagnose::{DiagnoseRequest, diagnose};
 use armident_effects::{Effect, EffectOnJoint, LinkInertiaError, Payload};
 use armident_ident::estimators::Huber;
 use armident_ident::{IdentifyRequest, KnownLoad, identify};
-use armident_kinematics::{
-    ChainSelection, DrivingAxisChain, InertialParameters, SerialChain, load_urdf,
-};
+use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_model::ArmModel;
-use armident_recording::{JointChannels, Quantity, Recording};
+use armident_recording::{Quantity, Recording};
 use armident_simulation::{Sensors, SimulatedArm, Trajectory, inverse};
-use nalgebra::Matrix4;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+
+use random_arm::{add_coloured_noise, drawn_link, sum_of_sines};
 
 const ROBOTS: [&str; 6] = ["ur5", "iiwa14", "panda", "ur10", "kinova_gen3", "xarm7"];
 const RATE_HZ: f64 = 100.0;
 const DURATION_S: f64 = 20.0;
 const FUNDAMENTAL_HZ: f64 = 0.1;
+/// Speed of each harmonic \[rad/s\].
+const SPEED: f64 = 0.4;
 const ENCODER_BITS: u32 = 17;
 /// Noise of the currents relative to each joint's own, and correlation of neighbouring samples.
 const NOISE: f64 = 0.02;
@@ -209,7 +212,7 @@ impl Bench {
     fn drawn(given: ArmModel, random: &mut Pcg64) -> Result<Self, Failure> {
         let mut truth = given.clone();
         for joint in &mut truth.chain.joints {
-            joint.link = drawn_link(&joint.link, random)?;
+            joint.link = drawn_link(&joint.link, LINK_ERROR, random)?;
         }
         let names: Vec<String> = given.chain.joints.iter().map(|j| j.name.clone()).collect();
         let mut bench = Self { given, truth, names, effects: Vec::new(), gains: Vec::new() };
@@ -243,28 +246,7 @@ impl Bench {
                 _ => 0.0,
             };
             let middle = middle + random.random_range(-0.3..0.3);
-            let phases: Vec<f64> =
-                (0..5).map(|_| random.random_range(0.0..std::f64::consts::TAU)).collect();
-            let at = |t: f64| {
-                let mut sum = (middle, 0.0, 0.0);
-                for (k, phase) in phases.iter().enumerate() {
-                    let w = std::f64::consts::TAU * FUNDAMENTAL_HZ * (k + 1) as f64;
-                    let (sin, cos) = (w * t + phase).sin_cos();
-                    sum.0 += 0.4 / w * sin;
-                    sum.1 += 0.4 * cos;
-                    sum.2 -= 0.4 * w * sin;
-                }
-                sum
-            };
-            let column = |pick: fn((f64, f64, f64)) -> f64| {
-                Some(time_s.iter().map(|&t| pick(at(t))).collect())
-            };
-            JointChannels {
-                position: column(|s| s.0),
-                velocity: column(|s| s.1),
-                acceleration: column(|s| s.2),
-                ..JointChannels::new(&joint.name)
-            }
+            sum_of_sines(&joint.name, &time_s, FUNDAMENTAL_HZ, [middle, SPEED], random)
         });
         let joints = joints.collect();
         let source = format!("motion_{}.csv", random.random_range(0..u32::MAX));
@@ -314,16 +296,9 @@ impl Bench {
         for (joint, gain) in measured.joints.iter_mut().zip(&self.gains) {
             joint.velocity = None;
             joint.acceleration = None;
-            let Some(effort) = joint.effort.take() else { continue };
-            let count = effort.len() as f64;
-            let mean = effort.iter().sum::<f64>() / count;
-            let spread = (effort.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / count).sqrt();
-            let mut noise = 0.0;
-            let currents = effort.iter().map(|e| {
-                noise = COLOUR * noise + (1.0 - COLOUR * COLOUR).sqrt() * normal(random);
-                (e + NOISE * spread * noise) / gain
-            });
-            *joint.channel_mut(Quantity::Current) = Some(currents.collect());
+            let Some(mut effort) = joint.effort.take() else { continue };
+            add_coloured_noise(&mut effort, NOISE, COLOUR, random);
+            *joint.channel_mut(Quantity::Current) = Some(effort.iter().map(|e| e / gain).collect());
         }
         Ok(measured)
     }
@@ -336,18 +311,4 @@ fn normal(random: &mut Pcg64) -> f64 {
 /// The centre of a load in the frame of the last link \[m\].
 fn drawn_centre(random: &mut Pcg64) -> [f64; 3] {
     [0.03 * normal(random), 0.03 * normal(random), random.random_range(0.0..0.15)]
-}
-
-/// A link that is real and differs from a given one, whatever the direction.
-fn drawn_link(
-    link: &InertialParameters,
-    random: &mut Pcg64,
-) -> Result<InertialParameters, Failure> {
-    let noise = Matrix4::from_fn(|_, _| normal(random));
-    // half, for what is on both sides counts twice
-    let scaled = Matrix4::identity() + noise * (0.5 * LINK_ERROR);
-    let root = link.pseudo_inertia().cholesky().ok_or("a link is not physically consistent")?.l();
-    Ok(InertialParameters::from_pseudo_inertia(
-        &(root * scaled * scaled.transpose() * root.transpose()),
-    ))
 }

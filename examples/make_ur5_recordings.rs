@@ -5,14 +5,19 @@
 //! cargo run --release --example make_ur5_recordings
 //! ```
 
+#[allow(dead_code, reason = "one of its functions is used here")]
+mod random_arm;
+
 use armident_effects::EffectOnJoint;
 use armident_kinematics::{ChainSelection, DrivingAxisChain, SerialChain, load_urdf};
 use armident_model::ArmModel;
-use armident_recording::{JointChannels, Recording, write_csv};
+use armident_recording::{Recording, write_csv};
 use armident_simulation::{EffortNoise, Sensors, SimulatedArm, Trajectory, inverse};
 use nalgebra::Vector3;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
+
+use random_arm::sum_of_sines;
 
 /// Samples per second.
 const RATE_HZ: f64 = 100.0;
@@ -89,28 +94,8 @@ fn sums_of_sines(
         .iter()
         .enumerate()
         .map(|(j, name)| {
-            let phases: Vec<f64> =
-                (0..5).map(|_| random.random_range(0.0..std::f64::consts::TAU)).collect();
-            let at = |t: f64| {
-                let mut sum = (middle[j], 0.0, 0.0);
-                for (k, phase) in phases.iter().enumerate() {
-                    let w = std::f64::consts::TAU * FUNDAMENTAL_HZ * (k + 1) as f64;
-                    let (sin, cos) = (w * t + phase).sin_cos();
-                    sum.0 += speed[j] / w * sin;
-                    sum.1 += speed[j] * cos;
-                    sum.2 -= speed[j] * w * sin;
-                }
-                sum
-            };
-            let column = |pick: fn((f64, f64, f64)) -> f64| {
-                Some(time_s.iter().map(|&t| pick(at(t))).collect())
-            };
-            JointChannels {
-                position: column(|s| s.0),
-                velocity: column(|s| s.1),
-                acceleration: column(|s| s.2),
-                ..JointChannels::new(name)
-            }
+            let motion = [middle[j], speed[j]];
+            sum_of_sines(name, &time_s, FUNDAMENTAL_HZ, motion, &mut random)
         })
         .collect();
     Recording::new("sums of sines", time_s, joints)
