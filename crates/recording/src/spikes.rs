@@ -109,11 +109,15 @@ pub(crate) fn drop_outs(effort: &[f64], position: Option<&[f64]>) -> Vec<(usize,
     if zeros as f64 > MOST * effort.len() as f64 { Vec::new() } else { runs }
 }
 
-/// Whether a joint moves at a sample; everywhere if its position is not recorded.
+/// Whether a joint moves at a sample; everywhere if its position is not recorded. At the ends its step to the one neighbour shows it:
+/// a joint that reverses there has a jump of friction, too.
 fn moving(position: Option<&[f64]>, samples: usize) -> impl Fn(usize) -> bool {
     let speed = |k: usize| {
-        let position = position?;
-        Some((position.get(k + 1)? - position.get(k.checked_sub(1)?)?).abs())
+        let at = |k: usize| position?.get(k).copied();
+        let step = |from: Option<f64>, to: Option<f64>| Some((to? - from?).abs());
+        let (before, here, behind) = (k.checked_sub(1).and_then(at), at(k), at(k + 1));
+        step(before, behind)
+            .or_else(|| step(before, here).or_else(|| step(here, behind)).map(|step| 2.0 * step))
     };
     let speeds: Vec<Option<f64>> = (0..samples).map(speed).collect();
     let mut known: Vec<f64> = speeds.iter().copied().flatten().collect();
