@@ -40,7 +40,8 @@ pub(crate) struct Step {
 /// Extrapolates the step of springs and links from their last two: the fitted value changes with the operating point by a
 /// share of its change, which two steps determine (Aitken 1926). Its fixed point lies beyond the fit where the share is
 /// positive, before it where it is negative. A spring and its links are nearly collinear, and the columns of links are
-/// linear only near both.
+/// linear only near both. The damping is left as it was fitted: it is not collinear with them, and the share of the stiffness is not
+/// its own.
 pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Option<&Step>) {
     /// Largest factor of the fitted step: two steps do not determine a share near one.
     const LONGEST: f64 = 3.0;
@@ -66,9 +67,8 @@ pub(crate) fn stride(to: &mut OperatingPoint, from: &OperatingPoint, last: Optio
     let scaled = |to: f64, from: f64| from * (to / from).powf(factor);
     for spring in &mut to.springs {
         if let Some(other) = from.springs.iter().find(|other| other.joint == spring.joint) {
-            let (to, from) = (&mut spring.transmission, &other.transmission);
-            to.stiffness = scaled(to.stiffness, from.stiffness);
-            to.damping = scaled(to.damping, from.damping);
+            let (to, from) = (&mut spring.transmission.stiffness, other.transmission.stiffness);
+            *to = scaled(*to, from);
         }
     }
     if let (Some(to), Some(from)) = (&mut to.links, &from.links) {

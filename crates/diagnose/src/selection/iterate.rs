@@ -28,7 +28,9 @@ use crate::selection::cross_validation::{
     confirm, imperfection, with_baseline_terms, with_changes,
 };
 use crate::selection::materiality::{held, prune};
-use crate::selection::prior_scale::{ScaleCriterion, ScaleFit, SearchState, best_of_scales};
+use crate::selection::prior_scale::{
+    ScaleCriterion, ScaleFit, SearchState, at_better_scale, best_of_scales,
+};
 use crate::selection::refine_shape::{fractional_ripples, refine};
 use crate::selection::reversal::with_reversal_models;
 use crate::selection::rivals::{baseline_first, load_first, one_body_first};
@@ -209,6 +211,12 @@ fn iterate<'a>(
             && !judged.fit.estimate.set.iter().any(is_expensive)
         {
             judged = judge(design, &at, &contact, &mut problem, state, plain, &point);
+        }
+        if all
+            && !seeks_change
+            && let Some(better) = at_better_scale(&problem, &judged.fit)
+        {
+            judged = judge(design, &at, &contact, &mut problem, state, better, &point);
         }
         let Judged { fit: ScaleFit { scale, inflated, estimate: mut found }, refined } = judged;
         let mut inconclusive = Vec::new();

@@ -18,6 +18,7 @@ use crate::design::training::Design;
 use crate::regression::elimination::{INFLATIONS, InflatedLink};
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::selection::beam_search::search;
+use crate::selection::cross_validation::with_baseline_terms_of;
 use crate::selection::materiality::prune;
 use armident_model::OperatingPoint;
 
@@ -249,6 +250,30 @@ pub(crate) fn with_one_more(
         Some((inflated, score))
     };
     bodies.par_iter().filter_map(with).collect()
+}
+
+/// The estimate at the prior scale and with the inflated links that have the lowest score beside baseline terms: beside small laws that
+/// have been removed since, the error of a link may have looked like an error of all; without them the small offsets and frictions of
+/// an arm would look like one.
+pub(crate) fn at_better_scale(problem: &LinearProblem, fit: &ScaleFit) -> Option<ScaleFit> {
+    let own = problem.marginalised(fit.scale, &fit.inflated);
+    let set = with_baseline_terms_of(&own, &fit.estimate);
+    let at = |scale: &f64| {
+        let mut inflated = Vec::new();
+        let mut lowest = fit_set(&problem.marginalised(*scale, &[]), set.clone())?.score;
+        while may_be_inflated(problem, *scale) && inflated.len() < MOST_INFLATED_LINKS {
+            let trials = with_one_more(problem, *scale, &set, &inflated);
+            let least = trials.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((trial, score)) = least.filter(|(_, score)| *score < lowest) else { break };
+            (inflated, lowest) = (trial, score);
+        }
+        Some((*scale, inflated, lowest))
+    };
+    let own_score = fit_set(&own, set.clone())?.score;
+    let least = SCALES.iter().filter_map(at).min_by(|a, b| a.2.total_cmp(&b.2));
+    let (scale, inflated, _) = least.filter(|(.., score)| *score < own_score)?;
+    let estimate = fit_set(&problem.marginalised(scale, &inflated), fit.estimate.set.clone())?;
+    Some(ScaleFit { scale, inflated, estimate })
 }
 
 /// Inflates single links as long as that lowers the score.
