@@ -214,6 +214,7 @@ fn iterate<'a>(
         }
         if all
             && !seeks_change
+            && !judged.fit.estimate.set.is_empty()
             && let Some(better) = at_better_scale(&problem, &judged.fit)
         {
             judged = judge(design, &at, &contact, &mut problem, state, better, &point);
