@@ -164,7 +164,9 @@ fn columns_without_content_are_named() {
     assert_eq!(reported, Some((Verdict::Wrong, Some("joint_3".to_owned()))));
     let mut magnitudes = puma.moved(DOWN, true);
     magnitudes[1].iter_mut().flatten().for_each(|x| *x = x.abs());
-    assert!(verdict(&puma.checked(magnitudes), "magnitude without sign").is_some());
+    let found = puma.checked(magnitudes);
+    assert!(verdict(&found, "magnitude without sign").is_some());
+    assert!(verdict(&found, "different motions").is_none());
     let computed = puma.checked(puma.moved(DOWN, false));
     assert_eq!(verdict(&computed, "computed by a model"), Some((Verdict::Doubtful, None)));
 }

@@ -315,12 +315,12 @@ fn is_absent(found: &ChannelEvidence) -> bool {
 }
 
 /// Efforts none of which is the joint's, some without the rigid-body effort: they are from another motion.
-/// `is_effort`: joints whose efforts are recorded, not currents.
-pub(super) fn other_motion(channels: &Channels, is_effort: &[bool]) -> Option<Check> {
+/// `is_judged`: joints whose efforts, not currents, magnitudes or constants, are recorded.
+pub(super) fn other_motion(channels: &Channels, is_judged: &[bool]) -> Option<Check> {
     let is_missing = |c: &ChannelEvidence| {
         c.as_labelled() == Verdict::Wrong && is_absent(c) && c.residual_share > FITS_NOTHING
     };
-    let pairs = channels.evidence.iter().zip(is_effort);
+    let pairs = channels.evidence.iter().zip(is_judged);
     let all: Vec<&ChannelEvidence> = pairs.filter(|(_, e)| **e).map(|(c, _)| c).collect();
     let none_fits = all.len() > 1 && all.iter().all(|c| c.as_labelled() != Verdict::Ok);
     (none_fits && all.into_iter().any(is_missing)).then(|| Check {

@@ -299,7 +299,10 @@ pub fn check(
         false => messages::exchanged(&explained, &names),
     });
     checks.extend(messages::computed(&beside));
-    checks.extend(messages::other_motion(&channels, &is_effort));
+    // a magnitude or a constant matches no rigid-body effort, whatever its motion
+    let is_judged: Vec<bool> =
+        (0..names.len()).map(|j| is_effort[j] && alone[j] == Alone::Sound).collect();
+    checks.extend(messages::other_motion(&channels, &is_judged));
     checks.push(messages::excitation(&constants, rank, problem.terms.len()));
     for (j, name) in names.iter().enumerate() {
         let source = map.source[j];
