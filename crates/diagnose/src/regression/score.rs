@@ -17,6 +17,8 @@ pub(crate) const PRICE_OF_CHOICE: f64 = 12.0;
 
 /// Price of a rare law or change: odds of one in a hundred against a frequent one.
 pub(crate) const PRICE_OF_SELDOM: f64 = 9.2;
+/// Score difference (twice a log odds) below which two explanations are indistinguishable: odds of 20 to 1.
+pub(crate) const ODDS: f64 = 6.0;
 
 impl Marginalised<'_> {
     /// The score: log likelihood with an estimated noise level, and the price.

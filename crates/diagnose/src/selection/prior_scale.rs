@@ -17,6 +17,7 @@ use crate::design::ripple::RippleColumns;
 use crate::design::training::Design;
 use crate::regression::elimination::{INFLATIONS, InflatedLink};
 use crate::regression::fit_set::{Estimate, fit_set};
+use crate::regression::score::ODDS;
 use crate::selection::beam_search::search;
 use crate::selection::cross_validation::with_baseline_terms_of;
 use crate::selection::materiality::prune;
@@ -254,17 +255,22 @@ pub(crate) fn with_one_more(
 
 /// The estimate at the prior scale and with the inflated links that have the lowest score beside baseline terms: beside small laws that
 /// have been removed since, the error of a link may have looked like an error of all; without them the small offsets and frictions of
-/// an arm would look like one.
+/// an arm would look like one. Another link costs the [odds](ODDS) of a name.
 pub(crate) fn at_better_scale(problem: &LinearProblem, fit: &ScaleFit) -> Option<ScaleFit> {
     let own = problem.marginalised(fit.scale, &fit.inflated);
     let set = with_baseline_terms_of(&own, &fit.estimate);
+    let is_new = |body: &&InflatedLink| fit.inflated.iter().all(|other| other.link != body.link);
+    let priced = |inflated: &[InflatedLink], score: f64| {
+        score + ODDS * inflated.iter().filter(is_new).count() as f64
+    };
     let at = |scale: &f64| {
         let mut inflated = Vec::new();
         let mut lowest = fit_set(&problem.marginalised(*scale, &[]), set.clone())?.score;
         while may_be_inflated(problem, *scale) && inflated.len() < MOST_INFLATED_LINKS {
-            let trials = with_one_more(problem, *scale, &set, &inflated);
-            let least = trials.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((trial, score)) = least.filter(|(_, score)| *score < lowest) else { break };
+            let trials = with_one_more(problem, *scale, &set, &inflated).into_iter();
+            let trials = trials.map(|(trial, score)| (priced(&trial, score), trial));
+            let least = trials.min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((score, trial)) = least.filter(|(score, _)| *score < lowest) else { break };
             (inflated, lowest) = (trial, score);
         }
         Some((*scale, inflated, lowest))

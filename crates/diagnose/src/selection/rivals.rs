@@ -17,7 +17,7 @@ use crate::regression::elimination::InflatedLink;
 use crate::regression::fit_set::{Estimate, fit_set};
 use crate::regression::folds::fold_errors;
 use crate::regression::marginalised::Marginalised;
-use crate::regression::score::PRICE_OF_SELDOM;
+use crate::regression::score::{ODDS, PRICE_OF_SELDOM};
 use crate::selection::cross_validation::significantly_less;
 use crate::selection::materiality::{LEAST, band_noise, held};
 use crate::selection::prior_scale::{may_be_inflated, with_one_more};
@@ -25,8 +25,6 @@ use armident_model::OperatingPoint;
 
 /// Share of the materiality threshold below which the extra residual of a law leaves it indistinguishable.
 const INDISTINGUISHABLE: f64 = 1.0 / 3.0;
-/// Score difference (twice a log odds) below which two laws are indistinguishable: odds of 20 to 1.
-const ODDS: f64 = 6.0;
 /// Most alternatives of one finding.
 const MOST: usize = 4;
 /// Candidates that are fitted for one finding, by the estimate of their fit.
