@@ -41,8 +41,8 @@ pub(crate) fn with_size(
 }
 
 /// The estimate without its least certain candidate; none where all have a size. What is held in the operating point stays:
-/// its columns were formed there. So does what left-out blocks miss clearly, whatever its numbers: of two laws that explain
-/// one effort, either may go (the coupled wrist of a TX40, whose friction ten seconds do not determine).
+/// its columns were formed there. So does what left-out blocks miss clearly, whatever its numbers (the coupled wrist of a TX40,
+/// whose friction ten seconds do not determine): of two laws that explain one effort, the other one would do.
 fn without_least_certain(
     selection: &Selection,
     best: &Solution<'_, '_>,
