@@ -63,15 +63,26 @@ impl Table {
         table
     }
 
-    /// Efforts that come later by this time, on straight lines between the samples.
+    /// Efforts that come later by this time.
     fn delayed(&self, delay_s: f64) -> Self {
+        self.with_efforts_of(|t| t - delay_s)
+    }
+
+    /// Efforts by a clock that is fast by this share, and begins with the recording.
+    fn by_fast_clock(&self, drift: f64) -> Self {
+        let start_s = self.columns[0][0];
+        self.with_efforts_of(|t| t + drift * (t - start_s))
+    }
+
+    /// Efforts of another time at every stamp, on straight lines between the samples.
+    fn with_efforts_of(&self, time_s: impl Fn(f64) -> f64) -> Self {
         let mut table = self.clone();
         let time = &self.columns[0];
         for k in self.of("/effort") {
             table.columns[k] = time
                 .iter()
                 .map(|t| {
-                    let at = t - delay_s;
+                    let at = time_s(*t);
                     let after = time.partition_point(|s| *s <= at).clamp(1, time.len() - 1);
                     let share = (at - time[after - 1]) / (time[after] - time[after - 1]);
                     let (a, b) = (self.columns[k][after - 1], self.columns[k][after]);
@@ -294,10 +305,26 @@ fn low_pass_of_drives_is_no_delay() {
     assert!(string(&topic(&late, "delay")["message"]).contains("effort lag"), "{late}");
 }
 
-/// A diagnosis undoes the low-pass: it names what it names without, and predicts efforts as the drive shows them.
+/// A clock of the efforts that drifts is no delay, and recordings by one clock have none.
 #[test]
-fn diagnosis_sees_through_the_low_pass_of_drives() {
-    let case = bundled("low_pass_diagnosis");
+fn drift_of_effort_clock_is_found() {
+    let case = bundled("clock");
+    for drift in [1.5e-3, -3e-3] {
+        let found = case.checked(&case.table.by_fast_clock(drift));
+        let check = topic(&found, "clock");
+        assert_eq!(check["verdict"], "doubtful", "{check}");
+        let [low, high] = [0, 1].map(|side| number(&check["interval_95"][side]));
+        assert!(low < drift && drift < high && low * high > 0.0, "{check}");
+        assert_ne!(topic(&found, "delay")["verdict"], "wrong", "{found}");
+    }
+    let by_one = case.checked(&case.table.delayed(0.02));
+    assert!(list(&by_one["checks"]).iter().all(|check| check["topic"] != "clock"), "{by_one}");
+}
+
+/// A diagnosis undoes how the drives report their efforts: it names what it names without, and predicts efforts as they show them.
+#[test]
+fn diagnosis_sees_through_low_pass_and_clock_of_efforts() {
+    let case = bundled("reported_efforts");
     let holdout = Table::read(&project("examples/ur5/holdout.csv"));
     let diagnosed = |name: &str, change: &dyn Fn(&Table) -> Table| -> Value {
         let files = [("train", &case.table), ("holdout", &holdout)].map(|(part, table)| {
@@ -316,15 +343,21 @@ fn diagnosis_sees_through_the_low_pass_of_drives() {
         names
     };
     let as_it_is = diagnosed("as_it_is", &Table::clone);
-    let found = diagnosed("low_passed", &|table| table.low_passed(0.03));
-    assert!(as_it_is["effort_low_pass"].is_null());
-    let time_constant_s = number(&found["effort_low_pass"]["time_constant_s"]);
-    assert!((time_constant_s - 0.03).abs() < 3e-3, "{}", found["effort_low_pass"]);
-    assert_eq!(names(&found), names(&as_it_is));
-    // noise is filtered too
-    for (joint, before) in as_it_is["fit"]["holdout"]["after"].as_object().unwrap() {
-        let after = number(&found["fit"]["holdout"]["after"][joint]);
-        assert!(after < 1.1 * number(before), "{joint}: {before} to {after}");
+    assert!(as_it_is["effort_low_pass"].is_null() && as_it_is["effort_clock"].is_null());
+    let low_passed = diagnosed("low_passed", &|table| table.low_passed(0.03));
+    let time_constant_s = number(&low_passed["effort_low_pass"]["time_constant_s"]);
+    assert!((time_constant_s - 0.03).abs() < 3e-3, "{}", low_passed["effort_low_pass"]);
+    let drifting = diagnosed("drifting", &|table| table.by_fast_clock(1.5e-3));
+    let [low, high] = [0, 1].map(|k| number(&drifting["effort_clock"]["interval_95"][k]));
+    assert!(low < 1.5e-3 && 1.5e-3 < high && low > 0.0, "{}", drifting["effort_clock"]);
+    assert_eq!(names(&low_passed), names(&as_it_is));
+    assert!(names(&drifting).iter().all(|name| !name.starts_with("time_delay")), "{drifting}");
+    for found in [low_passed, drifting] {
+        // noise is filtered too
+        for (joint, before) in as_it_is["fit"]["holdout"]["after"].as_object().unwrap() {
+            let after = number(&found["fit"]["holdout"]["after"][joint]);
+            assert!(after < 1.1 * number(before), "{joint}: {before} to {after}");
+        }
     }
 }
 

@@ -113,6 +113,7 @@ fn added_law_is_simulated_as_its_columns() {
             acceleration: &plan.acceleration[j],
             direction: &directions_with(&plan.velocity[j], 1e-6),
             rigid_effort: &[],
+            temperature_c: &[],
         };
         let size = if name == "elbow_joint" { 2.0 } else { 0.0 };
         let expected = CubicDrag.effort(&[size], &motion);

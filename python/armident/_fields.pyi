@@ -98,6 +98,7 @@ class DiagnoseReport:
     comparison_bandwidth_hz: ComparisonBandwidth
     constants: MinimalSetEstimate
     coulomb_regularised_below: RegularisedCoulomb
+    effort_clock: ClockOfEfforts
     effort_low_pass: LowPassedEfforts
     effort_noise: dict[str, float | None]
     """Standard deviation of one recorded effort sample, by joint [N m or N]."""
@@ -270,11 +271,19 @@ class CheckRow(Fields):
     verdict: CheckVerdict
     """The verdict."""
 
-CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["order"] | Literal["gravity"] | Literal["joint_sign"] | Literal["geometry"] | Literal["delay"] | Literal["excitation"] | Literal["quality"] | Literal["command"]
+CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["order"] | Literal["gravity"] | Literal["joint_sign"] | Literal["geometry"] | Literal["delay"] | Literal["clock"] | Literal["excitation"] | Literal["quality"] | Literal["command"]
 
 CheckVerdict = Literal["ok"] | Literal["cannot_tell"] | Literal["doubtful"] | Literal["wrong"]
 
 ComparisonBandwidth = float
+
+class ClockOfEfforts(Fields):
+    """Clock of all recorded efforts against that of the positions: its drift is undone before the fit, and predictions have it."""
+
+    drift: float
+    """By which share it is fast: what is recorded after `t` seconds was measured `drift t` later."""
+    interval_95: list[float]
+    """95 % interval of the drift."""
 
 class ConsistencyReport(Fields):
     """Physically consistent links, and effects of admissible sign, of a model."""

@@ -1,14 +1,16 @@
 //! What is concealed is named, where it is, and nothing else is.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use serde_json::Value;
 
 use super::{
-    JOINTS, changed, diagnose, diagnosed, holdout_error, named, pairs, recordings, set, urdf,
+    JOINTS, changed, diagnose, diagnosed, holdout_error, named, pairs, recordings, set, simulate,
+    urdf,
 };
-use crate::shared::shared;
-use crate::tool::{list, number, read_json, run_in, string};
+use crate::shared::{project, shared};
+use crate::tool::{list, number, read_json, run_in, scratch, string};
 
 /// One effect: named, on its joint, with its parameter; the hold-out error falls to the noise.
 #[track_caller]
@@ -71,6 +73,61 @@ fn findings_have_their_location() {
     // nearly all of the error of the hold-out is its
     let gain = number(&findings[0]["evidence"]["holdout_gain"]);
     assert!(findings[0]["confirmed"] == true && 0.5 < gain && gain < 1.0, "{gain}");
+}
+
+/// A trajectory of the bundled example with one temperature on all drives, which rises by 3 K.
+fn warm(trajectory: &str, temperature_c: f64, to: &Path) {
+    let planned =
+        std::fs::read_to_string(project(&format!("examples/ur5/{trajectory}.csv"))).unwrap();
+    let rows = planned.lines().count() - 1;
+    let mut content = String::new();
+    for (row, line) in planned.lines().enumerate() {
+        content += line;
+        for joint in JOINTS {
+            match row {
+                0 => content += &format!(",{joint}/temperature"),
+                _ => {
+                    let now_c = temperature_c + (3.0 * row as f64 / rows as f64).round();
+                    content += &format!(",{now_c}");
+                }
+            }
+        }
+        content += "\n";
+    }
+    std::fs::write(to, content).unwrap();
+}
+
+/// Friction that falls with the recorded temperature is named by it; where the drives warm up and friction does not fall, it is
+/// viscous friction.
+#[test]
+fn finds_friction_by_temperature() {
+    let laws = [
+        ("friction_temperature:elbow_joint=6,-0.15,40", "friction_temperature"),
+        ("viscous_friction:elbow_joint=6", "viscous_friction"),
+    ];
+    for (k, (law, slug)) in laws.into_iter().enumerate() {
+        let folder = scratch(&format!("friction_by_temperature_{k}"));
+        for (seed, (trajectory, at_c, name)) in
+            [("train", 28.0, "cold"), ("train", 46.0, "train"), ("holdout", 37.0, "holdout")]
+                .into_iter()
+                .enumerate()
+        {
+            let motion = folder.join(format!("{name}_motion.csv"));
+            warm(trajectory, at_c, &motion);
+            let recorded = folder.join(format!("{name}.csv"));
+            simulate(&motion, &recorded, &seed.to_string(), &[law]);
+        }
+        let found = diagnose(&folder, &["cold.csv", "--holdout", "holdout.csv"]).fine().json();
+        assert_eq!(named(&found), pairs(&[(slug, "elbow_joint")]));
+        let parameters = &list(&found["findings"])[0]["parameters"];
+        let of = |name: &str| number(&parameters[name]["value"]);
+        if slug == "friction_temperature" {
+            let at_40 = of("coefficient")
+                + of("coefficient_per_kelvin") * (40.0 - of("reference_temperature"));
+            assert!((at_40 - 6.0).abs() < 0.1, "{at_40}");
+            assert!((of("coefficient_per_kelvin") + 0.15).abs() < 0.01, "{parameters}");
+        }
+    }
 }
 
 /// Nothing concealed, nothing found; and the fields are those of the contract.

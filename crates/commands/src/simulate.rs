@@ -125,8 +125,13 @@ impl Simulator {
         trajectory: &Recording,
         k: usize,
     ) -> Result<(Recording, Vec<String>), Failure> {
-        let Self { arm, joints, options, .. } = self;
+        let Self { joints, options, .. } = self;
+        let arm = &self.arm.at_temperatures_of(trajectory);
         let mut notes = Vec::new();
+        notes.extend(arm.joints_without_temperature().into_iter().map(|joint| {
+            let source = &trajectory.source;
+            format!("{source}: no temperature of {joint}: its friction is that at the reference temperature")
+        }));
         let exact = match options.direction {
             SimulatedDirection::Inverse => {
                 let mut motion = Trajectory::from_recording(trajectory, joints, &BTreeMap::new())?;

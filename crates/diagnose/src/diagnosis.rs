@@ -1,6 +1,7 @@
 //! The diagnosis: findings, models, and how these predict recordings.
 
 use crate::checks::effort_columns::InputChecks;
+use crate::checks::reporting::EffortReporting;
 use crate::design::known_effort::KnownModel;
 use std::collections::BTreeMap;
 
@@ -117,15 +118,15 @@ impl Diagnosis {
         self.rivals.insert(0, Vec::new());
     }
 
-    /// The models of the arm report their efforts through a low-pass of this time constant \[s\]; the given one does only where
-    /// it is what a reference shows.
-    pub(crate) fn report_through_low_pass(&mut self, time_constant_s: f64, of_reference: bool) {
+    /// The models of the arm report their efforts as they come into the recordings; the given one does only where it is what a
+    /// reference shows.
+    pub(crate) fn report_as(&mut self, reporting: EffortReporting, of_reference: bool) {
         let beside = self.without.iter_mut().flatten();
         let rivals = self.rivals.iter_mut().flatten().flatten();
         let given = of_reference.then_some(&mut self.believed);
         let own = [&mut self.model, &mut self.rigid].into_iter().chain(given);
         for model in own.chain(beside).chain(rivals) {
-            model.effort_low_pass_s += time_constant_s;
+            reporting.put_into(model);
         }
     }
 

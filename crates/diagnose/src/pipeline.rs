@@ -1,6 +1,7 @@
 //! From recordings to a diagnosis: design, selection, findings and models, in this order.
 
 use crate::checks::effort_columns::InputChecks;
+use crate::checks::reporting::EffortReporting;
 use crate::checks::usable::usable_signals;
 use crate::design::known_effort::KnownModel;
 use crate::design::linear_problem::LinearProblem;
@@ -38,12 +39,12 @@ use std::collections::BTreeMap;
 pub(crate) fn against_model(
     (model, known): (&ArmModel, Option<&KnownModel>),
     recordings: &[Recording],
-    low_pass_s: f64,
+    reporting: EffortReporting,
     placebo_terms: Option<usize>,
 ) -> Result<Diagnosis, DiagnoseError> {
     let compared = known.map_or(model, KnownModel::body);
     let names = names_of(compared);
-    let mut selected = selected(known, compared, &names, (recordings, low_pass_s))?;
+    let mut selected = selected(known, compared, &names, (recordings, reporting))?;
     let mut diagnosis = selected.diagnosis(compared, &names)?;
     let Selected { design, selection, .. } = &mut selected;
     diagnosis.placebo = placebo_terms.map(|terms| placebo(design, selection, terms));
@@ -62,9 +63,9 @@ pub(crate) fn against_reference(
     model: &ArmModel,
     reference: &[Recording],
     recordings: &[Recording],
-    low_pass_s: f64,
+    reporting: EffortReporting,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let (before, narrowed_to_hz) = model_of(model, reference, low_pass_s)?;
+    let (before, narrowed_to_hz) = model_of(model, reference, reporting)?;
     let known = KnownModel::of(before);
     let body = known.body();
     let names = names_of(body);
@@ -72,7 +73,7 @@ pub(crate) fn against_reference(
     // the reference stays in the problem: what is uncertain about the arm before is uncertain in both
     let all = [reference, recordings].concat();
     let (design, beyond_reference) =
-        design_of(Some(&known), body, &names, (&all, low_pass_s), band_hz)?
+        design_of(Some(&known), body, &names, (&all, reporting), band_hz)?
             .against_reference(reference.len());
     let (design, selection) = select(&design).ok_or(DiagnoseError::Unsolvable)?;
     let best = predictor(&selection.metric(), &selection.estimate);
@@ -89,9 +90,9 @@ pub(crate) fn against_reference(
 fn model_of(
     model: &ArmModel,
     train: &[Recording],
-    low_pass_s: f64,
+    reporting: EffortReporting,
 ) -> Result<(ArmModel, Option<f64>), DiagnoseError> {
-    let selected = selected(None, model, &names_of(model), (train, low_pass_s))?;
+    let selected = selected(None, model, &names_of(model), (train, reporting))?;
     let Selected { design, selection, narrowed_to_hz, .. } = &selected;
     let (problem, predicting) = selected.predicting();
     let rigid = rigid_model(model, design)?;
@@ -126,7 +127,7 @@ fn selected<'a>(
     known: Option<&'a KnownModel>,
     compared: &'a ArmModel,
     names: &[String],
-    train: (&[Recording], f64),
+    train: (&[Recording], EffortReporting),
 ) -> Result<Selected<'a>, DiagnoseError> {
     let design = design_of(known, compared, names, train, BAND_HZ)?;
     let (selection, narrow) =
@@ -361,14 +362,11 @@ fn design_of<'a>(
     known: Option<&'a KnownModel>,
     compared: &'a ArmModel,
     names: &[String],
-    (recordings, low_pass_s): (&[Recording], f64),
+    (recordings, reporting): (&[Recording], EffortReporting),
     band_hz: f64,
 ) -> Result<Design<'a>, DiagnoseError> {
     let mut signals = usable_signals(names, recordings, band_hz)?;
-    if low_pass_s > 0.0 {
-        let before = signals.into_iter().map(|s| s.before_low_pass(low_pass_s));
-        signals = before.collect::<Result<_, _>>()?;
-    }
+    signals = signals.into_iter().map(|s| reporting.undone_in(s)).collect::<Result<_, _>>()?;
     let design = |signals| Design::new(&compared.chain, signals).with_library(&compared.library);
     let Some(known) = known else { return Ok(design(signals)) };
     signals = signals.into_iter().map(|s| known.taken_out_of(s)).collect::<Result<_, _>>()?;

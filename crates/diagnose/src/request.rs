@@ -6,6 +6,7 @@ use armident_model::ArmModel;
 use armident_recording::Recording;
 
 use crate::checks::effort_columns::InputChecks;
+use crate::checks::reporting::EffortReporting;
 use crate::checks::usable::without_constant_efforts;
 use crate::design::known_effort::KnownModel;
 use crate::design::placeholder::placeholders;
@@ -100,17 +101,13 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
         let wrong = WrongColumns { input_checks: checks, recordings };
         return Err(DiagnoseError::WrongColumns(Box::new(wrong)));
     }
-    // a low-pass that a given model has is in the efforts that it takes off
-    let low_pass_s = match (&checks.effort_low_pass, model.effort_low_pass_s) {
-        (Some(found), 0.0) => found.time_constant_s,
-        _ => 0.0,
-    };
+    let reporting = EffortReporting::found(&checks, model);
     let of = |recordings: &[Recording], reference: &[Recording]| match reference {
         [] => {
             let given = (model, known.as_ref());
-            against_model(given, recordings, low_pass_s, request.placebo_terms)
+            against_model(given, recordings, reporting, request.placebo_terms)
         }
-        _ => against_reference(model, reference, recordings, low_pass_s),
+        _ => against_reference(model, reference, recordings, reporting),
     };
     let mut found = of(&recordings, &reference);
     if let Ok(diagnosis) = &found {
@@ -133,10 +130,10 @@ pub fn diagnose(request: &DiagnoseRequest<'_>) -> Result<Diagnosis, DiagnoseErro
     let mut diagnosis = Diagnosis { recordings, holdout, input_checks: checks, ..found? };
     if let (Some(length), []) = (&length, request.reference) {
         // the same with the given length, for the hold-out to judge
-        let without = against_model((given, None), &diagnosis.recordings, low_pass_s, None);
+        let without = against_model((given, None), &diagnosis.recordings, reporting, None);
         diagnosis.report_length(length, without.ok().map(|without| without.model));
     }
-    diagnosis.report_through_low_pass(low_pass_s, !request.reference.is_empty());
+    diagnosis.report_as(reporting, !request.reference.is_empty());
     if request.reference.is_empty() {
         diagnosis.weigh_low_pass_against_delay();
     }

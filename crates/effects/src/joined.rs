@@ -131,6 +131,7 @@ mod tests {
             acceleration: &series(&|t| -7.5 * (5.0 * t).sin()),
             direction: &directions_with(&velocity, 1e-6),
             rigid_effort: &series(&|t| 3.0 * (2.0 * t).sin()),
+            temperature_c: &[],
             velocity: &velocity,
         };
         of.resolve().unwrap().effort(&of.parameters, &motion)

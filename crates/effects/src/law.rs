@@ -301,6 +301,8 @@ pub struct Law {
     pub follows_load: bool,
     /// Whether it is dry friction whose level varies with the speed.
     pub varies_with_speed: bool,
+    /// Whether it follows the temperature of the drive, so that it shows only where that is recorded.
+    pub follows_temperature: bool,
     /// The simpler laws on its joints that this one contains: it is reported only where it is better than these.
     pub contains: &'static [&'static str],
     /// Laws beyond [`contains`](Self::contains) that a right diagnosis may report beside it.
@@ -334,6 +336,7 @@ impl Law {
         scan: Scan::Columns,
         follows_load: false,
         varies_with_speed: false,
+        follows_temperature: false,
         contains: &[],
         companions: &[],
         equivalents: &[],

@@ -18,7 +18,7 @@
 //!
 //! let viscous = effect("viscous_friction").expect("in the library");
 //! let kind = JointKind::Rotational;
-//! let state = JointState { kind, time_s: 0.0, position: 0.0, velocity: 2.0, load: 0.0 };
+//! let state = JointState { kind, time_s: 0.0, position: 0.0, velocity: 2.0, load: 0.0, temperature_c: None };
 //! assert_eq!(viscous.smooth_effort(&[0.5], &state), 1.0);
 //! ```
 
@@ -154,6 +154,7 @@ mod tests {
             acceleration: &acceleration,
             direction: &direction,
             rigid_effort: &[],
+            temperature_c: &[],
         };
         let others: [&dyn Effect; 1] = [&SublinearViscousFriction];
         for effect in BASELINE.iter().chain(&others) {
@@ -167,6 +168,7 @@ mod tests {
                     position: position[t],
                     velocity: velocity[t],
                     load: 0.0,
+                    temperature_c: None,
                 };
                 let by_law = effect.smooth_effort(&parameters, &state)
                     + effect.dry_friction(&parameters, &state).effort(velocity[t])
@@ -189,6 +191,7 @@ mod tests {
             acceleration: &acceleration,
             direction: &direction,
             rigid_effort: &load,
+            temperature_c: &[],
         };
         type Formula = fn(f64, f64, f64, f64, &[f64]) -> f64;
         let laws: [(&str, &[f64], Formula); 9] = [
@@ -245,6 +248,7 @@ mod tests {
             acceleration: &none,
             direction: &none,
             rigid_effort: &[],
+            temperature_c: &[],
         };
         let effort = PreslidingHysteresis.effort(&[2.0, 100.0, 0.0], &motion);
         for (q, f) in position.iter().zip(&effort) {

@@ -22,6 +22,8 @@ pub struct JointMotion<'a> {
     pub direction: &'a [f64],
     /// Effort of the rigid body at this joint \[N m or N\]; empty where no law needs it.
     pub rigid_effort: &'a [f64],
+    /// Temperature of the drive \[°C\]; empty where it is not recorded.
+    pub temperature_c: &'a [f64],
 }
 
 /// Size of a joint's motion, from which constants to try are scaled.
@@ -35,6 +37,8 @@ pub struct MotionScale {
     pub position_deviation: f64,
     /// Length of the longest recording \[s\].
     pub duration_s: f64,
+    /// Lowest and highest temperature of its drive \[°C\]; none where some recording lacks it.
+    pub temperature_c: Option<[f64; 2]>,
 }
 
 /// Motion of the whole arm over a recording, joint-major.
@@ -74,6 +78,8 @@ pub struct JointState {
     pub velocity: f64,
     /// Effort that the gear carries, that of the rigid body at this joint \[N m or N\].
     pub load: f64,
+    /// Temperature of the drive \[°C\]; none where it is not known.
+    pub temperature_c: Option<f64>,
 }
 
 /// Levels of dry friction; at rest the effort is anything between `-backward` and `forward`.

@@ -83,6 +83,7 @@ impl<'a> Parameters<'a> {
             acceleration,
             direction,
             rigid_effort: &[],
+            temperature_c: &[],
         };
         JOINT_LAWS.iter().flat_map(|law| law.columns(&[], &motion)).collect()
     }

@@ -38,6 +38,7 @@ impl<'a> PlannedMotion<'a> {
             speed_rms: root_mean_square(&self.columns[1][joint], 0.0),
             position_deviation: deviation(&self.columns[0][joint]),
             duration_s: self.duration_s(),
+            temperature_c: None,
         }
     }
 
@@ -66,6 +67,7 @@ impl<'a> PlannedMotion<'a> {
             acceleration: &self.columns[2][j],
             direction: &directions[j],
             rigid_effort: &self.rigid_effort[j],
+            temperature_c: &[],
         };
         let on = |parts: &mut dyn Iterator<Item = (usize, Vec<f64>)>| {
             let mut all = vec![Vec::new(); n];

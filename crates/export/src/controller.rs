@@ -230,6 +230,12 @@ impl Source {
         if model.effort_low_pass_s != 0.0 {
             omit(format!("the low-pass of the efforts, {:.4} s", model.effort_low_pass_s));
         }
+        if model.effort_clock_drift != 0.0 {
+            omit(format!(
+                "the drift of the clock of the efforts, {:.0} ppm",
+                1e6 * model.effort_clock_drift
+            ));
+        }
         for (joint, shown) in model.chain.joints.iter().zip(model.shown.iter().flatten()) {
             if let Some(shown) = shown {
                 let percent = 100.0 * shown.share;

@@ -239,6 +239,7 @@ fn friction_follows_the_load() {
             acceleration: &ddq[j],
             direction: &direction,
             rigid_effort: rigid,
+            temperature_c: &[],
         };
         let friction = LoadDependentFriction.effort(&[0.5, 0.1], &motion);
         rigid.iter_mut().zip(friction).for_each(|(e, f)| *e += f);

@@ -52,6 +52,8 @@ pub struct ArmModel {
     pub effort_delay_s: f64,
     /// Time constant of the low-pass of first order through which the efforts are reported \[s\]; 0 without one.
     pub effort_low_pass_s: f64,
+    /// By which share the clock of the recorded efforts is faster than that of the positions.
+    pub effort_clock_drift: f64,
     /// Gain of each effort channel.
     pub channel_gain: Vec<f64>,
     /// Low-passes of its predictions where it was fitted in a band, as a diagnosis does; none where it was fitted
@@ -149,6 +151,7 @@ impl ArmModel {
             encoder_offset: vec![0.0; joints],
             effort_delay_s: 0.0,
             effort_low_pass_s: 0.0,
+            effort_clock_drift: 0.0,
             channel_gain: vec![1.0; joints],
             band: None,
             drive_gains: None,
@@ -190,7 +193,9 @@ impl ArmModel {
         self.effects.is_empty()
             && self.transmissions.is_empty()
             && self.smooth_terms.is_empty()
-            && measured.chain([&self.effort_delay_s, &self.effort_low_pass_s]).all(|x| *x == 0.0)
+            && measured
+                .chain([&self.effort_delay_s, &self.effort_low_pass_s, &self.effort_clock_drift])
+                .all(|x| *x == 0.0)
             && self.channel_gain.iter().all(|g| *g == 1.0)
     }
 

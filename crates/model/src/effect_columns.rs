@@ -49,6 +49,7 @@ pub fn joint_motion<'a>(
         acceleration: &motion.acceleration[joint],
         direction,
         rigid_effort: &[],
+        temperature_c: &motion.temperature_c[joint],
     }
 }
 

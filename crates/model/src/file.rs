@@ -132,6 +132,8 @@ struct ModelFile {
     effort_delay_s: f64,
     #[serde(default, skip_serializing_if = "is_zero")]
     effort_low_pass_s: f64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    effort_clock_drift: f64,
     /// one a joint; none in files of schema 1
     #[serde(default)]
     channel_gain: Vec<f64>,
@@ -263,6 +265,7 @@ impl From<&ArmModel> for ModelFile {
             encoder_offset: model.encoder_offset.clone(),
             effort_delay_s: model.effort_delay_s,
             effort_low_pass_s: model.effort_low_pass_s,
+            effort_clock_drift: model.effort_clock_drift,
             channel_gain: model.channel_gain.clone(),
             band: model.band.clone(),
             drive_gains: model.drive_gains.clone(),
@@ -404,6 +407,7 @@ impl ModelFile {
             encoder_offset: self.encoder_offset,
             effort_delay_s: self.effort_delay_s,
             effort_low_pass_s: self.effort_low_pass_s,
+            effort_clock_drift: self.effort_clock_drift,
             channel_gain: self.channel_gain,
         };
         numbers.check(count).map_err(ModelError::Inconsistent)?;
@@ -452,6 +456,7 @@ impl ModelFile {
             encoder_offset: numbers.encoder_offset,
             effort_delay_s: numbers.effort_delay_s,
             effort_low_pass_s: numbers.effort_low_pass_s,
+            effort_clock_drift: numbers.effort_clock_drift,
             channel_gain: numbers.channel_gain,
             band: self.band,
             drive_gains: self.drive_gains,
@@ -471,6 +476,7 @@ struct ChannelTerms {
     encoder_offset: Vec<f64>,
     effort_delay_s: f64,
     effort_low_pass_s: f64,
+    effort_clock_drift: f64,
     channel_gain: Vec<f64>,
 }
 
@@ -495,6 +501,7 @@ impl ChannelTerms {
         finite("encoder_offset", &self.encoder_offset, f64::MIN)?;
         finite("effort_delay_s", &[self.effort_delay_s], f64::MIN)?;
         finite("effort_low_pass_s", &[self.effort_low_pass_s], 0.0)?;
+        finite("effort_clock_drift", &[self.effort_clock_drift], -0.5)?;
         finite("channel_gain", &self.channel_gain, f64::MIN)
     }
 }
@@ -665,6 +672,7 @@ mod tests {
         model.encoder_offset = vec![0.003, 0.0];
         model.effort_delay_s = 0.004;
         model.effort_low_pass_s = 0.02;
+        model.effort_clock_drift = 1e-4;
         model.channel_gain = vec![1.1, 1.0];
         model.reversals =
             Some(vec![ReversalModel::regularised(0.02), ReversalModel::presliding(0.001)]);
@@ -674,6 +682,7 @@ mod tests {
         assert_eq!(read.encoder_offset, model.encoder_offset);
         assert_eq!(read.effort_delay_s, model.effort_delay_s);
         assert_eq!(read.effort_low_pass_s, model.effort_low_pass_s);
+        assert_eq!(read.effort_clock_drift, model.effort_clock_drift);
         assert_eq!(read.channel_gain, model.channel_gain);
         assert_eq!((read.reversals, read.band), (model.reversals, model.band));
     }

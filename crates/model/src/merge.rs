@@ -33,6 +33,7 @@ impl ArmModel {
         all.smooth_terms = [self.smooth_terms.clone(), all.smooth_terms].concat();
         all.effort_delay_s += self.effort_delay_s;
         all.effort_low_pass_s += self.effort_low_pass_s;
+        all.effort_clock_drift += self.effort_clock_drift;
         all.band.clone_from(&self.band);
         if let Some(own) = &self.reversals {
             // where the change says nothing of how friction reverses, it does as before

@@ -178,6 +178,7 @@ impl<'a> PosedRecording<'a> {
             acceleration: &self.signals.actuator_acceleration[j],
             direction: self.turned[j].as_ref().unwrap_or(&self.signals.direction[j]),
             rigid_effort: self.answered(j),
+            temperature_c: &self.signals.temperature_c[j],
         }
     }
 

@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 
 use armident_dynamics::{RigidArm, inverse_dynamics_of_motion};
-use armident_effects::{Scope, UnknownEffect};
+use armident_effects::{EffectOnJoint, Scope, UnknownEffect};
 use armident_motion::{
-    BandMotion, Motion, MotionSettings, continued, filter_between, later, low_pass, reported,
+    BandMotion, Motion, MotionSettings, by_clock, continued, filter_between, later, low_pass,
+    reported,
 };
-use armident_recording::{Recording, RecordingError};
+use armident_recording::{Quantity, Recording, RecordingError};
 
 use crate::arm_model::{ArmModel, BandPrediction};
 use crate::effect_columns::{effect_columns, pair_columns};
@@ -49,13 +50,34 @@ impl ArmModel {
         if self.band.is_some() {
             let joints: Vec<String> = self.chain.joints.iter().map(|j| j.name.clone()).collect();
             let efforts = self.predict_prepared(&PreparedRecording::of(recording, &joints)?)?;
-            return Ok(Prediction { efforts, notes: recording.notes.clone() });
+            let notes = [recording.notes.clone(), self.notes_on_temperatures(recording)].concat();
+            return Ok(Prediction { efforts, notes });
         }
         let settings = MotionSettings { cutoff_hz, ..MotionSettings::default() };
         let motion = Motion::from_recording(recording, &self.chain.joint_names(), &settings)?;
-        let motion = self.motion_of(motion, recording);
+        let mut motion = self.motion_of(motion, recording);
+        motion.notes.extend(self.notes_on_temperatures(recording));
         let efforts = self.predict_motion(&motion)?.iter().map(|e| motion.at_stamps(e)).collect();
         Ok(Prediction { efforts, notes: motion.notes })
+    }
+
+    /// Where the friction follows a temperature that a recording lacks.
+    fn notes_on_temperatures(&self, recording: &Recording) -> Vec<String> {
+        let lacks = |joint: &str| {
+            let channels = recording.joint(joint);
+            channels.is_none_or(|j| j.channel(Quantity::Temperature).is_none())
+        };
+        let follows = |on: &&EffectOnJoint| {
+            self.library.resolve(on).is_ok_and(|effect| effect.law().follows_temperature)
+        };
+        let on_joints = self.effects.iter().filter(follows).filter(|on| lacks(&on.joint));
+        let note = |on: &EffectOnJoint| {
+            format!(
+                "no temperature of {} is recorded: its friction is that at the reference temperature",
+                on.joint
+            )
+        };
+        on_joints.map(note).collect()
     }
 
     /// The same on the grids of motions that are formed already, one a recording: `[recording][joint][sample]`.
@@ -207,6 +229,7 @@ impl ArmModel {
             effort.iter_mut().for_each(|e| *e *= self.channel_gain[j]);
             *effort = later(effort, -self.effort_delay_s * signals.rate_hz);
             *effort = reported(effort, signals.rate_hz, self.effort_low_pass_s);
+            *effort = by_clock(effort, self.effort_clock_drift);
         }
         Ok(effort)
     }

@@ -59,6 +59,12 @@ impl ArmModel {
         if self.effort_low_pass_s != 0.0 {
             lost.push(format!("the low-pass of the efforts, {:.4} s", self.effort_low_pass_s));
         }
+        if self.effort_clock_drift != 0.0 {
+            lost.push(format!(
+                "the drift of the clock of the efforts, {:.0} ppm",
+                1e6 * self.effort_clock_drift
+            ));
+        }
         for (name, reversal) in names.iter().zip(self.reversals.iter().flatten()) {
             match reversal {
                 ReversalModel::RegularisedSign { below } if *below > 0.0 => {

@@ -75,6 +75,8 @@ pub struct BandMotion {
     pub effort: Vec<Vec<f64>>,
     /// Known part of the recorded effort, no longer in `effort` \[N m or N\].
     pub known_effort: Vec<Vec<f64>>,
+    /// Temperature of the drives on the grid \[°C\]; empty where it is not recorded.
+    pub temperature_c: Vec<Vec<f64>>,
     /// Noise of the effort of one recorded sample \[N m or N\].
     pub effort_noise: Vec<f64>,
     /// Noise of the effort in the band \[N m or N\].
@@ -169,6 +171,7 @@ impl BandMotion {
             smeared_step: Arc::new(SmearedStep::of(kinematics_cutoff_hz(rate_hz))?),
             own_acceleration: Vec::new(),
             actuator_acceleration: Vec::new(),
+            temperature_c: joints.iter().map(|j| on_grid(j, Quantity::Temperature)).collect(),
             known_effort: effort.iter().map(|e| vec![0.0; e.len()]).collect(),
             effort,
         };
@@ -290,6 +293,7 @@ impl BandMotion {
             &mut self.acceleration,
             &mut self.own_acceleration,
             &mut self.actuator_acceleration,
+            &mut self.temperature_c,
         ];
         for values in motions.into_iter().flatten() {
             *values = every(step, values);

@@ -54,6 +54,7 @@ mod decimate;
 mod differentiate;
 mod drive_low_pass;
 mod duplicate_frames;
+mod effort_clock;
 mod end_extension;
 mod grid;
 mod held_efforts;
@@ -78,6 +79,7 @@ pub use cutoff::{
 pub use decimate::{kinematics_filter, later, low_pass};
 pub use differentiate::differentiate;
 pub use drive_low_pass::reported;
+pub use effort_clock::by_clock;
 pub use end_extension::{EndExtension, QUARTIC_TERMS, Quartics};
 pub use grid::EvenGrid;
 pub use late_signals::{LateSignals, SignalLag};

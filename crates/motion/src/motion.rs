@@ -63,6 +63,8 @@ pub struct Motion {
     pub effort: Option<Vec<Vec<f64>>>,
     /// Effort through the same filter as the position \[N m or N\].
     pub effort_filtered: Option<Vec<Vec<f64>>>,
+    /// Temperature of the drives on the grid, not filtered \[°C\]; empty where it is not recorded.
+    pub temperature_c: Vec<Vec<f64>>,
     /// The low-pass; none if nothing was filtered.
     pub filter: Option<ZeroPhaseLowPass>,
     /// Where the recording comes from.
@@ -175,6 +177,10 @@ impl Motion {
         let dwells = (velocity.iter().zip(position_noise))
             .map(|(velocity, noise)| dwells_of(velocity, noise * gain, rate_hz))
             .collect();
+        let temperature_c = (channels.iter())
+            .map(|joint| joint.channel(Quantity::Temperature).map(|t| grid.resample(t)))
+            .map(Option::unwrap_or_default)
+            .collect();
         let effort = recorded(Quantity::Effort).then(|| on_grid(Quantity::Effort)).transpose()?;
         if effort.is_none() {
             notes.extend(effort_note(&channels));
@@ -190,6 +196,7 @@ impl Motion {
             acceleration,
             effort,
             effort_filtered,
+            temperature_c,
             filter,
             source: recording.source.clone(),
             stamps_s: grid.stamps_s().to_vec(),
@@ -231,6 +238,7 @@ impl Motion {
             acceleration: columns(&self.acceleration),
             effort: self.effort.as_deref().map(columns),
             effort_filtered: self.effort_filtered.as_deref().map(columns),
+            temperature_c: columns(&self.temperature_c),
             filter: Some(filter),
             source: self.source.clone(),
             stamps_s: self.stamps_s.clone(),

@@ -46,6 +46,7 @@ pub fn closed_loop_over(
     step_s: f64,
 ) -> Result<Recording, SimulationError> {
     commands.check()?;
+    let arm = &*arm.at_known_temperatures(commands);
     let columns = arm.joints().iter().map(|name| {
         let column = commands.joint(name).and_then(|joint| joint.channel(Quantity::Command));
         column.ok_or_else(|| missing(commands, name, Quantity::Command))

@@ -64,6 +64,9 @@ pub fn inverse(arm: &SimulatedArm, trajectory: &Trajectory) -> Result<Recording,
         }
         joint.effort = Some(effort);
     }
+    if let Some(temperatures) = arm.temperatures() {
+        temperatures.record_in(&mut recording);
+    }
     Ok(recording)
 }
 

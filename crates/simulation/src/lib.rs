@@ -94,6 +94,7 @@
 #[cfg(test)]
 mod bad_inputs;
 mod closed_loop;
+mod drive_temperature;
 mod dry_friction;
 mod equations;
 mod error;

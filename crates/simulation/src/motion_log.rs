@@ -52,6 +52,9 @@ impl MotionLog {
         });
         let mut recording = Recording::new(source, self.time_s, joints.collect())?;
         recording.notes = notes;
+        if let Some(temperatures) = arm.temperatures() {
+            temperatures.record_in(&mut recording);
+        }
         Ok(recording)
     }
 }

@@ -1,7 +1,9 @@
 //! The arm that is moved: rigid body and effects on it.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
+use std::sync::Arc;
 
 use armident_dynamics::RigidArm;
 use armident_effects::{
@@ -9,8 +11,10 @@ use armident_effects::{
     PositionServo, Scope, Transmission,
 };
 use armident_kinematics::DrivingAxisChain;
+use armident_recording::Recording;
 use nalgebra::Vector3;
 
+use crate::drive_temperature::DriveTemperatures;
 use crate::error::{NEEDS_FRAMES, SimulationError};
 
 /// Rise and fall of a contact \[s\].
@@ -63,6 +67,7 @@ pub struct SimulatedArm {
     frames: Option<ArmFrames>,
     effort_gains: Vec<f64>,
     effort_delay_s: f64,
+    temperatures: Option<Arc<DriveTemperatures>>,
 }
 
 impl SimulatedArm {
@@ -132,6 +137,7 @@ impl SimulatedArm {
             frames,
             effort_gains: vec![1.0; n],
             effort_delay_s: 0.0,
+            temperatures: None,
         };
         for given in effects {
             built.add(library, given)?;
@@ -299,6 +305,37 @@ impl SimulatedArm {
         &self.effects[joint]
     }
 
+    /// The same arm, its drives as warm as in a recording, at the time stamps of that. Laws that follow a temperature which is
+    /// not recorded are those at their reference.
+    #[must_use]
+    pub fn at_temperatures_of(&self, recording: &Recording) -> Self {
+        let temperatures = DriveTemperatures::of(recording, &self.joints);
+        Self { temperatures: Some(Arc::new(temperatures)), ..self.clone() }
+    }
+
+    /// The same if a law follows them.
+    pub(crate) fn at_known_temperatures(&self, recording: &Recording) -> Cow<'_, Self> {
+        match (0..self.dof()).any(|j| self.follows_temperature(j)) {
+            true => Cow::Owned(self.at_temperatures_of(recording)),
+            false => Cow::Borrowed(self),
+        }
+    }
+
+    fn follows_temperature(&self, joint: usize) -> bool {
+        self.effects[joint].iter().any(|e| e.effect.law().follows_temperature)
+    }
+
+    /// Joints with a law that follows the temperature of the drive, which is not known.
+    pub fn joints_without_temperature(&self) -> Vec<&str> {
+        let known = |j: usize| self.temperatures().is_some_and(|of| of.at(j, 0.0).is_some());
+        let unknown = (0..self.dof()).filter(|j| self.follows_temperature(*j) && !known(*j));
+        unknown.map(|j| self.joints[j].as_str()).collect()
+    }
+
+    pub(crate) fn temperatures(&self) -> Option<&DriveTemperatures> {
+        self.temperatures.as_deref()
+    }
+
     /// Number of joints.
     pub fn dof(&self) -> usize {
         self.joints.len()
@@ -370,7 +407,9 @@ impl SimulatedArm {
         velocity: f64,
         load: f64,
     ) -> JointState {
-        JointState { kind: self.rigid.joints[joint].kind, time_s, position, velocity, load }
+        let kind = self.rigid.joints[joint].kind;
+        let temperature_c = self.temperatures.as_ref().and_then(|of| of.at(joint, time_s));
+        JointState { kind, time_s, position, velocity, load, temperature_c }
     }
 
     pub(crate) fn pairs(&self) -> &[PairFriction] {

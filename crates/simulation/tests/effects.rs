@@ -348,6 +348,7 @@ fn by_columns(
         acceleration: &plan.acceleration[j],
         direction: &direction[j],
         rigid_effort: &rigid[j],
+        temperature_c: &[],
     };
     let (shape, mut coefficients) = law.shape_and_coefficients(&given.parameters);
     let mut expected = vec![vec![0.0; plan.len()]; chain.dof()];

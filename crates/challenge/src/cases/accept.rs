@@ -99,6 +99,7 @@ fn joint_columns(
         acceleration: &motions[k].acceleration[joint],
         direction: &directions[k],
         rigid_effort: &loads[k],
+        temperature_c: &[],
     };
     let position = &motions[0].position[joint];
     let mean = position.iter().sum::<f64>() / position.len().max(1) as f64;
@@ -108,6 +109,7 @@ fn joint_columns(
         speed_rms: rms(&motions[0].velocity[joint]),
         position_deviation: rms(&off),
         duration_s: scene.duration_s,
+        temperature_c: None,
     };
     law.shapes(&scale)
         .iter()

@@ -2,8 +2,8 @@
 
 use armident_dynamics::inverse_dynamics_of_motion;
 use armident_ident::checks::{
-    ChannelEvidence, ChannelKind, Check, EffortLowPass, LinkLength, LowPassOrDelay, Topic, Verdict,
-    check, with_drive_signals,
+    ChannelEvidence, ChannelKind, Check, EffortClock, EffortLowPass, LinkLength, LowPassOrDelay,
+    Topic, Verdict, check, with_drive_signals,
 };
 use armident_model::ArmModel;
 use armident_motion::{BAND_HZ, Motion, MotionSettings, common_cutoff_hz};
@@ -53,6 +53,8 @@ pub struct InputChecks {
     pub drive_gains: Vec<InferredDriveGain>,
     /// The low-pass through which the efforts are reported; none where there is none.
     pub effort_low_pass: Option<EffortLowPass>,
+    /// The clock of the efforts; none where it is that of the positions.
+    pub effort_clock: Option<EffortClock>,
     /// A low-pass that explains late efforts as well as a delay.
     pub low_pass_or_delay: Option<LowPassOrDelay>,
     /// A distance between two axes that is not the given one; none where there is none.
@@ -174,6 +176,7 @@ impl InputChecks {
                 .collect(),
             faults: found.checks.into_iter().filter(of_columns).collect(),
             effort_low_pass: found.effort_low_pass,
+            effort_clock: found.effort_clock,
             low_pass_or_delay: found.low_pass_or_delay,
             link_length: found.link_length,
             unchecked: None,

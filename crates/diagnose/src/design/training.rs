@@ -58,6 +58,7 @@ impl<'a> Design<'a> {
                     speed_rms: pooled(&|s| &s.velocity[j], 0.0).max(f64::MIN_POSITIVE),
                     position_deviation: pooled(&|s| &s.position[j], mean).max(f64::MIN_POSITIVE),
                     duration_s: longest,
+                    temperature_c: temperatures_of(&signals, j),
                 }
             })
             .collect();
@@ -496,6 +497,17 @@ pub(crate) fn push_law(
         is_of_size_one: false,
     });
     problem.candidates.len() - 1
+}
+
+/// Lowest and highest temperature of the drive of a joint; none where some recording lacks it.
+fn temperatures_of(signals: &[BandMotion], joint: usize) -> Option<[f64; 2]> {
+    let range = |s: &BandMotion| {
+        let least = s.temperature_c[joint].iter().copied().reduce(f64::min)?;
+        let most = s.temperature_c[joint].iter().copied().reduce(f64::max)?;
+        Some([least, most])
+    };
+    let ranges: Option<Vec<[f64; 2]>> = signals.iter().map(range).collect();
+    ranges?.into_iter().reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
 }
 
 /// Root mean square of every entry of the inertia matrix over some instants of a recording.

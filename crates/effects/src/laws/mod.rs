@@ -7,6 +7,7 @@ mod drive_low_pass;
 mod encoder_offset;
 mod external_contact;
 mod friction_drift;
+mod friction_temperature;
 mod gravity_direction;
 mod joint_coupling;
 mod joint_elasticity;
@@ -34,6 +35,7 @@ pub use drive_low_pass::DriveLowPass;
 pub use encoder_offset::EncoderOffset;
 pub use external_contact::ExternalContact;
 pub use friction_drift::FrictionDrift;
+pub use friction_temperature::FrictionTemperature;
 pub use gravity_direction::{GravityDirection, tilted};
 pub use joint_coupling::JointCoupling;
 pub use joint_elasticity::JointElasticity;
@@ -84,6 +86,7 @@ pub(crate) const STANDARD: &[&dyn Effect] = &[
     &PositionControl,
     &LinkGeometryError,
     &DriveLowPass,
+    &FrictionTemperature,
 ];
 
 /// The baseline terms: what every joint has in a plain identification, in the order of its parameter vectors.

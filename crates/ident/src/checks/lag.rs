@@ -71,6 +71,8 @@ fn steady(motion: &Motion, joint: usize, cutoff_hz: f64) -> Vec<bool> {
 struct LateMotion {
     columns: LateSignals,
     effort: Vec<f64>,
+    /// time since the first sample \[s\]
+    since_start_s: Vec<f64>,
     /// samples away from the ends, in motion
     kept: Vec<usize>,
 }
@@ -156,6 +158,10 @@ impl JointLag {
                 Some(LateMotion {
                     columns: LateSignals::new(&columns, motion.rate_hz / stride),
                     effort: thinned(effort),
+                    since_start_s: thinned(&motion.time_s)
+                        .iter()
+                        .map(|t| t - motion.time_s[0])
+                        .collect(),
                     kept: kept
                         .filter(|(_, k)| (edge..motion.len() - edge).contains(k) && is_steady[*k])
                         .map(|(thin, _)| thin)
@@ -224,6 +230,46 @@ impl JointLag {
         Ok(FittedLag { late, models, own, squares: fit.residual_sum_of_squares })
     }
 
+    fn growth(&self, lag: SignalLag) -> Result<LagGrowth, NumericError> {
+        let FittedLag { mut late, models, own, .. } = self.fitted(lag)?;
+        for ((motion, late), model) in self.motions.iter().zip(&mut late).zip(&models) {
+            let since_s = &motion.since_start_s;
+            let times = |column: &[f64], of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+                column.iter().zip(since_s).map(|(c, t)| c * of(*t)).collect()
+            };
+            let rate = motion.columns.by_delay(model);
+            let middle_s = 0.5 * since_s.last().copied().unwrap_or_default();
+            // parameters that change steadily
+            let drifting: Vec<Vec<f64>> =
+                own.iter().map(|&k| times(&late[k], &|t| t - middle_s)).collect();
+            late.extend(drifting);
+            late.push(rate.clone());
+            late.push(times(&rate, &|t| -t));
+        }
+        let triangle = self.triangle(&late);
+        let beside: Vec<usize> =
+            own.iter().copied().chain(self.terms..self.terms + own.len()).collect();
+        let mut order = independent(&triangle, &beside);
+        let first = order.len();
+        let rate = self.terms + own.len();
+        order.extend([rate, rate + 1, rate + 2]);
+        let r = triangle.reordered(&order);
+        let at = |i: usize, j: usize| r[(first + i, first + j)];
+        let squares: f64 = (0..3).map(|i| at(i, 2).powi(2)).sum();
+        let freedom = (self.freedom - (first - own.len()) as f64).max(1.0);
+        let scale = freedom / squares;
+        Ok(LagGrowth {
+            information: [
+                at(0, 0) * at(0, 0),
+                at(0, 0) * at(0, 1),
+                at(0, 1).powi(2) + at(1, 1).powi(2),
+            ]
+            .map(|x| scale * x),
+            slope: [at(0, 0) * at(0, 2), at(0, 1) * at(0, 2) + at(1, 1) * at(1, 2)]
+                .map(|x| scale * x),
+        })
+    }
+
     fn at(&self, kind: LagKind, number_s: f64) -> Result<AtLag, NumericError> {
         let FittedLag { mut late, models, own, .. } = self.fitted(kind.of(number_s))?;
         for ((motion, late), model) in self.motions.iter().zip(&mut late).zip(&models) {
@@ -246,6 +292,16 @@ impl JointLag {
             curvature: scale * rate * rate,
         })
     }
+}
+
+/// What one joint shows of its lag at the start of each recording \[s\] and of the drift of the clock of its efforts: the
+/// logarithm of the likelihood to second order about a lag.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LagGrowth {
+    /// minus the second derivatives: lag and lag, lag and drift, drift and drift
+    pub(super) information: [f64; 3],
+    /// first derivatives: lag, drift
+    pub(super) slope: [f64; 2],
 }
 
 /// The lag of one kind with the highest likelihood.
@@ -285,6 +341,11 @@ impl Lags {
     /// Number of joints.
     pub(super) fn joints(&self) -> usize {
         self.joints.len()
+    }
+
+    /// What each joint shows of its lag and of the growth of it, about a lag.
+    pub(super) fn growths(&self, lag: SignalLag) -> Result<Vec<LagGrowth>, NumericError> {
+        self.joints.par_iter().map(|joint| joint.growth(lag)).collect()
     }
 
     /// `2 ln` of the likelihood of one lag over that of another, of each joint.

@@ -11,6 +11,7 @@ use super::arm_likelihood::Meaning;
 use super::channel::{ChannelEvidence, ChannelKind, Channels};
 use super::computed::BesideRigid;
 use super::delay::{Delay, LookAlike};
+use super::effort_clock::EffortClock;
 use super::effort_low_pass::EffortLowPass;
 use super::excitation::{ConstantCheck, activity};
 use super::explanations::Explained;
@@ -202,6 +203,28 @@ pub(super) fn low_pass(found: &EffortLowPass) -> Check {
         interval_95: Some(found.interval_95_s),
         advice: Some(advice.to_owned()),
         ..robot_wide(Topic::Delay, Verdict::Doubtful, message)
+    }
+}
+
+pub(super) fn effort_clock(found: &EffortClock, motions: &[Motion]) -> Check {
+    let [low, high] = found.interval_95;
+    let longest_s = (motions.iter())
+        .filter_map(|m| Some(m.time_s.last()? - m.time_s.first()?))
+        .fold(0.0, f64::max);
+    let message = format!(
+        "the clock of the efforts is {} by {:.0} ppm (95 % interval {:.0} to {:.0} ppm): {:.1} ms after {longest_s:.0} s",
+        if found.drift > 0.0 { "fast" } else { "slow" },
+        1e6 * found.drift.abs(),
+        1e6 * low.abs().min(high.abs()),
+        1e6 * low.abs().max(high.abs()),
+        1e3 * found.drift.abs() * longest_s,
+    );
+    let advice = "diagnose takes it into account; for identify, stamp efforts and positions by one clock, or keep recordings short";
+    Check {
+        value: Some(found.drift),
+        interval_95: Some(found.interval_95),
+        advice: Some(advice.to_owned()),
+        ..robot_wide(Topic::Clock, Verdict::Doubtful, message)
     }
 }
 

@@ -22,6 +22,7 @@ mod channel;
 mod columns;
 mod computed;
 mod delay;
+mod effort_clock;
 mod effort_low_pass;
 mod excitation;
 mod explanations;
@@ -40,12 +41,13 @@ use std::collections::BTreeMap;
 use armident_dynamics::RigidArm;
 use armident_model::ArmModel;
 pub use armident_motion::QualityReport;
-use armident_motion::{Motion, RESTING_RANGE, quality};
+use armident_motion::{Motion, RESTING_RANGE, SignalLag, quality};
 use armident_numeric::NumericError;
 use armident_recording::{QualityIssue, Quantity, Recording};
 
 pub use channel::{ChannelEvidence, ChannelKind};
 pub use delay::Delay;
+pub use effort_clock::EffortClock;
 pub use effort_low_pass::{EffortLowPass, LowPassOrDelay};
 pub use excitation::ConstantCheck;
 pub use gravity::GravityDirectionFound;
@@ -86,6 +88,8 @@ pub struct RecordingCheck {
     pub delay: Option<Delay>,
     /// The low-pass through which the efforts are reported; none where there is none that explains more than a delay.
     pub effort_low_pass: Option<EffortLowPass>,
+    /// The clock of the efforts; none where it is that of the positions.
+    pub effort_clock: Option<EffortClock>,
     /// A low-pass that explains the delay as well; none where the recordings separate them.
     pub low_pass_or_delay: Option<LowPassOrDelay>,
     /// A distance between two axes that is not the given one; none where the recordings contradict none.
@@ -209,8 +213,8 @@ pub fn check(
     let mut delay = delay::delay(&rows, &is_silent);
     // efforts that are not clearly late went through no low-pass
     let is_late = delay.as_ref().is_none_or(|d| d.delay_s > 0.0 && d.evidence > CLEARLY);
-    let mut late_by = LateBy::NoLowPass;
-    if is_filtered && is_late {
+    let (mut late_by, mut effort_clock) = (LateBy::NoLowPass, None);
+    if is_filtered {
         // noise of the accelerations would favour any lag that smooths the columns: in the band where it is little
         let alive = (0..names.len()).filter(|&j| !is_silent[j]);
         let noise_of =
@@ -229,9 +233,32 @@ pub fn check(
             None => Lags::of(&problem, motions, &rows, &is_silent)?,
         };
         if let Some(lags) = &lags {
-            late_by = effort_low_pass::late_by(lags)?;
+            if is_late {
+                late_by = effort_low_pass::late_by(lags)?;
+            }
+            let lag = match &late_by {
+                LateBy::LowPass(found) => {
+                    SignalLag { time_constant_s: found.time_constant_s, ..SignalLag::default() }
+                }
+                LateBy::NoLowPass | LateBy::Either(_) => {
+                    let delay_s = delay.as_ref().map_or(0.0, |found| found.delay_s);
+                    SignalLag { delay_s, ..SignalLag::default() }
+                }
+            };
+            effort_clock = effort_clock::effort_clock(lags, lag)?;
         }
     }
+    let by_own_clock: Vec<Motion>;
+    let motions = match &effort_clock {
+        Some(clock) => {
+            let back = |m: &Motion| rows::with_effort_before_clock(m, clock.drift);
+            by_own_clock = motions.iter().map(back).collect();
+            rows = rows::accumulate(&problem, &arm, &by_own_clock, &noise)?;
+            delay = delay::delay(&rows, &is_silent);
+            by_own_clock.as_slice()
+        }
+        None => motions,
+    };
     // a delay distorts friction at its reversals: once more with the efforts shifted back
     let mut aligned = motions.to_vec();
     for _ in 0..ALIGNMENTS {
@@ -294,6 +321,7 @@ pub fn check(
         Some(found) => messages::low_pass(found),
         None => messages::delay(delay.as_ref(), look_alike, motions),
     });
+    checks.extend(effort_clock.as_ref().map(|clock| messages::effort_clock(clock, motions)));
     checks.push(match map.joints_are_as_labelled() || map.source.is_sorted() {
         true => messages::order(&channels, &names),
         false => messages::exchanged(&explained, &names),
@@ -336,6 +364,7 @@ pub fn check(
         mirrored: map.sign.iter().map(|sign| *sign < 0.0).collect(),
         delay,
         effort_low_pass: low_pass,
+        effort_clock,
         low_pass_or_delay,
         link_length,
         constants,

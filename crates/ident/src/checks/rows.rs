@@ -204,8 +204,19 @@ pub(super) fn shifts_s() -> Vec<f64> {
 
 /// The motion with its efforts read `delay_s` later.
 pub(super) fn with_effort_from(motion: &Motion, delay_s: f64) -> Motion {
-    let later: Vec<f64> = motion.time_s.iter().map(|t| t + delay_s).collect();
-    let at = Interpolation::new(&motion.time_s, &later, 2.0 / motion.rate_hz);
+    with_effort_at(motion, |t| t + delay_s)
+}
+
+/// The motion with its efforts put back to its times, where their clock is fast by the share `drift`.
+pub(super) fn with_effort_before_clock(motion: &Motion, drift: f64) -> Motion {
+    let start_s = motion.time_s.first().copied().unwrap_or_default();
+    with_effort_at(motion, |t| start_s + (t - start_s) / (1.0 + drift))
+}
+
+/// The motion with its efforts read at other times.
+fn with_effort_at(motion: &Motion, time_s: impl Fn(f64) -> f64) -> Motion {
+    let times: Vec<f64> = motion.time_s.iter().map(|t| time_s(*t)).collect();
+    let at = Interpolation::new(&motion.time_s, &times, 2.0 / motion.rate_hz);
     let mut moved = motion.clone();
     for efforts in [&mut moved.effort, &mut moved.effort_filtered].into_iter().flatten() {
         efforts.iter_mut().for_each(|effort| *effort = at.apply(effort));

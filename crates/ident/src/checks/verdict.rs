@@ -54,6 +54,8 @@ pub enum Topic {
     Geometry,
     /// Delay between effort and motion.
     Delay,
+    /// Whether efforts and positions are recorded by one clock.
+    Clock,
     /// Whether the motion determines the constants.
     Excitation,
     /// Properties of the samples that need no model.

@@ -267,6 +267,7 @@ fn rows_of_step(
                 acceleration: &ddq[observed],
                 direction: &directions_with(&dq[observed], speed_resolution),
                 rigid_effort: &[],
+                temperature_c: &[],
             };
             friction.extend(ViscousFriction.columns(&[], &joint_motion));
             friction.extend(CoulombFriction.columns(&[], &joint_motion));

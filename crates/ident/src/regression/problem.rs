@@ -86,6 +86,7 @@ impl BatchProblem {
                 kind: arm.joints[joint].kind,
                 direction: &directions_with(&dq, 1e-6),
                 rigid_effort: &[],
+                temperature_c: &[],
             };
             for (effect, law) in BASELINE.iter().enumerate() {
                 for (parameter, column) in law.columns(&[], &motion).iter().enumerate() {

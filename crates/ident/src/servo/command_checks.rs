@@ -59,6 +59,7 @@ pub fn check_commands(
         mirrored: vec![false; names.len()],
         delay: None,
         effort_low_pass: None,
+        effort_clock: None,
         low_pass_or_delay: None,
         link_length: None,
         constants: Vec::new(),

@@ -36,8 +36,13 @@ impl BatchProblem {
             .filter(|&second| !self.has_dead_zone[second - 1] && !self.has_dead_zone[second])
             .flat_map(|second| {
                 let kind = self.arm().joints[second].kind;
-                let scale =
-                    MotionScale { kind, speed_rms: 1.0, position_deviation: 1.0, duration_s: 1.0 };
+                let scale = MotionScale {
+                    kind,
+                    speed_rms: 1.0,
+                    position_deviation: 1.0,
+                    duration_s: 1.0,
+                    temperature_c: None,
+                };
                 let shapes = SHARED.shapes(&scale).into_iter();
                 shapes.map(move |shape| Coupling { first: second - 1, ratio: shape[0] })
             })

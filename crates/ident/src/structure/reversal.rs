@@ -101,6 +101,7 @@ impl ReversalCandidates {
                 speed_rms: root_mean_square(&|m| &m.velocity[joint], 0.0),
                 position_deviation: root_mean_square(&|m| &m.position[joint], mean),
                 duration_s,
+                temperature_c: None,
             }
         };
         let joints = motions.first().map_or(0, |m| m.velocity.len());

@@ -72,6 +72,8 @@ pub enum CheckTopic {
     Geometry,
     /// Delay between effort and motion.
     Delay,
+    /// Whether efforts and positions are recorded by one clock.
+    Clock,
     /// Whether the motion determines the constants.
     Excitation,
     /// What the samples show without a model.
@@ -93,6 +95,7 @@ impl CheckTopic {
             Self::JointSign => "joint sign",
             Self::Geometry => "geometry",
             Self::Delay => "delay",
+            Self::Clock => "clock",
             Self::Excitation => "excitation",
             Self::Quality => "quality",
             Self::Command => "command",
@@ -111,6 +114,7 @@ impl From<check::Topic> for CheckTopic {
             check::Topic::JointSign => Self::JointSign,
             check::Topic::Geometry => Self::Geometry,
             check::Topic::Delay => Self::Delay,
+            check::Topic::Clock => Self::Clock,
             check::Topic::Excitation => Self::Excitation,
             check::Topic::Quality => Self::Quality,
             check::Topic::Command => Self::Command,

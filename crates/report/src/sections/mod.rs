@@ -28,6 +28,7 @@ pub const DIAGNOSIS: &[&dyn DiagnosisSection] = &[
     &model::LinkErrors,
     &shows::<model::Projection>(),
     &shows::<model::LowPassedEfforts>(),
+    &shows::<model::ClockOfEfforts>(),
     &shows::<model::ComparisonBandwidth>(),
     &shows::<model::RegularisedCoulomb>(),
     &shows::<model::Presliding>(),

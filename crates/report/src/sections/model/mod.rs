@@ -2,6 +2,7 @@
 
 mod bandwidth;
 mod detail;
+mod effort_clock;
 mod effort_low_pass;
 mod link_errors;
 mod placeholders;
@@ -13,6 +14,7 @@ mod sublinear_viscous;
 mod transmissions;
 
 pub(super) use bandwidth::ComparisonBandwidth;
+pub(super) use effort_clock::ClockOfEfforts;
 pub(super) use effort_low_pass::LowPassedEfforts;
 pub(super) use link_errors::LinkErrors;
 pub(super) use placeholders::PlaceholderLinks;
