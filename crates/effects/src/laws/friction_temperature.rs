@@ -41,7 +41,7 @@ const CATALOGUE: Catalogue = Catalogue {
     sizes: &[
         "A standard industrial robot: load and temperature beside the speed reduce the mean error of a static friction model six-fold (Bittencourt and Gunnarsson 2012)",
     ],
-    signature: "Points between two lines through zero, the steeper one cold, as of a drift; but a recording that begins warm begins on the flat one. It is looked for only where a temperature is recorded that changes.",
+    signature: "A line through zero at each temperature, less steep the warmer the drive is; drawn at the reference temperature. Unlike with a drift, a recording that begins warm begins on the less steep line. It is looked for only where a temperature is recorded that changes.",
     example: Example::new("elbow_joint", &[2.0, -0.04, 45.0], Against::Speed),
 };
 
