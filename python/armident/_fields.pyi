@@ -275,8 +275,6 @@ CheckTopic = Literal["rate"] | Literal["noise"] | Literal["channel"] | Literal["
 
 CheckVerdict = Literal["ok"] | Literal["cannot_tell"] | Literal["doubtful"] | Literal["wrong"]
 
-ComparisonBandwidth = float
-
 class ClockOfEfforts(Fields):
     """Clock of all recorded efforts against that of the positions: its drift is undone before the fit, and predictions have it."""
 
@@ -284,6 +282,8 @@ class ClockOfEfforts(Fields):
     """By which share it is fast: what is recorded after `t` seconds was measured `drift t` later."""
     interval_95: list[float]
     """95 % interval of the drift."""
+
+ComparisonBandwidth = float
 
 class ConsistencyReport(Fields):
     """Physically consistent links, and effects of admissible sign, of a model."""
