@@ -257,6 +257,7 @@ fn example(slug: &str) -> EffectOnJoint {
         "load_dependent_friction" => &[2.0, 0.12],
         "presliding_hysteresis" => &[4.0, 150.0, 0.3],
         "friction_drift" => &[5.0, 2.0, 0.8],
+        "friction_temperature" => &[5.0, -0.1, 40.0],
         "joint_spring" => &[8.0, 0.3],
         "torque_ripple" => &[3.0, 17.0, 0.4, 1.0, 0.2],
         "torque_scale" => &[1.2],

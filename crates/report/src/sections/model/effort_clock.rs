@@ -24,7 +24,7 @@ impl SectionData for ClockOfEfforts {
     fn of(source: &Source<'_>) -> Option<Self> {
         let found = source.diagnosis.input_checks.effort_clock.as_ref()?;
         (source.diagnosis.model.effort_clock_drift != 0.0)
-            .then(|| Self { drift: found.drift, interval_95: found.interval_95 })
+            .then_some(Self { drift: found.drift, interval_95: found.interval_95 })
     }
 
     fn text(&self, _: &DiagnoseReport) -> Vec<Block> {
