@@ -4,8 +4,10 @@
 //! than its motion would show of the difference. Where neither explains clearly more than the other, it may be either.
 //! References: D. R. Cox, J. R. Stat. Soc. B 24, 406 (1962), for ratios of separate families; the bound is own.
 
+use armident_motion::SignalLag;
 use armident_numeric::NumericError;
 
+use super::delay::Delay;
 use super::lag::{FoundLag, LagKind, Lags};
 use super::likelihood_top::CLEARLY;
 
@@ -37,6 +39,21 @@ pub(super) enum LateBy {
     Either(LowPassOrDelay),
 }
 
+impl LateBy {
+    /// The lag of efforts with this delay, where that is not a low-pass.
+    pub(super) fn lag(&self, delay: Option<&Delay>) -> SignalLag {
+        match self {
+            Self::LowPass(found) => {
+                SignalLag { time_constant_s: found.time_constant_s, ..SignalLag::default() }
+            }
+            Self::NoLowPass | Self::Either(_) => {
+                let delay_s = delay.map_or(0.0, |found| found.delay_s);
+                SignalLag { delay_s, ..SignalLag::default() }
+            }
+        }
+    }
+}
+
 /// A low-pass of first order that explains late efforts as well as a delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LowPassOrDelay {
@@ -46,11 +63,16 @@ pub struct LowPassOrDelay {
     pub delay_over_low_pass: f64,
 }
 
+/// Whether efforts with this most likely delay may have gone through a low-pass: those that are not clearly late did not.
+pub(super) fn is_clearly_late(delay_s: f64, evidence: f64) -> bool {
+    delay_s > 0.0 && evidence > CLEARLY
+}
+
 /// Whether a low-pass makes the efforts late, or a delay.
 pub(super) fn late_by(lags: &Lags) -> Result<LateBy, NumericError> {
     let delay = lags.most_likely(LagKind::Delay)?;
-    // efforts that are not clearly late have none, and one joint alone has no other to agree with
-    let is_late = delay.is_none_or(|delay| delay.number_s > 0.0 && delay.evidence > CLEARLY);
+    // one joint alone has no other to agree with
+    let is_late = delay.is_none_or(|delay| is_clearly_late(delay.number_s, delay.evidence));
     if lags.joints() < 2 || !is_late {
         return Ok(LateBy::NoLowPass);
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::likelihood_top::half_of_95;
 use super::rows::{ChannelRows, SAMPLES_PER_CUTOFF, edge, independent};
-use crate::regression::{BatchProblem, RANK_CUT};
+use crate::regression::{BatchProblem, RANK_CUT, Term};
 
 /// Longest time constant and delay that are tried \[s\]: a low-pass of 2 Hz; drives filter at 5 Hz and above.
 const LONGEST_S: f64 = 0.08;
@@ -81,6 +81,8 @@ struct LateMotion {
 struct JointLag {
     motions: Vec<LateMotion>,
     terms: usize,
+    /// terms that are friction and offset, not of the links
+    of_joint: Vec<usize>,
     freedom: f64,
 }
 
@@ -136,7 +138,9 @@ impl JointLag {
         joint: usize,
         independent: f64,
     ) -> Option<Self> {
-        let terms = problem.terms_of_joint(joint).len();
+        let its_terms = problem.terms_of_joint(joint);
+        let is_of_joint = |&k: &usize| matches!(problem.terms[its_terms[k]], Term::Effect { .. });
+        let terms = its_terms.len();
         let mut samples = 0;
         let motions: Vec<LateMotion> = motions
             .iter()
@@ -172,7 +176,8 @@ impl JointLag {
         let kept: usize = motions.iter().map(|motion| motion.kept.len()).sum();
         let share = kept as f64 / samples.max(1) as f64;
         let freedom = (share * independent - terms as f64).max(1.0);
-        (kept > SAMPLES_OF_A_TERM * terms).then_some(Self { motions, terms, freedom })
+        let of_joint = (0..terms).filter(is_of_joint).collect();
+        (kept > SAMPLES_OF_A_TERM * terms).then_some(Self { motions, terms, of_joint, freedom })
     }
 
     /// The triangle of the columns that have a lag.
@@ -232,6 +237,9 @@ impl JointLag {
 
     fn growth(&self, lag: SignalLag) -> Result<LagGrowth, NumericError> {
         let FittedLag { mut late, models, own, .. } = self.fitted(lag)?;
+        let warming: Vec<usize> =
+            self.of_joint.iter().copied().filter(|k| own.contains(k)).collect();
+        let drifts = warming.len() + 1;
         for ((motion, late), model) in self.motions.iter().zip(&mut late).zip(&models) {
             let since_s = &motion.since_start_s;
             let times = |column: &[f64], of: &dyn Fn(f64) -> f64| -> Vec<f64> {
@@ -239,19 +247,24 @@ impl JointLag {
             };
             let rate = motion.columns.by_delay(model);
             let middle_s = 0.5 * since_s.last().copied().unwrap_or_default();
-            // parameters that change steadily
-            let drifting: Vec<Vec<f64>> =
-                own.iter().map(|&k| times(&late[k], &|t| t - middle_s)).collect();
+            // friction, offset and gain that change steadily: drives that become warm are no clock
+            let since_middle = |t: f64| t - middle_s;
+            let drifting: Vec<Vec<f64>> = warming
+                .iter()
+                .map(|&k| &late[k])
+                .chain([model])
+                .map(|column| times(column, &since_middle))
+                .collect();
             late.extend(drifting);
             late.push(rate.clone());
             late.push(times(&rate, &|t| -t));
         }
         let triangle = self.triangle(&late);
         let beside: Vec<usize> =
-            own.iter().copied().chain(self.terms..self.terms + own.len()).collect();
+            own.iter().copied().chain(self.terms..self.terms + drifts).collect();
         let mut order = independent(&triangle, &beside);
         let first = order.len();
-        let rate = self.terms + own.len();
+        let rate = self.terms + drifts;
         order.extend([rate, rate + 1, rate + 2]);
         let r = triangle.reordered(&order);
         let at = |i: usize, j: usize| r[(first + i, first + j)];

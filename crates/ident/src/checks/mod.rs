@@ -34,6 +34,7 @@ mod link_errors;
 mod link_length;
 mod messages;
 mod rows;
+mod timing;
 mod verdict;
 
 use std::collections::BTreeMap;
@@ -41,7 +42,7 @@ use std::collections::BTreeMap;
 use armident_dynamics::RigidArm;
 use armident_model::ArmModel;
 pub use armident_motion::QualityReport;
-use armident_motion::{Motion, RESTING_RANGE, SignalLag, quality};
+use armident_motion::{Motion, RESTING_RANGE, quality};
 use armident_numeric::NumericError;
 use armident_recording::{QualityIssue, Quantity, Recording};
 
@@ -57,17 +58,11 @@ pub use verdict::{Check, Topic, Verdict};
 use arm_likelihood::JointFacts;
 use columns::Alone;
 use computed::BesideRigid;
-use delay::LookAlike;
-use effort_low_pass::LateBy;
-use lag::Lags;
-use likelihood_top::CLEARLY;
+use timing::{EffortTiming, Efforts};
 
 use crate::calibration::dead_zone_shares;
 use crate::minimal_set::MinimalSet;
 use crate::regression::BatchProblem;
-
-/// Times the efforts are shifted by the remaining delay.
-const ALIGNMENTS: usize = 2;
 
 /// Everything that was checked.
 #[derive(Debug, Clone)]
@@ -198,9 +193,8 @@ pub fn check(
     arm.gravity_e0 = explained.gravity_e0;
     noise = map.source.iter().map(|&s| noise[s]).collect();
     let mut problem = problem_of(&arm, motions)?;
-    let mut rows = rows::accumulate(&problem, &arm, motions, &noise)?;
+    let rows = rows::accumulate(&problem, &arm, motions, &noise)?;
     let is_silent: Vec<bool> = map.source.iter().map(|&s| is_mute[s]).collect();
-    let cutoff_hz = motions.iter().find_map(|m| Some(m.filter.as_ref()?.cutoff_hz()));
     // a voltage is ahead of its effort by the back-EMF, and no measurement that a drive filters
     let is_filtered = !signals.values().any(|quantity| *quantity == Quantity::Voltage);
     let link_length = link_length::link_length(
@@ -210,89 +204,24 @@ pub fn check(
         &rows,
         &is_silent,
     )?;
-    let mut delay = delay::delay(&rows, &is_silent);
-    // efforts that are not clearly late went through no low-pass
-    let is_late = delay.as_ref().is_none_or(|d| d.delay_s > 0.0 && d.evidence > CLEARLY);
-    let (mut late_by, mut effort_clock) = (LateBy::NoLowPass, None);
-    if is_filtered {
-        // noise of the accelerations would favour any lag that smooths the columns: in the band where it is little
-        let alive = (0..names.len()).filter(|&j| !is_silent[j]);
-        let noise_of =
-            |j: usize| rows::acceleration_noise(&quality, motions, j, names[map.source[j]]);
-        let noisiest = alive.filter_map(noise_of).fold(0.0, f64::max);
-        let rate_hz = motions.iter().map(|m| m.rate_hz).fold(f64::INFINITY, f64::min);
-        let quiet = cutoff_hz
-            .map(|hz| lag::band_of_lags_hz(hz, rate_hz, noisiest))
-            .filter(|hz| Some(*hz) != cutoff_hz)
-            .and_then(|hz| map.motions_with_cutoff(hz, recordings, &motions[0].joints));
-        let lags = match &quiet {
-            Some(quiet) => {
-                let rows = rows::accumulate(&problem, &arm, quiet, &noise)?;
-                Lags::of(&problem, quiet, &rows, &is_silent)?
-            }
-            None => Lags::of(&problem, motions, &rows, &is_silent)?,
-        };
-        if let Some(lags) = &lags {
-            if is_late {
-                late_by = effort_low_pass::late_by(lags)?;
-            }
-            let lag = match &late_by {
-                LateBy::LowPass(found) => {
-                    SignalLag { time_constant_s: found.time_constant_s, ..SignalLag::default() }
-                }
-                LateBy::NoLowPass | LateBy::Either(_) => {
-                    let delay_s = delay.as_ref().map_or(0.0, |found| found.delay_s);
-                    SignalLag { delay_s, ..SignalLag::default() }
-                }
-            };
-            effort_clock = effort_clock::effort_clock(lags, lag)?;
-        }
-    }
-    let by_own_clock: Vec<Motion>;
-    let motions = match &effort_clock {
-        Some(clock) => {
-            let back = |m: &Motion| rows::with_effort_before_clock(m, clock.drift);
-            by_own_clock = motions.iter().map(back).collect();
-            rows = rows::accumulate(&problem, &arm, &by_own_clock, &noise)?;
-            delay = delay::delay(&rows, &is_silent);
-            by_own_clock.as_slice()
-        }
-        None => motions,
+    let efforts = Efforts {
+        motions,
+        recordings,
+        map,
+        quality: &quality,
+        names: &names,
+        noise: &noise,
+        is_silent: &is_silent,
+        may_be_filtered: is_filtered,
     };
-    // a delay distorts friction at its reversals: once more with the efforts shifted back
-    let mut aligned = motions.to_vec();
-    for _ in 0..ALIGNMENTS {
-        let Some(so_far) = delay.clone().filter(Delay::excludes_zero) else { break };
-        aligned = motions.iter().map(|m| rows::with_effort_from(m, so_far.delay_s)).collect();
-        problem.choose_reversal_speeds(&aligned.iter().collect::<Vec<_>>())?;
-        rows = rows::accumulate(&problem, &arm, &aligned, &noise)?;
-        let Some(rest) = delay::delay(&rows, &is_silent) else { break };
-        delay = Some(so_far.and_then(&rest));
-    }
-    let look_alike = match delay.as_ref().filter(|d| d.excludes_zero()) {
-        Some(found) => {
-            let in_time = problem_of(&arm, motions)?;
-            let of = ((motions, noise.as_slice()), (recordings, map));
-            delay::look_alike(found, &in_time, of.0, of.1, &is_silent)?
-        }
-        None => None,
-    };
-    let (low_pass, low_pass_or_delay) = match late_by {
-        LateBy::LowPass(found) => (Some(found), None),
-        LateBy::Either(either) => {
-            let is_late = delay.as_ref().is_some_and(Delay::excludes_zero);
-            (None, is_late.then_some(either))
-        }
-        LateBy::NoLowPass => (None, None),
-    };
-    let of_low_pass =
-        low_pass_or_delay.map(|low_pass| LookAlike::LowPass(low_pass.time_constant_s));
-    let look_alike = look_alike.or(of_low_pass);
+    let timing = EffortTiming::of(efforts, &mut problem, rows)?;
+    let rows = timing.rows.as_slice();
+    let motions = timing.motions.as_slice();
     let moves = |j: usize| excitation::activity(motions, j).range >= RESTING_RANGE;
     let with_dead_zone: Vec<&str> =
         names.iter().zip(&shares).filter(|(_, share)| share.is_some()).map(|(n, _)| *n).collect();
     let alive: Vec<bool> = (0..names.len()).map(|j| !is_silent[j] && moves(j)).collect();
-    let mut channels = channel::channels(&problem, &rows, &alive)?;
+    let mut channels = channel::channels(&problem, rows, &alive)?;
     let is_needed =
         channels.is_reordered() && map.is_as_labelled() && explained.direction.is_none();
     let confirmed = is_needed
@@ -301,7 +230,7 @@ pub fn check(
     let is_constant: Vec<bool> =
         map.source.iter().map(|&s| matches!(alone[s], Alone::Constant(_))).collect();
     let (constants, rank) =
-        excitation::excitation(&problem, &names, &rows, &aligned, &is_constant)?;
+        excitation::excitation(&problem, &names, rows, &timing.aligned, &is_constant)?;
     let differences = armident_motion::differences(&own);
     let beside: Vec<BesideRigid> = (0..names.len())
         .filter(|&j| alive[j])
@@ -317,11 +246,11 @@ pub fn check(
     checks.extend(messages::rate(&quality, motions));
     checks.extend(messages::gravity(&explained));
     checks.extend(link_length.as_ref().map(|found| messages::link_length(found, &names)));
-    checks.push(match &low_pass {
+    checks.push(match &timing.low_pass {
         Some(found) => messages::low_pass(found),
-        None => messages::delay(delay.as_ref(), look_alike, motions),
+        None => messages::delay(timing.delay.as_ref(), timing.look_alike, motions),
     });
-    checks.extend(effort_clock.as_ref().map(|clock| messages::effort_clock(clock, motions)));
+    checks.extend(timing.clock.as_ref().map(|clock| messages::effort_clock(clock, motions)));
     checks.push(match map.joints_are_as_labelled() || map.source.is_sorted() {
         true => messages::order(&channels, &names),
         false => messages::exchanged(&explained, &names),
@@ -362,10 +291,10 @@ pub fn check(
         gravity: explained.direction.clone(),
         recorded_as: map.source.clone(),
         mirrored: map.sign.iter().map(|sign| *sign < 0.0).collect(),
-        delay,
-        effort_low_pass: low_pass,
-        effort_clock,
-        low_pass_or_delay,
+        delay: timing.delay,
+        effort_low_pass: timing.low_pass,
+        effort_clock: timing.clock,
+        low_pass_or_delay: timing.low_pass_or_delay,
         link_length,
         constants,
         rank: (rank, problem.terms.len()),
