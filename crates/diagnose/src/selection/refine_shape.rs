@@ -49,7 +49,10 @@ pub(crate) fn refine(
     // a problem of the estimate's columns alone makes trials cheap
     let (small, set) = problem.restricted(&[&found.set[..], &baseline].concat());
     let mut elimination = small.elimination(scale, inflated);
-    let best = fit_named(&small.marginalised_by(&mut elimination), set, named);
+    // a candidate that is refined may have a wrong size at first
+    let judged: Vec<usize> =
+        set[..named].iter().copied().filter(|g| !refined(&small.candidates[*g])).collect();
+    let best = fit_judged(&small.marginalised_by(&mut elimination), set, &judged);
     let Some(best) = best else { return found };
     let near = HashMap::new();
     let least_orders = (0..design.joints()).map(|joint| least_order(design, joint)).collect();
@@ -109,8 +112,9 @@ pub(crate) fn refine(
     let set: Vec<usize> =
         best.clone().filter_map(|g| recreate(design, at, contact, problem, g)).collect();
     let new = best.filter(|g| refined(g) && continuous(g) > 0);
+    let Some(estimate) = fit_set(&problem.marginalised(scale, inflated), set) else { return found };
     state.refined.extend(new.cloned());
-    fit_set(&problem.marginalised(scale, inflated), set).unwrap_or(found)
+    estimate
 }
 
 /// An estimate whose candidates are replaced by trials.
@@ -129,12 +133,12 @@ struct Trials<'a, 'e> {
     near: HashMap<usize, Vec<Option<Load>>>,
 }
 
-/// Fits a set in its order; none where it cannot be fitted or its first `named` candidates are not admissible.
-fn fit_named(metric: &Marginalised<'_>, set: Vec<usize>, named: usize) -> Option<Estimate> {
+/// Fits a set in its order; none where it cannot be fitted or some of its candidates are not admissible.
+fn fit_judged(metric: &Marginalised<'_>, set: Vec<usize>, judged: &[usize]) -> Option<Estimate> {
     let columns = metric.columns_of(&set);
     let count = columns.len();
     let fit = metric.fit(columns)?;
-    all_admissible(metric.problem, &set[..named], &fit).then(|| {
+    all_admissible(metric.problem, judged, &fit).then(|| {
         let score = metric.score(fit.sum_of_squares, count, &set);
         Estimate { set, fit, score }
     })
@@ -203,7 +207,8 @@ impl Trials<'_, '_> {
             let mut set = self.best.set.clone();
             set[k] = id;
             let metric = self.small.marginalised_by(&mut self.elimination);
-            fit_named(&metric, set, self.named)
+            let judged = set[..self.named].to_vec();
+            fit_judged(&metric, set, &judged)
         });
         match next.filter(|next| next.score < self.best.score - 1e-3) {
             Some(next) => {

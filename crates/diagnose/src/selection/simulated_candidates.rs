@@ -63,11 +63,18 @@ pub(crate) fn with_simulated_candidates(
             design.library.named().filter_map(|law| Some((law, law.law().link_side()?)))
         {
             let one = |g: &Candidate| g.is(law) && g.location.joints == [joint];
-            let offered = offered.iter().copied().filter(|g| one(&problem.candidates[*g]));
-            let near = nearest(problem, metric, &found.estimate, offered);
+            let offered: Vec<usize> =
+                offered.iter().copied().filter(|g| one(&problem.candidates[*g])).collect();
+            let near = nearest(problem, metric, &found.estimate, &offered, with_candidate);
             let worth = |n: &Estimate| side == LinkSide::Spring || n.score < found.estimate.score;
-            if let Some(near) = near.filter(worth) {
-                let refined = refine(design, at, contact, problem, metric, state, near, one);
+            let mut begins: Vec<Estimate> = near.into_iter().filter(worth).collect();
+            if side == LinkSide::Spring {
+                let least = begins.first().map_or(f64::INFINITY, |n| n.score);
+                let beside = nearest(problem, metric, &found.estimate, &offered, of_any_size);
+                begins.extend(beside.filter(|n| n.score < least.min(found.estimate.score)));
+            }
+            for begin in begins {
+                let refined = refine(design, at, contact, problem, metric, state, begin, one);
                 starts.push(refined.set);
             }
         }
@@ -114,37 +121,65 @@ pub(crate) fn with_simulated_candidates(
     best.unwrap_or(fallback)
 }
 
-/// The best estimate with one of the offered candidates beside those it does not exclude.
+/// The best estimate with one of the offered candidates beside those it does not exclude, fitted by `fit`.
 fn nearest(
     problem: &LinearProblem,
     (scale, inflated): (f64, &[InflatedLink]),
     beside: &Estimate,
-    offered: impl Iterator<Item = usize>,
+    offered: &[usize],
+    fit: fn(&Marginalised<'_>, Vec<usize>, usize) -> Option<Estimate>,
 ) -> Option<Estimate> {
     let metric = problem.marginalised(scale, inflated);
     let candidates = &problem.candidates;
-    offered
-        .filter_map(|g| {
-            let others =
-                beside.set.iter().copied().filter(|o| !candidates[*o].excludes(&candidates[g]));
-            let set: Vec<usize> = others.chain([g]).collect();
-            fit_set(&metric, set.clone()).or_else(|| with_simpler(&metric, set, g))
-        })
-        .min_by(|a, b| a.score.total_cmp(&b.score))
+    let with = |&g: &usize| {
+        let others =
+            beside.set.iter().copied().filter(|o| !candidates[*o].excludes(&candidates[g]));
+        fit(&metric, others.chain([g]).collect(), g)
+    };
+    offered.iter().filter_map(with).min_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// The estimate with a candidate, if need be beside simpler laws.
+fn with_candidate(
+    metric: &Marginalised<'_>,
+    set: Vec<usize>,
+    candidate: usize,
+) -> Option<Estimate> {
+    fit_set(metric, set.clone()).or_else(|| with_simpler(metric, set, candidate))
+}
+
+/// The estimate with a spring of any size, others with the laws that they contain: off a narrow resonance a spring explains a part
+/// only of what it does at it.
+fn of_any_size(metric: &Marginalised<'_>, set: Vec<usize>, spring: usize) -> Option<Estimate> {
+    let set = simpler_beside(metric, set, spring)?;
+    let columns = metric.columns_of(&set);
+    let count = columns.len();
+    let fit = metric.fit(columns)?;
+    let candidate = &metric.problem.candidates[spring];
+    let has_signs = candidate.law()?.admits_fit(&[], &fit.of_candidate(candidate));
+    let others: Vec<usize> = set.iter().copied().filter(|g| *g != spring).collect();
+    (has_signs && all_admissible(metric.problem, &others, &fit)).then(|| {
+        let score = metric.score(fit.sum_of_squares, count, &set);
+        Estimate { set, fit, score }
+    })
 }
 
 /// The estimate of a set in which laws that are inadmissible beside a candidate are replaced by those they contain.
-fn with_simpler(
+fn with_simpler(metric: &Marginalised<'_>, set: Vec<usize>, candidate: usize) -> Option<Estimate> {
+    fit_set(metric, simpler_beside(metric, set, candidate)?)
+}
+
+fn simpler_beside(
     metric: &Marginalised<'_>,
     mut set: Vec<usize>,
     candidate: usize,
-) -> Option<Estimate> {
+) -> Option<Vec<usize>> {
     let fit = metric.fit(metric.columns_of(&set))?;
     let wrong = |g: &usize| *g != candidate && !all_admissible(metric.problem, &[*g], &fit);
     for g in set.clone().into_iter().filter(wrong) {
         set = set_without(metric.problem, &set, g);
     }
-    fit_set(metric, set)
+    Some(set)
 }
 
 /// Joints whose transmission is worth simulating: those with an inertia of their own in the estimate, and those with a
