@@ -78,6 +78,17 @@ fn scoreboard_prints_all_groups() {
     );
 }
 
+/// The resonance of this spring is narrower than the steps of the stiffnesses that are tried: at none of them is a spring of admissible
+/// size fitted.
+#[test]
+fn spring_between_tried_stiffnesses_is_found() {
+    let case = ["--kind", "hard", "--effect", "joint_elasticity", "--only", "5", "--seed", "3121"];
+    let board = run(&[&["challenge"][..], &case].concat()).fine();
+    let row = board.stdout.lines().find(|line| line.starts_with("joint_elasticity "));
+    let words: Vec<&str> = row.unwrap_or_default().split_whitespace().collect();
+    assert_eq!(words[1..3], ["1/1", "0"], "{}", board.stdout);
+}
+
 /// No effect can be hidden in an arm without masses: an error, not an empty scoreboard.
 #[test]
 fn arm_without_detectable_effects_is_an_error() {
