@@ -43,7 +43,9 @@ fn all_hideable(kind: CaseKind, library: &Library) -> Vec<Hidden> {
         // a law in the place of another one is a change of two
         CaseKind::Change => library.contained_friction(effect.law()).is_none(),
     };
-    let listed = library.named().filter(can_be_hidden).map(Hidden::Listed);
+    // no case records temperatures
+    let is_shown = |effect: &&dyn Effect| !effect.law().follows_temperature;
+    let listed = library.named().filter(is_shown).filter(can_be_hidden).map(Hidden::Listed);
     listed.chain([Hidden::Unlisted]).collect()
 }
 
