@@ -149,7 +149,10 @@ impl Efforts<'_> {
             .and_then(|hz| map.motions_with_cutoff(hz, recordings, &motions[0].joints));
         match &quiet {
             Some(quiet) => {
-                let back = |m: &Motion| rows::with_effort_before_clock(m, drift);
+                let back = |m: &Motion| match drift == 0.0 {
+                    true => m.clone(),
+                    false => rows::with_effort_before_clock(m, drift),
+                };
                 let quiet: Vec<Motion> = quiet.iter().map(back).collect();
                 let rows = rows::accumulate(problem, problem.arm(), &quiet, self.noise)?;
                 Lags::of(problem, &quiet, &rows, is_silent)
