@@ -21,14 +21,23 @@ pub(crate) struct Estimate {
 pub(crate) fn fit_set(metric: &Marginalised<'_>, mut set: Vec<usize>) -> Option<Estimate> {
     set.sort_unstable();
     set.dedup();
+    let all = set.clone();
+    fit_judged(metric, set, &all)
+}
+
+/// Fits a set in its order; none where it cannot be fitted or some of its candidates are not admissible.
+pub(crate) fn fit_judged(
+    metric: &Marginalised<'_>,
+    set: Vec<usize>,
+    judged: &[usize],
+) -> Option<Estimate> {
     let columns = metric.columns_of(&set);
     let count = columns.len();
     let fit = metric.fit(columns)?;
-    if !all_admissible(metric.problem, &set, &fit) {
-        return None;
-    }
-    let score = metric.score(fit.sum_of_squares, count, &set);
-    Some(Estimate { set, fit, score })
+    all_admissible(metric.problem, judged, &fit).then(|| {
+        let score = metric.score(fit.sum_of_squares, count, &set);
+        Estimate { set, fit, score }
+    })
 }
 
 /// Least-squares fit of a set; candidates with an inadmissible sign are dropped, except those in `named`.

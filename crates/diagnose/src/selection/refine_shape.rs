@@ -15,10 +15,8 @@ use crate::design::compliant_link::Posed;
 use crate::design::contact::ContactColumns;
 use crate::design::linear_problem::LinearProblem;
 use crate::design::training::Design;
-use crate::regression::admissible::all_admissible;
 use crate::regression::elimination::{InflatedLink, NuisanceElimination};
-use crate::regression::fit_set::{Estimate, fit_set};
-use crate::regression::marginalised::Marginalised;
+use crate::regression::fit_set::{Estimate, fit_judged, fit_set};
 use crate::selection::cross_validation::with_baseline_terms_of;
 use crate::selection::prior_scale::SearchState;
 use armident_model::Load;
@@ -131,17 +129,6 @@ struct Trials<'a, 'e> {
     named: usize,
     /// loads on links that moved last, by joint and recording
     near: HashMap<usize, Vec<Option<Load>>>,
-}
-
-/// Fits a set in its order; none where it cannot be fitted or some of its candidates are not admissible.
-fn fit_judged(metric: &Marginalised<'_>, set: Vec<usize>, judged: &[usize]) -> Option<Estimate> {
-    let columns = metric.columns_of(&set);
-    let count = columns.len();
-    let fit = metric.fit(columns)?;
-    all_admissible(metric.problem, judged, &fit).then(|| {
-        let score = metric.score(fit.sum_of_squares, count, &set);
-        Estimate { set, fit, score }
-    })
 }
 
 /// Baseline terms of the joints on which constants of laws of one joint are refined, where these are admissible. Not

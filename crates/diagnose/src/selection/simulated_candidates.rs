@@ -14,7 +14,7 @@ use crate::design::training::Design;
 use crate::design::{smooth, transmission};
 use crate::regression::admissible::all_admissible;
 use crate::regression::elimination::InflatedLink;
-use crate::regression::fit_set::{Estimate, fit_set};
+use crate::regression::fit_set::{Estimate, fit_judged, fit_set};
 use crate::regression::marginalised::Marginalised;
 use crate::selection::materiality::{LEAST, band_noise, excess, set_without};
 use crate::selection::prior_scale::{ScaleFit, SearchState, keep_better, laws_at, search_at};
@@ -152,16 +152,11 @@ fn with_candidate(
 /// only of what it does at it.
 fn of_any_size(metric: &Marginalised<'_>, set: Vec<usize>, spring: usize) -> Option<Estimate> {
     let set = simpler_beside(metric, set, spring)?;
-    let columns = metric.columns_of(&set);
-    let count = columns.len();
-    let fit = metric.fit(columns)?;
-    let candidate = &metric.problem.candidates[spring];
-    let has_signs = candidate.law()?.admits_fit(&[], &fit.of_candidate(candidate));
     let others: Vec<usize> = set.iter().copied().filter(|g| *g != spring).collect();
-    (has_signs && all_admissible(metric.problem, &others, &fit)).then(|| {
-        let score = metric.score(fit.sum_of_squares, count, &set);
-        Estimate { set, fit, score }
-    })
+    let candidate = &metric.problem.candidates[spring];
+    let law = candidate.law()?;
+    fit_judged(metric, set, &others)
+        .filter(|estimate| law.admits_fit(&[], &estimate.fit.of_candidate(candidate)))
 }
 
 /// The estimate of a set in which laws that are inadmissible beside a candidate are replaced by those they contain.
